@@ -1,0 +1,96 @@
+"""Evaluate a CasADi SX graph in exact arithmetic, instruction by instruction."""
+
+from __future__ import annotations
+
+import hashlib
+import operator
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from typing import Any
+
+import casadi as ca
+
+_BINARY: dict[int, Callable[[Any, Any], Any]] = {
+    ca.OP_ADD: operator.add,
+    ca.OP_SUB: operator.sub,
+    ca.OP_MUL: operator.mul,
+    ca.OP_DIV: operator.truediv,
+}
+_UNARY: dict[int, Callable[[Any], Any]] = {
+    ca.OP_ASSIGN: lambda a: a,
+    ca.OP_NEG: operator.neg,
+    ca.OP_SQ: lambda a: a * a,
+    ca.OP_TWICE: lambda a: a + a,
+    ca.OP_SQRT: lambda a: a.sqrt(),
+}
+
+
+def evaluate(
+    function: ca.Function,
+    arguments: Sequence[Sequence[Any]],
+    number: Callable[[Fraction], Any] = Fraction,
+) -> list[list[list[Any]]]:
+    """Run the graph of an SX function over an exact number type.
+
+    Parameters
+    ----------
+    function : casadi.Function
+        An SX function.
+    arguments : sequence of sequences
+        The nonzeros of each input, column by column, as exact numbers that know ``+ - * /``
+        (and have a method ``sqrt`` if the graph takes square roots).
+    number : callable
+        Makes such a number of a Fraction; constants of the graph, which are floats, are taken
+        at their exact value.
+
+    Returns
+    -------
+    list of matrices, each a list of rows
+
+    Raises
+    ------
+    NotImplementedError
+        If the graph uses an operation that has no exact counterpart here.
+    ZeroDivisionError
+        If the graph divides by zero.
+    """
+    work: list[Any] = [None] * function.sz_w()
+    zero = number(Fraction(0))
+    results: list[list[Any]] = [[zero] * function.nnz_out(i) for i in range(function.n_out())]
+    for k in range(function.n_instructions()):
+        op = function.instruction_id(k)
+        inputs, outputs = function.instruction_input(k), function.instruction_output(k)
+        if op == ca.OP_CONST:
+            work[outputs[0]] = number(Fraction(function.instruction_constant(k)))
+        elif op == ca.OP_INPUT:
+            work[outputs[0]] = arguments[inputs[0]][inputs[1]]
+        elif op == ca.OP_OUTPUT:
+            results[outputs[0]][outputs[1]] = work[inputs[0]]
+        elif op == ca.OP_INV:
+            work[outputs[0]] = number(Fraction(1)) / work[inputs[0]]
+        elif op in _BINARY:
+            work[outputs[0]] = _BINARY[op](work[inputs[0]], work[inputs[1]])
+        elif op in _UNARY:
+            work[outputs[0]] = _UNARY[op](work[inputs[0]])
+        else:
+            raise NotImplementedError(f"no exact counterpart of CasADi operation {op}")
+    return [_dense(values, function.sparsity_out(i), zero) for i, values in enumerate(results)]
+
+
+def fingerprint(function: ca.Function) -> str:
+    """Return the SHA-256 of the graph of an SX function: its instructions, in order."""
+    digest = hashlib.sha256()
+    for k in range(function.n_instructions()):
+        op = function.instruction_id(k)
+        constant = function.instruction_constant(k).hex() if op == ca.OP_CONST else ""
+        line = (op, function.instruction_input(k), function.instruction_output(k), constant)
+        digest.update(repr(line).encode())
+    return digest.hexdigest()
+
+
+def _dense(values: list[Any], sparsity: ca.Sparsity, zero: Any) -> list[list[Any]]:
+    rows, columns = sparsity.shape
+    dense = [[zero] * columns for _ in range(rows)]
+    for value, i, j in zip(values, sparsity.row(), sparsity.get_col(), strict=True):
+        dense[i][j] = value
+    return dense

@@ -1,0 +1,64 @@
+"""Solve the linear equations that a design poses, on the CasADi graph itself."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+
+def solve_affine(residual: ca.SX, unknown: ca.SX) -> ca.SX:
+    """Return the `unknown` that makes an affine `residual` vanish.
+
+    Parameters
+    ----------
+    residual : SX, (n, 1)
+        Expression that is affine in `unknown`.
+    unknown : SX, (n, 1)
+        Symbols to solve for.
+
+    Returns
+    -------
+    SX, (n, 1)
+        The solution, free of `unknown`.
+
+    Raises
+    ------
+    ValueError
+        If the residual is not affine in the unknown, or not square.
+    """
+    slope = ca.jacobian(residual, unknown)
+    if slope.shape[0] != slope.shape[1]:
+        raise ValueError(f"{slope.shape[0]} equations for {slope.shape[1]} unknowns")
+    if ca.depends_on(slope, unknown):
+        raise ValueError("the residual is not affine in the unknown")
+    offset = ca.substitute(residual, unknown, ca.SX.zeros(unknown.shape))
+    scale = ca.vertcat(*(_first_entry(slope[i, :]) for i in range(slope.shape[0])))
+    slope = ca.simplify(slope / ca.repmat(scale, 1, slope.shape[1]))
+    if slope.is_constant():  # as for rotor mixing: keeps the solution rational and short
+        return ca.inv(ca.DM(slope)) @ (-offset / scale)
+    return ca.solve(slope, -offset / scale)
+
+
+def _first_entry(row: ca.SX) -> ca.SX:
+    return ca.sparsify(row).nonzeros()[0]
+
+
+def lie_derivative(expression: ca.SX, state: ca.SX, rate: ca.SX) -> ca.SX:
+    """Return the derivative of `expression` along the motion ``state' = rate``.
+
+    Parameters
+    ----------
+    expression : SX, (n, m)
+        Function of `state`.
+    state, rate : SX, (k, 1)
+        The state symbols and their time derivatives, in the same order.
+
+    Returns
+    -------
+    SX, (n, m)
+    """
+    return ca.jtimes(expression, state, rate)
+
+
+def is_zero(expression: ca.SX) -> bool:
+    """Tell whether every entry of `expression` is literally the constant 0."""
+    return bool(ca.sparsify(ca.simplify(expression)).nnz() == 0)

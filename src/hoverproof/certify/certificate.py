@@ -1,0 +1,104 @@
+"""Certificates: what was proved or refuted, in a file that anyone can check."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from hoverproof import checker
+from hoverproof.algebra.graph import fingerprint
+from hoverproof.certify.problem import GainProblem, sigma_function
+from hoverproof.files import write_text
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """A certificate, checked when it was made.
+
+    Attributes
+    ----------
+    content : dict
+        What is written to the file.
+    """
+
+    content: dict[str, Any]
+
+    @property
+    def statement(self) -> str:
+        """The theorem in words."""
+        return str(self.content["statement"])
+
+    def save(self, path: str | Path) -> None:
+        """Write the certificate to a JSON file.
+
+        Parameters
+        ----------
+        path : str or Path
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        write_text(path, json.dumps(self.content, indent=2, ensure_ascii=False) + "\n")
+
+
+def seal(problem: GainProblem, kind: str, parts: dict[str, Any]) -> Certificate:
+    """Complete a certificate and put it before the checker.
+
+    Parameters
+    ----------
+    problem : GainProblem
+    kind : str
+        ``"gains"`` or ``"counterexample"``.
+    parts : dict
+        What belongs to this kind; Fractions become exact strings.
+
+    Raises
+    ------
+    checker.Rejected
+        If the checker does not accept it: then nothing was proved.
+    """
+    mission = problem.mission.exact()
+    by_height = problem.mission.goal.height is not None
+    content: dict[str, Any] = {
+        "format": "hoverproof certificate",
+        "version": 1,
+        "kind": kind,
+        "statement": "",
+        "mission": mission,
+        "mission_sha256": checker.digest(mission),
+        "model_sha256": model_fingerprint(),
+        "tools": {name: version(name) for name in ("hoverproof", "casadi", "cvxpy", "clarabel")},
+        "goal_position": exact(problem.goal.position) if by_height else None,
+        "weights": exact(problem.weights),
+        **exact(parts),
+    }
+    _, judge = checker.KINDS[kind]
+    content["statement"] = judge(content)
+    content["sha256"] = checker.digest(content)
+    checker.check(content)
+    return Certificate(content)
+
+
+@cache
+def model_fingerprint() -> str:
+    """Return the SHA-256 of the graph of Σ from which the verdict was computed."""
+    return fingerprint(sigma_function())
+
+
+def exact(value: Any) -> Any:
+    """Turn Fractions, in any nesting, into strings."""
+    if isinstance(value, Fraction):
+        return str(value)
+    if isinstance(value, dict):
+        return {key: exact(entry) for key, entry in value.items()}
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [exact(entry) for entry in value]
+    return value

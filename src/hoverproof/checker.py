@@ -1,0 +1,428 @@
+"""Check a hoverproof certificate. Standard library only; imports nothing of hoverproof.
+
+    python -I -S checker.py FILE
+
+Exit status 0: accepted; 1: rejected; 2: not a certificate that can be read.
+
+A certificate holds the exact numbers of a mission, a claim, and hints (multipliers). This program
+takes nothing else from it: it builds every matrix itself from the equations below, in rational
+arithmetic without any tolerance. Square roots are enclosed between rationals.
+
+The closed loop (Ω3 = 0, v = δ1 + δ2, P drops the third component, A = q3* I - e3 q*ᵀ, f = f(T)):
+
+    m δ1' = -m Ω×δ1 - k1 Q v + k1 f A(δ4 - δ3)
+    m δ2' = -m Ω×δ2 + k1 Q v - k1 k2 δ2 + k1 k2 δ3 - k1 f A(δ4 - δ3)
+    m δ3' = -m Ω×δ3 + k1 Q v - k1 k2 δ2 + (k1 k2 + k3) δ4 - k3 δ3
+    m δ4' =           k1 P Q v - (k1 k2 + k3) P δ3 - k4 δ4
+
+For L = ½ Σ wi|δi|² the terms in Ω drop out and -m L' = XᵀΣX, X = (δ1, δ2, δ3, δ4) ∈ R¹¹, with
+Σ = Σ0(f, q*) + k1 sym(uᵀQv), u = w1 δ1 - w2 δ2 - w3 δ3 - w4 δ4. For symmetric Q with eigenvalues in
+[a, b], λ = (a + b)/2, ϱ = (b - a)/2, and any τ > 0,
+
+    uᵀQv ≥ λ uᵀv - ϱ|u||v| ≥ λ uᵀv - (ϱ/2)(τ|v|² + |u|²/τ),
+
+so Σ ≻ t I follows from  M = Σ(λI) - (k1 ϱ/2)(τ vᵀv + uᵀu/τ) - t I ≻ 0,  which is decided by an exact
+LDLᵀ. M is affine in f and in each component of q*: the corners of a box around them suffice.
+"""
+
+import hashlib
+import itertools
+import json
+import math
+import re
+import sys
+from fractions import Fraction
+
+MAX_BYTES = 1_000_000
+BITS = 128  # of the enclosures made here
+
+
+class Rejected(Exception):
+    """The certificate does not prove what it claims."""
+
+
+class Unreadable(Exception):
+    """The file is not a certificate."""
+
+
+# --- exact arithmetic ---------------------------------------------------------------------------
+
+
+def positive_definite(matrix):
+    """Tell by LDLᵀ in rational arithmetic whether a symmetric matrix is positive definite."""
+    a = [list(row) for row in matrix]
+    n = len(a)
+    assert all(a[i][j] == a[j][i] for i in range(n) for j in range(n))
+    for k in range(n):
+        if a[k][k] <= 0:
+            return False
+        for i in range(k + 1, n):
+            if a[i][k]:
+                factor = a[i][k] / a[k][k]
+                for j in range(k + 1, i + 1):
+                    a[i][j] -= factor * a[j][k]
+    return True
+
+
+def square_root(s):
+    """Return rationals low <= √s <= high."""
+    n = (s.numerator << 2 * BITS) // s.denominator
+    r = math.isqrt(n)
+    exact = r * r == n and n * s.denominator == s.numerator << 2 * BITS
+    return Fraction(r, 1 << BITS), Fraction(r if exact else r + 1, 1 << BITS)
+
+
+def within(inner, outer):
+    """Tell whether the interval `inner` lies in `outer`."""
+    return outer[0] <= inner[0] <= inner[1] <= outer[1]
+
+
+# --- the model ----------------------------------------------------------------------------------
+
+
+def centroid_seen(points, position):
+    """Enclose q = Σ (P - ξ)/|P - ξ|; points at equal distance are added before rounding."""
+    sums = {}
+    for point in points:
+        ray = [p - x for p, x in zip(point, position)]
+        square = sum(c * c for c in ray)
+        require(square > 0, "the goal coincides with a target point")
+        old = sums.get(square, [0, 0, 0])
+        sums[square] = [a + b for a, b in zip(old, ray)]
+    box = []
+    for i in range(3):
+        ends = [sorted(ray[i] / r for r in square_root(s)) for s, ray in sums.items()]
+        box.append((sum(e[0] for e in ends), sum(e[1] for e in ends)))
+    return box
+
+
+def factor(m, k1, k2, k3, thrust, q3):
+    """Return f(T) = k1 k2 (k1 k2 + k3)/(m (T - c q3*)), c = k1² k2/m."""
+    distance = thrust - k1**2 * k2 / m * q3
+    require(distance > 0, "the thrust interval reaches the singularity T = c q3*")
+    return k1 * k2 * (k1 * k2 + k3) / (m * distance)
+
+
+def closed_loop(g, Q, f, q):
+    """Return the matrix B of m X' = B X (the terms in Ω left out), 11 x 11."""
+    k1, k2, k3, k4 = (g[k] for k in ("k1", "k2", "k3", "k4"))
+    unit = [[Fraction(int(i == j)) for j in range(11)] for i in range(11)]
+    zero = [Fraction(0)] * 11
+    d1, d2, d3, d4 = unit[0:3], unit[3:6], unit[6:9], [unit[9], unit[10], zero]
+
+    def mix(*terms):
+        return [sum(c * row[j] for c, row in terms) for j in range(11)]
+
+    v = [mix((1, d1[i]), (1, d2[i])) for i in range(3)]
+    flow = [mix(*((k1 * Q[i][j], v[j]) for j in range(3))) for i in range(3)]
+    e = [mix((1, d4[i]), (-1, d3[i])) for i in range(3)]
+    turn = [mix((k1 * f * q[2], e[i])) for i in range(3)]  # k1 f A (δ4 - δ3)
+    turn[2] = mix((1, turn[2]), *((-k1 * f * q[j], e[j]) for j in range(3)))
+    rows = [mix((-1, flow[i]), (1, turn[i])) for i in range(3)]
+    for i in range(3):
+        damped = ((1, flow[i]), (-k1 * k2, d2[i]))
+        rows.append(mix(*damped, (k1 * k2, d3[i]), (-1, turn[i])))
+    for i in range(3):
+        damped = ((1, flow[i]), (-k1 * k2, d2[i]))
+        rows.append(mix(*damped, (k1 * k2 + k3, d4[i]), (-k3, d3[i])))
+    for i in range(2):
+        rows.append(mix((1, flow[i]), (-(k1 * k2 + k3), d3[i]), (-k4, d4[i])))
+    return rows
+
+
+def sigma(g, w, Q, f, q):
+    """Return Σ = -sym(W B) for L = ½ XᵀWX."""
+    weight = [w[0]] * 3 + [w[1]] * 3 + [w[2]] * 3 + [w[3]] * 2
+    b = closed_loop(g, Q, f, q)
+    n = range(11)
+    return [[-(weight[i] * b[i][j] + weight[j] * b[j][i]) / 2 for j in n] for i in n]
+
+
+def bound(g, w, eigenvalues, f, q, tau, t):
+    """Return M = Σ(λI) - (k1 ϱ/2)(τ vᵀv + uᵀu/τ) - t I."""
+    low, high = eigenvalues
+    middle, spread = (low + high) / 2, (high - low) / 2
+    Q = [[middle if i == j else Fraction(0) for j in range(3)] for i in range(3)]
+    M = sigma(g, w, Q, f, q)
+    loss = g["k1"] * spread / 2
+    for axis in range(3):  # u and v on each axis, as rows of length 11
+        u, v = [Fraction(0)] * 11, [Fraction(0)] * 11
+        v[axis] = v[3 + axis] = Fraction(1)
+        u[axis], u[3 + axis], u[6 + axis] = w[0], -w[1], -w[2]
+        if axis < 2:
+            u[9 + axis] = -w[3]
+        for i, j in itertools.product(range(11), repeat=2):
+            M[i][j] -= loss * (tau * v[i] * v[j] + u[i] * u[j] / tau)
+    for i in range(11):
+        M[i][i] -= t
+    return M
+
+
+# --- the certificate ----------------------------------------------------------------------------
+
+
+def require(condition, reason):
+    """Reject the certificate for a reason unless the condition holds."""
+    if not condition:
+        raise Rejected(reason)
+
+
+def number(text):
+    """Read an exact rational in lowest terms, written as "p" or "p/q"."""
+    good = isinstance(text, str) and re.fullmatch(r"-?[0-9]{1,300}(/[0-9]{1,300})?", text, re.A)
+    require(good, f"not an exact number: {str(text)[:40]!r}")
+    top, _, bottom = text.partition("/")
+    require(bottom == "" or int(bottom) > 0, "a denominator is zero")
+    value = Fraction(int(top), int(bottom or 1))
+    require(str(value) == text, f"not in lowest terms: {text[:40]!r}")
+    return value
+
+
+def numbers(values, *shape):
+    """Read nested lists of numbers of a shape; None stands for any length."""
+    if not shape:
+        return number(values)
+    require(isinstance(values, list) and shape[0] in (None, len(values)), "a list is misshapen")
+    return [numbers(entry, *shape[1:]) for entry in values]
+
+
+def keys(value, wanted, where):
+    """Make sure that an object has just the wanted keys."""
+    require(isinstance(value, dict), f"{where} is not an object")
+    require(set(value) == set(wanted), f"{where} must have the keys {', '.join(wanted)}")
+    return value
+
+
+def digest(value):
+    """Return the SHA-256 of a JSON value in canonical form."""
+    text = json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
+    return hashlib.sha256(text.encode("ascii")).hexdigest()
+
+
+COMMON = ("format", "version", "kind", "mission", "mission_sha256", "model_sha256", "tools")
+PROOF = ("goal_position", "weights", "enclosures", "vertices", "claim", "statement", "sha256")
+WITNESS = ("goal_position", "weights", "counterexample", "statement", "sha256")
+
+
+def read_mission(c):
+    """Return the numbers of the mission that bear on the claim, and enclosures made from them."""
+    mission = c["mission"]
+    keys(mission, ("name", "vehicle", "target", "goal", "gains", "bounds", "start"), "mission")
+    named = isinstance(mission["name"], str) and re.fullmatch(
+        r"[\w.-]{1,64}", mission["name"], re.A
+    )
+    require(named, "the mission has no proper name")
+    require(c["mission_sha256"] == digest(mission), "the mission is not the one that was hashed")
+    vehicle = keys(
+        mission["vehicle"], ("mass", "inertia", "arm", "drag_ratio", "gravity"), "vehicle"
+    )
+    g = {k: number(v) for k, v in keys(mission["gains"], GAINS, "gains").items()}
+    m, gravity = number(vehicle["mass"]), number(vehicle["gravity"])
+    require(min(m, gravity, *g.values()) > 0, "mass, gravity and gains must be positive")
+    w = numbers(c["weights"], 4)
+    require(min(w) > 0, "weights must be positive")
+    bounds, goal = mission["bounds"], mission["goal"]
+    require(isinstance(bounds, dict) and isinstance(goal, dict), "bounds or goal is not an object")
+    stiffness = g["k1"] ** 2 * g["k2"] / m
+
+    keys(bounds, ("eigenvalues", "thrust" if "thrust" in bounds else "level"), "bounds")
+    if "thrust" in bounds:
+        thrust = numbers(bounds["thrust"], 2)
+        require(thrust[0] <= m * gravity <= thrust[1], "the thrust interval does not hold m g")
+    else:
+        level = number(bounds["level"])
+        require(level > 0, "the level must be positive")
+        reach = stiffness * square_root(2 * level * (1 / w[1] + 1 / w[2]))[1]
+        thrust = [m * gravity - reach, m * gravity + reach]
+    eigenvalues = numbers(bounds["eigenvalues"], 2)
+    require(0 < eigenvalues[0] < eigenvalues[1], "the eigenvalue bounds are not in order")
+
+    points = numbers(keys(mission["target"], ("points",), "target")["points"], None, 3)
+    require(len(points) >= 2, "a target has two points or more")
+    if "height" in goal:
+        height = number(keys(goal, ("height",), "goal")["height"])
+        position = numbers(c["goal_position"], 3)
+        mean = sum(p[2] for p in points) / len(points)
+        require(position[2] == mean - height, "the goal is not at the height of the mission")
+        require(all(p[2] > position[2] for p in points), "a target point is above the goal")
+        centroid = centroid_seen(points, position)
+        level_off = max(abs(end) for ends in centroid[:2] for end in ends)
+        require(level_off < Fraction(1, 10**9), "the centroid at the goal is not vertical")
+    else:
+        q = numbers(keys(goal, ("centroid",), "goal")["centroid"], 3)
+        require(c["goal_position"] is None, "a goal by centroid has no position here")
+        require(q[2] > 0 and sum(x * x for x in q) < len(points) ** 2, "no hover sees this q*")
+        centroid = [(x, x) for x in q]
+    return {
+        "name": mission["name"], "m": m, "g": g, "w": w, "thrust": thrust,
+        "eigenvalues": eigenvalues, "centroid": centroid,
+        "f": lambda T, q3: factor(m, g["k1"], g["k2"], g["k3"], T, q3),
+    }  # fmt: skip
+
+
+GAINS = ("k1", "k2", "k3", "k4", "k_yaw")
+
+
+def check_gains(c):
+    """Verify a proof of Σ ≻ margin·I and of the decay of L; return the theorem in words."""
+    p = read_mission(c)
+    (t_low, t_high), (_, _, (q_low, q_high)) = p["thrust"], p["centroid"]
+    keys(c["enclosures"], ("centroid", "factor"), "enclosures")
+    box = numbers(c["enclosures"]["centroid"], 3, 2)
+    span = numbers(c["enclosures"]["factor"], 2)
+    for mine, given in zip(p["centroid"], box):
+        require(within(mine, given), "the box around q* does not hold q*")
+    true_span = p["f"](t_high, q_low), p["f"](t_low, q_high)
+    require(within(true_span, span), "the interval of f does not hold f(T)")
+
+    require(isinstance(c["vertices"], list) and len(c["vertices"]) == 2, "two vertices are needed")
+    claim = keys(c["claim"], ("margin", "decay_rate"), "claim")
+    margin, rate = number(claim["margin"]), number(claim["decay_rate"])
+    require(margin > 0, "a margin of zero or less proves nothing")
+    scale = 2 / (p["m"] * max(p["w"]))
+    require(rate == scale * margin, "the decay rate does not follow from the margin")
+    margins = []
+    for f, vertex in zip(span, c["vertices"]):
+        keys(vertex, ("factor", "multiplier", "margin", "decay_rate"), "vertex")
+        require(number(vertex["factor"]) == f, "a vertex is not at an end of the interval of f")
+        tau, t = number(vertex["multiplier"]), number(vertex["margin"])
+        require(tau > 0, "a multiplier must be positive")
+        require(number(vertex["decay_rate"]) == scale * t, "a decay rate is not that of its margin")
+        for q in itertools.product(*(sorted(set(ends)) for ends in box)):
+            M = bound(p["g"], p["w"], p["eigenvalues"], f, q, tau, t)
+            require(positive_definite(M), "Σ - margin·I is not shown to be positive definite")
+        margins.append(t)
+    require(margin == min(margins), "the margin is not the smallest of the vertices")
+    return theorem_of_gains(p, margin, rate)
+
+
+def theorem_of_gains(p, margin, rate):
+    """Say in words what was proved."""
+    return (
+        f"F{setting(p)[1:]}, the matrix Σ(Q, T) is positive definite, with every eigenvalue above "
+        f"{about(margin)} kg/s. Hence, while Q and T stay in these intervals and Ω3 = 0, the Lyapunov function "
+        f"L = ½ Σ wi|δi|² with w = ({', '.join(map(str, p['w']))}) falls at least as fast as "
+        f"exp(-r t) with r = {about(rate)} 1/s."
+    )
+
+
+def check_counterexample(c):
+    """Verify that Σ(Q, f) is not positive semidefinite at one admissible point."""
+    p = read_mission(c)
+    point = keys(c["counterexample"], ("Q", "f", "X", "value"), "counterexample")
+    Q, X = numbers(point["Q"], 3, 3), numbers(point["X"], 11)
+    f, value = number(point["f"]), number(point["value"])
+    n = range(3)
+    require(all(Q[i][j] == Q[j][i] for i in n for j in n), "Q is not symmetric")
+    low, high = p["eigenvalues"]
+    above = [[Q[i][j] - (low if i == j else 0) for j in n] for i in n]
+    below = [[(high if i == j else 0) - Q[i][j] for j in n] for i in n]
+    inside = positive_definite(above) and positive_definite(below)
+    require(inside, "the eigenvalues of Q are not inside the interval")
+    (t_low, t_high), (_, _, (q_low, q_high)) = p["thrust"], p["centroid"]
+    attained = p["f"](t_high, q_high), p["f"](t_low, q_low)
+    require(attained[0] <= f <= attained[1], "no thrust in the interval gives this f")
+    values = []
+    for q in itertools.product(*p["centroid"]):
+        S = sigma(p["g"], p["w"], Q, f, q)
+        values.append(sum(X[i] * S[i][j] * X[j] for i in range(11) for j in range(11)))
+    require(max(values) <= value < 0, "XᵀΣX is not as negative as claimed")
+    return theorem_of_counterexample(p, f, value)
+
+
+def theorem_of_counterexample(p, f, value):
+    """Say in words what was refuted."""
+    return (
+        f"It is not true that, {setting(p)}, the matrix Σ(Q, T) is positive definite: for the given "
+        f"rational Q and X, and the thrust with f(T) = {about(f)} 1/m, "
+        f"XᵀΣX <= {about(value)} < 0."
+    )
+
+
+def setting(p):
+    """Say in words for which vehicle, gains and intervals."""
+    gains = ", ".join(f"{k} = {p['g'][k]}" for k in GAINS[:4])
+    q = ", ".join(f"{float((a + b) / 2):.12g}" for a, b in p["centroid"])
+    (a, b), (t, u) = p["eigenvalues"], p["thrust"]
+    return (
+        f"for the mission {p['name']} (m = {p['m']} kg, {gains}, q* = ({q}) to 12 digits), every "
+        f"symmetric Q with eigenvalues in [{a}, {b}] 1/m and every thrust T in "
+        f"[{about(t)}, {about(u)}] N"
+    )
+
+
+def about(x):
+    """Write a rational number so that a person sees its size."""
+    return str(x) if len(str(x)) < 6 else f"{x} (about {float(x):.6g})"
+
+
+KINDS = {"gains": (PROOF, check_gains), "counterexample": (WITNESS, check_counterexample)}
+
+
+def check(certificate):
+    """Return the theorem that a certificate (an object read from JSON) proves.
+
+    Raises Rejected if it does not prove what it claims.
+    """
+    require(isinstance(certificate, dict), "the certificate is not an object")
+    kind = certificate.get("kind")
+    require(isinstance(kind, str) and kind in KINDS, "unknown kind of certificate")
+    wanted, judge = KINDS[kind]
+    keys(certificate, COMMON + wanted, "certificate")
+    head = (certificate["format"], certificate["version"])
+    require(head == ("hoverproof certificate", 1), "not version 1 of the format")
+    rest = {k: v for k, v in certificate.items() if k != "sha256"}
+    require(certificate["sha256"] == digest(rest), "the file was changed after it was written")
+    theorem = judge(certificate)
+    require(certificate["statement"] == theorem, f"the statement is not what is proved: {theorem}")
+    return theorem
+
+
+def read(path):
+    """Read a certificate file: JSON without floats, duplicate keys or constants such as NaN."""
+
+    def refuse(what):
+        raise Unreadable(f"holds {what}")
+
+    def unique(pairs):
+        if len(dict(pairs)) < len(pairs):
+            refuse("the same key twice")
+        return dict(pairs)
+
+    try:
+        with open(path, "rb") as file:  # noqa: PTH123
+            data = file.read(MAX_BYTES + 1)
+        if len(data) > MAX_BYTES:
+            raise Unreadable(f"is larger than {MAX_BYTES} bytes")
+        return json.loads(
+            data.decode("utf-8"),
+            parse_float=lambda text: refuse("a rounded number; exact ones are strings"),
+            parse_int=lambda text: int(text) if len(text) < 10 else refuse("a long bare integer"),
+            parse_constant=refuse,
+            object_pairs_hook=unique,
+        )
+    except OSError as error:
+        raise Unreadable(error.strerror or str(error)) from None
+    except (ValueError, RecursionError) as error:
+        raise Unreadable(f"is not JSON: {str(error)[:100]}") from None
+
+
+def main(arguments):
+    """Check the file named on the command line; return the exit status."""
+    if len(arguments) != 1:
+        print("usage: checker.py FILE", file=sys.stderr)
+        return 2
+    try:
+        theorem = check(read(arguments[0]))
+    except Unreadable as error:
+        print(f"{arguments[0]}: {error}", file=sys.stderr)
+        return 2
+    except Rejected as error:
+        print(f"{arguments[0]}: rejected: {error}")
+        return 1
+    print(f"{arguments[0]}: accepted\nProved: {theorem}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,449 @@
+"""What a user writes: a vehicle, a target, a goal, gains, bounds and a start, in one TOML file.
+
+Numbers are read as exact decimals and stay exact; a float is made of them only where one is
+needed.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
+
+from hoverproof.errors import InputError
+
+MAX_FILE_BYTES = 1_000_000
+MAX_POINTS = 64
+
+
+def _reject(reason: str, *, key: str = "") -> PydanticCustomError:
+    """Make the refusal of a value, or of the `key` below it."""
+    return PydanticCustomError("mission", "{reason}", {"reason": reason, "key": key})
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, Fraction):
+        return f"{float(value):g}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_shown, value))}]" if len(value) < 8 else f"{len(value)} entries"
+    if isinstance(value, dict):
+        return "a section"
+    text = repr(value)
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def _quantity(unit: str, low: str, high: str, *, open_low: bool = False) -> Any:
+    """Return the type of an exact number in [low, high] (or above low, if open_low)."""
+    lowest, highest = Fraction(low), Fraction(high)
+    suffix = f" {unit}" if unit else ""
+    span = f"above {low} and at most {high}" if open_low else f"from {low} to {high}"
+
+    def exact(value: object) -> Fraction:
+        if isinstance(value, bool) or not isinstance(value, int | Fraction | float):
+            raise _reject(f"must be a number{f' in {unit}' if unit else ''}, not {_shown(value)}")
+        if isinstance(value, float) and not -1e308 < value < 1e308:
+            raise _reject(f"must be a number {span}{suffix}, not {value}")
+        number = Fraction(value)
+        if not lowest <= number <= highest or (open_low and number == lowest):
+            raise _reject(f"must be {span}{suffix}, not {_shown(value)}")
+        return number
+
+    return Annotated[Fraction, BeforeValidator(exact)]
+
+
+def _array(*names: str) -> Callable[[object], object]:
+    """Return a validator that wants one entry for each name."""
+
+    def check(value: object) -> object:
+        if not isinstance(value, list | tuple) or len(value) != len(names):
+            raise _reject(f"must be a list [{', '.join(names)}], not {_shown(value)}")
+        return tuple(value)
+
+    return check
+
+
+_Length = _quantity("m", "-1e6", "1e6")
+_PositiveLength = _quantity("m", "0", "1e6", open_low=True)
+_Inertia = _quantity("kg m²", "0", "1e6", open_low=True)
+_Speed = _quantity("m/s", "-1e4", "1e4")
+_Angle = _quantity("rad", "-3.1416", "3.1416")
+_BodyRate = _quantity("rad/s", "-1e3", "1e3")
+_Eigenvalue = _quantity("1/m", "0", "1e6", open_low=True)
+_Force = _quantity("N", "0", "1e9", open_low=True)
+_Direction = _quantity("", "-1e3", "1e3")
+_MassPerTime = _quantity("kg/s", "0", "1e9", open_low=True)
+
+Point = Annotated[tuple[_Length, _Length, _Length], BeforeValidator(_array("x", "y", "z"))]
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+
+class Vehicle(_Section):
+    """The vehicle: mass kg, inertia kg m² (principal), arm m, drag_ratio m, gravity m/s²."""
+
+    mass: _quantity("kg", "0", "1e6", open_low=True)  # type: ignore[valid-type]
+    inertia: Annotated[
+        tuple[_Inertia, _Inertia, _Inertia], BeforeValidator(_array("I1", "I2", "I3"))
+    ]
+    arm: _PositiveLength
+    drag_ratio: _PositiveLength
+    gravity: _quantity("m/s²", "0", "1e3", open_low=True)  # type: ignore[valid-type]
+
+    @model_validator(mode="after")
+    def _is_a_body(self) -> Self:
+        a, b, c = sorted(self.inertia)
+        if a + b < c:
+            raise _reject(
+                "no rigid body has one moment above the sum of the other two", key="inertia"
+            )
+        return self
+
+    @property
+    def weight(self) -> Fraction:
+        """m g, N."""
+        return self.mass * self.gravity
+
+
+class Target(_Section):
+    """The target: points in the world frame, m, z down."""
+
+    points: Annotated[list[Point], Field(min_length=2, max_length=MAX_POINTS)]
+
+    @model_validator(mode="after")
+    def _spans_a_shape(self) -> Self:
+        for i, point in enumerate(self.points):
+            if point in self.points[:i]:
+                raise _reject(
+                    f"point {i + 1} coincides with another; all must differ", key="points"
+                )
+        if len(self.points) > 2 and on_one_line(self.points):
+            raise _reject("all lie on one line; move at least one of them off it", key="points")
+        return self
+
+
+class Goal(_Section):
+    """Where to hover: height m above the target, or the wanted image centroid."""
+
+    height: _PositiveLength | None = None
+    centroid: (
+        Annotated[
+            tuple[_Direction, _Direction, _Direction], BeforeValidator(_array("q1", "q2", "q3"))
+        ]
+        | None
+    ) = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        if (self.height is None) == (self.centroid is None):
+            raise _reject("give either height (m) or centroid ([q1, q2, q3]), one of the two")
+        return self
+
+
+class Gains(_Section):
+    """Control gains: k1 kg m/s, k2 1/m, k3 and k4 kg/s, k_yaw kg m²/s."""
+
+    k1: _quantity("kg m/s", "0", "1e9", open_low=True)  # type: ignore[valid-type]
+    k2: _quantity("1/m", "0", "1e9", open_low=True)  # type: ignore[valid-type]
+    k3: _MassPerTime
+    k4: _MassPerTime
+    k_yaw: _quantity("kg m²/s", "0", "1e9", open_low=True)  # type: ignore[valid-type]
+
+
+class Bounds(_Section):
+    """What is assumed in flight: eigenvalues of Q in 1/m, and a thrust interval in N or a level of L."""
+
+    eigenvalues: Annotated[
+        tuple[_Eigenvalue, _Eigenvalue], BeforeValidator(_array("lowest", "highest"))
+    ]
+    thrust: (
+        Annotated[tuple[_Force, _Force], BeforeValidator(_array("lowest", "highest"))] | None
+    ) = None
+    level: _quantity("", "0", "1e9", open_low=True) | None = None  # type: ignore[valid-type]
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        low, high = self.eigenvalues
+        if low >= high:
+            raise _reject(
+                f"the lowest, {_shown(low)}, must be below the highest, {_shown(high)}",
+                key="eigenvalues",
+            )
+        if (self.thrust is None) == (self.level is None):
+            raise _reject(
+                "give either thrust ([lowest, highest] in N) or level (of L), one of the two"
+            )
+        if self.thrust is not None and self.thrust[0] > self.thrust[1]:
+            low, high = self.thrust
+            raise _reject(
+                f"the lowest, {_shown(low)}, must not be above the highest, {_shown(high)}",
+                key="thrust",
+            )
+        return self
+
+
+_Velocity = Annotated[tuple[_Speed, _Speed, _Speed], BeforeValidator(_array("v1", "v2", "v3"))]
+_Euler = Annotated[tuple[_Angle, _Angle, _Angle], BeforeValidator(_array("roll", "pitch", "yaw"))]
+_Rates = Annotated[tuple[_BodyRate, _BodyRate, _BodyRate], BeforeValidator(_array("p", "q", "r"))]
+_ZERO = (Fraction(0), Fraction(0), Fraction(0))
+
+
+class Start(_Section):
+    """Where a flight starts: by default level, at rest, with the thrust of hover.
+
+    position m (world frame), velocity m/s (body frame), rotation rad (roll, pitch, yaw; R =
+    Rz(yaw) Ry(pitch) Rx(roll)), rates rad/s (body frame).
+    """
+
+    position: Point
+    velocity: _Velocity = _ZERO
+    rotation: _Euler = _ZERO
+    rates: _Rates = _ZERO
+
+
+class Mission(_Section):
+    """A vehicle, a camera target and a set of gains, with what is assumed and where to start.
+
+    All numbers are `fractions.Fraction`. Made by `load`; `source` says from where.
+    """
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
+    vehicle: Vehicle
+    target: Target
+    goal: Goal
+    gains: Gains
+    bounds: Bounds
+    start: Start
+    source: Annotated[str, Field(exclude=True)] = "mission"
+
+    @model_validator(mode="after")
+    def _hangs_together(self) -> Self:
+        points, weight = self.target.points, self.vehicle.weight
+        thrust = self.bounds.thrust
+        if thrust is not None and not thrust[0] <= weight <= thrust[1]:
+            raise _reject(
+                f"must contain the thrust of hover, m g = {float(weight):g} N, "
+                f"not [{_shown(thrust[0])}, {_shown(thrust[1])}]",
+                key="bounds.thrust",
+            )
+        height, centroid = self.goal.height, self.goal.centroid
+        if height is not None:
+            if len({(x, y) for x, y, _ in points}) == 1:
+                raise _reject("all are in line with a camera above them", key="target.points")
+            highest = self.height_of_target - min(z for _, _, z in points)
+            if height <= highest:
+                raise _reject(
+                    f"must be above the highest target point, {float(highest):g} m "
+                    f"above the mean of the target, not {_shown(height)}",
+                    key="goal.height",
+                )
+        if centroid is not None:
+            if sum(q * q for q in centroid) >= len(points) ** 2:
+                raise _reject(
+                    f"must be shorter than the number of points, {len(points)}: "
+                    "no hover sees the target so",
+                    key="goal.centroid",
+                )
+            if centroid[2] <= 0:
+                raise _reject(
+                    f"q3 must be above 0 for a target below the camera, not {_shown(centroid[2])}",
+                    key="goal.centroid",
+                )
+        start = self.start.position
+        if start[2] >= min(z for _, _, z in points):
+            raise _reject(
+                f"must be above every target point (z is down), not at z = {_shown(start[2])} m",
+                key="start.position",
+            )
+        if on_one_line([*points, start]):
+            raise _reject("is in line with the target points", key="start.position")
+        return self
+
+    @property
+    def height_of_target(self) -> Fraction:
+        """Mean z of the target points, m, world frame (down)."""
+        return sum((z for _, _, z in self.target.points), Fraction(0)) / len(self.target.points)
+
+    def exact(self) -> dict[str, Any]:
+        """Return the whole mission as nested dicts and lists, each number an exact string."""
+        return _as_text(self.model_dump(exclude_none=True))
+
+
+def on_one_line(points: Sequence[Sequence[Fraction]]) -> bool:
+    """Tell whether all points, (n, 3), lie on one line."""
+    origin, *others = points
+    rays = [[a - b for a, b in zip(p, origin, strict=True)] for p in others]
+    first = next((r for r in rays if any(r)), [Fraction(1), Fraction(0), Fraction(0)])
+    return all(
+        first[i] * r[j] == first[j] * r[i] for r in rays for i, j in ((0, 1), (0, 2), (1, 2))
+    )
+
+
+def presets() -> list[str]:
+    """Return the names of the missions that come with the package."""
+    folder = resources.files("hoverproof") / "presets"
+    return sorted(
+        p.name.removesuffix(".toml") for p in folder.iterdir() if p.name.endswith(".toml")
+    )
+
+
+def preset_text(name: str) -> str:
+    """Return the TOML text of a preset.
+
+    Parameters
+    ----------
+    name : str
+        One of `presets`.
+
+    Raises
+    ------
+    InputError
+        If there is no such preset.
+    """
+    if name not in presets():
+        raise InputError(name, "", f"no such preset; there are: {', '.join(presets())}")
+    return (resources.files("hoverproof") / "presets" / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def load(source: str | Path, overrides: Mapping[str, object] | None = None) -> Mission:
+    """Read a mission.
+
+    Parameters
+    ----------
+    source : str or Path
+        Name of a preset, or path of a TOML file.
+    overrides : mapping, optional
+        Values to put in place of those in the file, by dotted key: ``{"gains.k4": "0.1"}``.
+        Strings are read as TOML.
+
+    Returns
+    -------
+    Mission
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or anything in it cannot be used; the message names the file,
+        the key and what would be right.
+    """
+    text, where = _read(source)
+    data = _parse(text, where)
+    for key, value in (overrides or {}).items():
+        _override(data, key, value)
+    try:
+        return Mission(**data, source=where)
+    except ValidationError as error:
+        raise _input_error(error, where) from None
+
+
+def _read(source: str | Path) -> tuple[str, str]:
+    path, where = Path(source), str(source)
+    if isinstance(source, str) and source in presets():
+        return preset_text(source), where
+    try:
+        if path.is_file() and path.stat().st_size > MAX_FILE_BYTES:
+            raise InputError(where, "", f"is larger than {MAX_FILE_BYTES} bytes")
+        return path.read_text(encoding="utf-8"), where
+    except FileNotFoundError:
+        near = difflib.get_close_matches(where, presets(), n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"presets: {', '.join(presets())}"
+        raise InputError(where, "", f"no such mission file or preset ({hint})") from None
+    except UnicodeDecodeError:
+        raise InputError(where, "", "is not a text file in UTF-8") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(where, "", f"cannot be read: {reason}") from None
+
+
+def _parse(text: str, where: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text, parse_float=_exact_decimal)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(where, "", f"is not valid TOML: {error}") from None
+    except (ValueError, RecursionError):  # as for an integer of thousands of digits
+        raise InputError(
+            where, "", "is not a mission: nested too deep or a number too long"
+        ) from None
+
+
+def _exact_decimal(text: str) -> Fraction | float:
+    """Read a TOML float exactly; what is out of any reason stays a float, refused later."""
+    exponent = re.search(r"[eE]([+-]?[0-9_]+)$", text)
+    if len(text) > 400 or (exponent and abs(int(exponent[1])) > 400):
+        return float("nan") if len(text) > 400 else float(text.replace("_", ""))
+    if text.lstrip("+-") in ("inf", "nan"):
+        return float(text)
+    return Fraction(text.replace("_", ""))
+
+
+def _override(data: dict[str, Any], key: str, value: object) -> None:
+    option = f"--set {key}"
+    if isinstance(value, str):
+        try:
+            value = _parse(f"value = {value}", option)["value"]
+        except InputError:
+            raise InputError(option, "", f"{value!r} is not a TOML value") from None
+    *path, last = key.split(".")
+    for part in path:
+        data = data.setdefault(part, {})
+        if not isinstance(data, dict):
+            raise InputError(option, "", f"{part!r} is not a section")
+    data[last] = value
+
+
+def _input_error(error: ValidationError, where: str) -> InputError:
+    """Turn the most telling finding of pydantic into our own words."""
+    problems = sorted(error.errors(), key=lambda p: p["type"] != "extra_forbidden")
+    first = problems[0]
+    location = [*first["loc"], *first.get("ctx", {}).get("key", "").split(".")]
+    key = "".join(f"[{p + 1}]" if isinstance(p, int) else f".{p}" for p in location if p != "")
+    kind, shown = first["type"], _shown(first["input"])
+    short_name = f"must be a short name of letters, digits, '.', '_' and '-', not {shown}"
+    wording = {
+        "missing": "is missing",
+        "model_type": f"must be a section, not {shown}",
+        "too_short": f"must hold at least 2 points, not {shown}",
+        "too_long": f"must hold at most {MAX_POINTS} points, not {shown}",
+        "list_type": f"must be a list of points [x, y, z], not {shown}",
+        "string_type": short_name,
+        "string_pattern_mismatch": short_name,
+    }
+    message = wording.get(kind, first["msg"])
+    if kind == "extra_forbidden":
+        known = _known_keys(first["loc"][:-1])
+        near = difflib.get_close_matches(str(first["loc"][-1]), known, n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"known here: {', '.join(known)}"
+        message = f"unknown key ({hint})"
+    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
+    return InputError(where, key.removeprefix("."), message + more)
+
+
+def _known_keys(path: Sequence[int | str]) -> list[str]:
+    section: Any = Mission
+    for part in path:
+        section = section.model_fields[part].annotation
+    return [key for key in section.model_fields if key != "source"]
+
+
+def _as_text(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _as_text(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_as_text(entry) for entry in value]
+    return str(value)

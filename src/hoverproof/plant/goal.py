@@ -1,0 +1,148 @@
+"""The hover that a mission asks for: where it is, and the image centroid q* seen there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+
+import casadi as ca
+import numpy as np
+
+from hoverproof.algebra.graph import evaluate
+from hoverproof.algebra.surd import Surd
+from hoverproof.errors import InputError
+from hoverproof.mission import Mission
+from hoverproof.plant import camera
+
+Interval = tuple[Fraction, Fraction]
+
+
+@dataclass(frozen=True)
+class HoverGoal:
+    """A level hover at rest above the target.
+
+    Attributes
+    ----------
+    position : (3,) tuple of Fraction
+        ξ*, world frame, m.
+    centroid : (3,) tuple of (low, high)
+        Rational bounds of q*, equal where it is rational; camera frame.
+    """
+
+    position: tuple[Fraction, ...]
+    centroid: tuple[Interval, ...]
+
+    @property
+    def centroid_midpoint(self) -> list[Fraction]:
+        """(3,) q* to within the width of its bounds."""
+        return [(low + high) / 2 for low, high in self.centroid]
+
+
+def hover_goal(mission: Mission) -> HoverGoal:
+    """Return the hover that a mission asks for.
+
+    A ``goal.height`` is measured from the mean height of the target points; the goal lies where
+    the centroid is vertical there. If that point of the axis is irrational, the goal is a rational
+    point within rounding of it, and q* is what is seen from that very point.
+
+    Parameters
+    ----------
+    mission : Mission
+
+    Raises
+    ------
+    InputError
+        If no hover above the target sees the wanted centroid.
+    """
+    points = mission.target.points
+    n = len(points)
+    middle = [sum((p[i] for p in points), Fraction(0)) / n for i in range(3)]
+    if mission.goal.height is not None:
+        start = (middle[0], middle[1], mission.height_of_target - mission.goal.height)
+        seen = centroid_seen(points, start)
+        if not (seen[0].terms or seen[1].terms):
+            return _goal(start, seen)
+        x, y, _ = _solve(mission, start, free=2, wanted=np.zeros(3))
+        position = (Fraction(x), Fraction(y), start[2])
+        return _goal(position, centroid_seen(points, position))
+
+    assert mission.goal.centroid is not None
+    wanted = np.array([float(q) for q in mission.goal.centroid])
+    spread = max(abs(p[i] - middle[i]) for p in points for i in range(3))
+    above = (middle[0], middle[1], min(p[2] for p in points) - 2 * spread)
+    found = _solve(mission, above, free=3, wanted=wanted)
+    return HoverGoal(tuple(map(Fraction, found)), tuple((q, q) for q in mission.goal.centroid))
+
+
+def centroid_seen(
+    points: list[tuple[Fraction, Fraction, Fraction]], position: tuple[Fraction, ...]
+) -> list[Surd]:
+    """Return the image centroid of a level camera, exactly, (3,).
+
+    Parameters
+    ----------
+    points : (n, 3), world frame, m
+    position : (3,), world frame, m
+    """
+    arguments = [[c for p in points for c in p], position]
+    look = _level_centroid(len(points)).factory("centroid", ["points", "xi"], ["q"])
+    (q,) = evaluate(look, [[Surd.of(c) for c in a] for a in arguments], Surd.of)
+    return [row[0] for row in q]
+
+
+@cache
+def _level_centroid(n: int) -> ca.Function:
+    """Return (points, position) ↦ (q, Q) of a level camera."""
+    points, position = ca.SX.sym("points", 3, n), ca.SX.sym("xi", 3)
+    seen = camera.body_points(points, position, ca.SX.eye(3))
+    q = camera.centroid(camera.spherical(camera.pinhole(seen)))
+    return ca.Function(
+        "level_centroid",
+        [points, position],
+        [q, camera.depth_matrix(seen)],
+        ["points", "xi"],
+        ["q", "Q"],
+    )
+
+
+def _goal(position: tuple[Fraction, ...], seen: list[Surd]) -> HoverGoal:
+    return HoverGoal(position, tuple(q.enclosure() for q in seen))
+
+
+def _solve(
+    mission: Mission, start: tuple[Fraction, ...], *, free: int, wanted: np.ndarray
+) -> list[float]:
+    """Find by Newton's method where the first `free` components of q are the wanted ones.
+
+    q = -∇Φ of the convex Φ(ξ) = Σ|P'ᵢ - ξ| with Hessian Q, so the place sought is the minimum of
+    Φ(ξ) + wantedᵀξ, and halving a step until that falls makes Newton converge.
+    """
+    points = np.array([[float(c) for c in p] for p in mission.target.points])
+    look = _level_centroid(len(points))
+    highest = points[:, 2].min()
+
+    def potential(xi: np.ndarray) -> float:
+        return float(np.linalg.norm(points - xi, axis=1).sum() + wanted @ xi)
+
+    xi = np.array([float(c) for c in start])
+    for _ in range(200):
+        q, Q = (np.array(m) for m in look(points.T, xi))
+        step = np.zeros(3)
+        step[:free] = np.linalg.solve(Q[:free, :free], (q[:, 0] - wanted)[:free])
+        size = 1.0
+        while size > 1e-14 and not (
+            (xi + size * step)[2] < highest
+            and potential(xi + size * step) <= potential(xi) + 1e-15 * abs(potential(xi))
+        ):
+            size /= 2
+        xi = xi + size * step
+        if size == 1.0 and np.abs(step).max() <= 4e-16 * max(1.0, np.abs(xi).max()):
+            break
+    if np.abs((np.array(look(points.T, xi)[0])[:, 0] - wanted)[:free]).max() > 1e-9:
+        raise InputError(
+            mission.source,
+            "goal.centroid" if free == 3 else "goal.height",
+            "no level hover above the target sees it so",
+        )
+    return [float(c) for c in xi]

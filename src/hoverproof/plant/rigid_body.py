@@ -1,0 +1,140 @@
+"""The hovering vehicle as a rigid body (eqs. 1-5 and 21).
+
+World frame with z down; the body frame is the camera frame; `R` maps body to world.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from hoverproof.algebra.linear import solve_affine
+
+E3 = ca.SX([0, 0, 1])
+
+
+def skew(a: ca.SX) -> ca.SX:
+    """Return the matrix with ``skew(a) @ b == cross(a, b)``, (3, 3)."""
+    return ca.skew(a)
+
+
+@dataclass(frozen=True)
+class RigidBodyState:
+    """State of the vehicle; every field is a CasADi expression.
+
+    Attributes
+    ----------
+    position : SX
+        ξ, (3, 1), world frame, m.
+    velocity : SX
+        V, (3, 1), body frame, m/s.
+    rotation : SX
+        R, (3, 3), body to world.
+    rate : SX
+        Ω, (3, 1), body frame, rad/s.
+    thrust : SX
+        T, (1, 1), N.
+    """
+
+    position: ca.SX
+    velocity: ca.SX
+    rotation: ca.SX
+    rate: ca.SX
+    thrust: ca.SX
+
+    @classmethod
+    def symbols(cls) -> RigidBodyState:
+        """Return a state of fresh symbols."""
+        return cls(
+            position=ca.SX.sym("xi", 3),
+            velocity=ca.SX.sym("V", 3),
+            rotation=ca.SX.sym("R", 3, 3),
+            rate=ca.SX.sym("Omega", 3),
+            thrust=ca.SX.sym("T"),
+        )
+
+    @classmethod
+    def from_vector(cls, x: ca.SX) -> RigidBodyState:
+        """Unpack a (19, 1) vector: ξ, V, R column by column, Ω, T."""
+        return cls(x[0:3], x[3:6], ca.reshape(x[6:15], 3, 3), x[15:18], x[18])
+
+    def vector(self) -> ca.SX:
+        """Pack into a (19, 1) vector: ξ, V, R column by column, Ω, T."""
+        return ca.vertcat(
+            self.position, self.velocity, ca.vec(self.rotation), self.rate, self.thrust
+        )
+
+    @property
+    def gravity_direction(self) -> ca.SX:
+        """ρ = Rᵀe₃, (3, 1), body frame: where an accelerometer at rest says down is."""
+        return self.rotation.T @ E3
+
+
+STATE_SIZE = 19
+
+
+def force(thrust: ca.SX, gravity_direction: ca.SX, mass: ca.SX, gravity: ca.SX) -> ca.SX:
+    """Return the exogenous force F = -T e₃ + m g ρ, (3, 1), body frame, N (eq. 5)."""
+    return -thrust * E3 + mass * gravity * gravity_direction
+
+
+def acceleration(velocity: ca.SX, rate: ca.SX, force: ca.SX, mass: ca.SX) -> ca.SX:
+    """Return V̇ = -Ω × V + F/m, (3, 1), body frame, m/s² (eq. 2)."""
+    return -skew(rate) @ velocity + force / mass
+
+
+def gravity_direction_rate(gravity_direction: ca.SX, rate: ca.SX) -> ca.SX:
+    """Return ρ̇ = -Ω × ρ, (3, 1), 1/s (from eq. 3)."""
+    return -skew(rate) @ gravity_direction
+
+
+def torque_balance(
+    rate: ca.SX, angular_acceleration: ca.SX, inertia: ca.SX, torque: ca.SX
+) -> ca.SX:
+    """Return I Ω̇ + Ω × I Ω - Γ, (3, 1), N m, which eq. 4 sets to zero.
+
+    Parameters
+    ----------
+    rate, angular_acceleration : SX
+        Ω and Ω̇, (3, 1), body frame, rad/s and rad/s².
+    inertia : SX
+        Principal moments, (3, 1), kg m².
+    torque : SX
+        Γ, (3, 1), body frame, N m.
+    """
+    return inertia * angular_acceleration + skew(rate) @ (inertia * rate) - torque
+
+
+def state_rate(
+    state: RigidBodyState,
+    *,
+    torque: ca.SX,
+    thrust_rate: ca.SX,
+    mass: ca.SX,
+    inertia: ca.SX,
+    gravity: ca.SX,
+) -> RigidBodyState:
+    """Return the time derivative of the state (eqs. 1-5 and 21).
+
+    Parameters
+    ----------
+    state : RigidBodyState
+    torque : SX
+        Γ, (3, 1), body frame, N m.
+    thrust_rate : SX
+        U, (1, 1), N/s.
+    mass, gravity : SX
+        kg and m/s².
+    inertia : SX
+        Principal moments, (3, 1), kg m².
+    """
+    alpha = ca.SX.sym("alpha", 3)
+    exogenous = force(state.thrust, state.gravity_direction, mass, gravity)
+    return RigidBodyState(
+        position=state.rotation @ state.velocity,
+        velocity=acceleration(state.velocity, state.rate, exogenous, mass),
+        rotation=state.rotation @ skew(state.rate),
+        rate=solve_affine(torque_balance(state.rate, alpha, inertia, torque), alpha),
+        thrust=thrust_rate,
+    )

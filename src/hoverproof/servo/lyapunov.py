@@ -1,0 +1,205 @@
+"""The Lyapunov function, its derivative, and Σ read off from it (eqs. 32-35)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from hoverproof.algebra.linear import lie_derivative, solve_affine
+from hoverproof.servo.controller import Controller, derive_controller
+from hoverproof.servo.error_chain import (
+    Design,
+    Errors,
+    Measurement,
+    errors,
+    measured_rate,
+)
+
+ERROR_SIZE = 11
+
+
+@dataclass(frozen=True)
+class LyapunovForm:
+    """-m L̇ as the quadratic form XᵀΣX of the error vector X ∈ R¹¹, with Ω₃ = 0.
+
+    Attributes
+    ----------
+    design : Design
+        Symbols of the design.
+    weights : SX
+        w, (4, 1): L = ½ Σ wᵢ|δᵢ|².
+    Q_lower : SX
+        Lower triangle of the symmetric Q, column by column, (6, 1), 1/m.
+    f : SX
+        f(T) = k1 k2 (k1 k2 + k3)/(m (T - c q3*)), 1/m.
+    errors : SX
+        X, (11, 1), symbols.
+    dissipation : SX
+        -m L̇ in the variables (X, Q, f), (1, 1).
+    Sigma : SX
+        Σ(Q, f), (11, 11), symmetric.
+    flow_weight : SX
+        The matrix of u, (3, 11): Q enters Σ as the bilinear form k1 uᵀQv alone.
+    scaled_velocity : SX
+        The matrix of v = (m/k1) V, (3, 11).
+    """
+
+    design: Design
+    weights: ca.SX
+    Q_lower: ca.SX
+    f: ca.SX
+    errors: ca.SX
+    dissipation: ca.SX
+    Sigma: ca.SX
+    flow_weight: ca.SX
+    scaled_velocity: ca.SX
+
+    def function(self) -> ca.Function:
+        """Return (design, weights, Q's lower triangle by columns, f) ↦ (Σ, u, v)."""
+        return ca.Function(
+            "Sigma",
+            [self.design.vector(), self.weights, self.Q_lower, self.f],
+            [self.Sigma, self.flow_weight, self.scaled_velocity],
+            ["design", "weights", "Q", "f"],
+            ["Sigma", "flow_weight", "scaled_velocity"],
+        )
+
+
+def lyapunov(e: Errors, weights: ca.SX) -> ca.SX:
+    """Return L = ½ Σ wᵢ|δᵢ|², (1, 1) (eq. 32 with all wᵢ = 1)."""
+    parts = (e.d1, e.d2, e.d3, e.d4)
+    return sum(weights[i] * ca.dot(part, part) for i, part in enumerate(parts)) / 2
+
+
+def thrust_factor(thrust: ca.SX, design: Design) -> ca.SX:
+    """Return f(T) = k1 k2 (k1 k2 + k3)/(m (T - c q3*)), 1/m."""
+    numerator, denominator = _thrust_factor_parts(thrust, design)
+    return numerator / denominator
+
+
+def thrust_of_factor(f: ca.SX, design: Design) -> ca.SX:
+    """Return the thrust T, N, at which f(T) has a given value: the inverse of `thrust_factor`."""
+    thrust = ca.SX.sym("T")
+    numerator, denominator = _thrust_factor_parts(thrust, design)
+    return solve_affine(denominator - numerator / f, thrust)
+
+
+def _thrust_factor_parts(thrust: ca.SX, design: Design) -> tuple[ca.SX, ca.SX]:
+    d = design
+    k12 = d.k1 * d.k2
+    return k12 * (k12 + d.k3), d.mass * (thrust - d.stiffness * d.goal_centroid[2])
+
+
+def measurement_of_errors(e: ca.SX, thrust: ca.SX, design: Design) -> Measurement:
+    """Return the measurement with errors X and thrust T while Ω₃ = 0: inverts the error chain."""
+    z = Measurement.symbols()
+    unknown = ca.vertcat(z.centroid, z.velocity, z.gravity_direction, z.rate[:2])
+    known = ca.vertcat(thrust, 0)
+    chain = ca.substitute(errors(z, design).vector(), ca.vertcat(z.thrust, z.rate[2]), known)
+    s = solve_affine(chain - e, unknown)
+    return Measurement(s[0:3], s[3:6], s[6:9], ca.vertcat(s[9:11], 0), thrust)
+
+
+@dataclass(frozen=True)
+class ErrorDynamics:
+    """The closed loop in the error coordinates, Ω₃ = 0.
+
+    Attributes
+    ----------
+    design : Design
+        Symbols of the design.
+    errors : SX
+        X, (11, 1), symbols.
+    f : SX
+        f(T), 1/m, symbol.
+    depth_flow : SX
+        y = QV, (3, 1), 1/s, symbols.
+    velocity : SX
+        V as a function of X, (3, 1), m/s.
+    rate : SX
+        Ẋ as a function of (X, f, y), (11, 1), 1/s.
+    """
+
+    design: Design
+    errors: ca.SX
+    f: ca.SX
+    depth_flow: ca.SX
+    velocity: ca.SX
+    rate: ca.SX
+
+    def rate_with_depths(self, Q: ca.SX) -> ca.SX:
+        """Return Ẋ with y = QV put in, (11, 1), 1/s, for a Q in 1/m, (3, 3)."""
+        return ca.substitute(self.rate, self.depth_flow, Q @ self.velocity)
+
+
+def derive_error_dynamics(controller: Controller | None = None) -> ErrorDynamics:
+    """Differentiate the error chain along the closed loop and express the result in the errors.
+
+    Parameters
+    ----------
+    controller : Controller, optional
+        The control law that closes the loop; by default the derived one.
+    """
+    law = controller or derive_controller()
+    z, d = law.measured, law.design
+    depth_flow = ca.SX.sym("y", 3)
+    flow = measured_rate(
+        z,
+        d,
+        angular_acceleration=law.angular_acceleration,
+        thrust_rate=law.thrust_rate,
+        depth_flow=depth_flow,
+    )
+    rate = lie_derivative(errors(z, d).vector(), z.vector(), flow)
+    x, f = ca.SX.sym("X", ERROR_SIZE), ca.SX.sym("f")
+    back = measurement_of_errors(x, thrust_of_factor(f, d), d)
+    rate = ca.substitute(rate, z.vector(), back.vector())
+    return ErrorDynamics(d, x, f, depth_flow, back.velocity, rate)
+
+
+def derive_lyapunov_form(dynamics: ErrorDynamics | None = None) -> LyapunovForm:
+    """Differentiate L along the closed loop and read Σ off as its quadratic form.
+
+    Parameters
+    ----------
+    dynamics : ErrorDynamics, optional
+        The closed loop; by default the derived one.
+    """
+    loop = dynamics or derive_error_dynamics()
+    x, d = loop.errors, loop.design
+    weights, Q_lower = ca.SX.sym("w", 4), ca.SX.sym("Q", 6)
+    L = lyapunov(Errors.from_vector(x), weights)
+    flow_weight = -ca.jacobian(lie_derivative(L, x, loop.rate), loop.depth_flow)
+    scaled_velocity = d.mass / d.k1 * loop.velocity
+    closed = loop.rate_with_depths(symmetric_matrix(Q_lower))
+    dissipation = -d.mass * lie_derivative(L, x, closed)
+    return LyapunovForm(
+        design=d,
+        weights=weights,
+        Q_lower=Q_lower,
+        f=loop.f,
+        errors=x,
+        dissipation=dissipation,
+        Sigma=at_origin(ca.hessian(dissipation, x)[0] / 2, x),
+        flow_weight=at_origin(ca.jacobian(flow_weight, x), x),
+        scaled_velocity=at_origin(ca.jacobian(scaled_velocity, x), x),
+    )
+
+
+def linearised_loop() -> ca.Function:
+    """Return (design, Q, f) ↦ the matrix of Ẋ = B X near the goal: (13,), (3, 3), () to (11, 11)."""
+    loop = derive_error_dynamics()
+    Q = ca.SX.sym("Q", 3, 3)
+    B = at_origin(ca.jacobian(loop.rate_with_depths(Q), loop.errors), loop.errors)
+    return ca.Function("linearised_loop", [loop.design.vector(), Q, loop.f], [B])
+
+
+def at_origin(expression: ca.SX, x: ca.SX) -> ca.SX:
+    """Return an expression at x = 0."""
+    return ca.substitute(expression, x, ca.SX.zeros(x.shape))
+
+
+def symmetric_matrix(lower: ca.SX) -> ca.SX:
+    """Return the symmetric (3, 3) matrix whose lower triangle, column by column, is given, (6, 1)."""
+    return ca.tril2symm(ca.SX(ca.Sparsity.lower(3), lower))

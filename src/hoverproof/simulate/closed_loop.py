@@ -1,0 +1,140 @@
+"""The closed loop as one CasADi graph: plant, camera and controller, and one step of RK4."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import casadi as ca
+
+from hoverproof.plant import camera, rotors
+from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, state_rate
+from hoverproof.servo.controller import derive_controller
+from hoverproof.servo.error_chain import Design, Measurement, errors
+from hoverproof.servo.lyapunov import lyapunov
+
+GUARDS = ("depth of the nearest target point", "thrust above the singularity")
+"""What must stay positive in flight, in m and N; each step keeps the lowest value so far."""
+
+FLIGHT_SIZE = STATE_SIZE + len(GUARDS)
+
+
+def parameters(n: int) -> tuple[Design, ca.SX]:
+    """Return symbols of the design and of n target points, (3, n), world frame, m."""
+    return Design.symbols(), ca.SX.sym("points", 3, n)
+
+
+def sense(state: RigidBodyState, points: ca.SX) -> tuple[Measurement, ca.SX, ca.SX]:
+    """Return what the vehicle measures, the pinhole image (2, n) and the depths (1, n) in m.
+
+    Parameters
+    ----------
+    state : RigidBodyState
+    points : SX
+        (3, n), world frame, m.
+    """
+    seen = camera.body_points(points, state.position, state.rotation)
+    image = camera.pinhole(seen)
+    measured = Measurement(
+        centroid=camera.centroid(camera.spherical(image)),
+        velocity=state.velocity,
+        gravity_direction=state.gravity_direction,
+        rate=state.rate,
+        thrust=state.thrust,
+    )
+    return measured, image, seen[2, :]
+
+
+def loop_rate(state: ca.SX, design: Design, points: ca.SX) -> ca.SX:
+    """Return the time derivative of the packed state, (19, 1), with the controller in the loop."""
+    body = RigidBodyState.from_vector(state)
+    measured, _, _ = sense(body, points)
+    thrust_rate, torque = derive_controller().function()(measured.vector(), design.vector())
+    return state_rate(
+        body,
+        torque=torque,
+        thrust_rate=thrust_rate,
+        mass=design.mass,
+        inertia=design.inertia,
+        gravity=design.gravity,
+    ).vector()
+
+
+def guards(state: ca.SX, design: Design, points: ca.SX) -> ca.SX:
+    """Return the values named in `GUARDS`, (2, 1)."""
+    body = RigidBodyState.from_vector(state)
+    _, _, depths = sense(body, points)
+    singular = design.stiffness * design.goal_centroid[2]
+    return ca.vertcat(ca.mmin(depths), body.thrust - singular)
+
+
+def nearest_rotation(rotation: ca.SX) -> ca.SX:
+    """Return R(3I - RᵀR)/2, (3, 3): a step of Newton and Schulz toward the nearest rotation.
+
+    An error of size ε in orthonormality becomes one of size ε².
+    """
+    return rotation @ (3 * ca.SX.eye(3) - rotation.T @ rotation) / 2
+
+
+@cache
+def step_function(n: int) -> ca.Function:
+    """Return (flight state, design, points, dt) ↦ flight state after one step of RK4.
+
+    The flight state, (21,), is the packed state of the vehicle and the lowest guards so far.
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    """
+    design, points = parameters(n)
+    flight, dt = ca.SX.sym("flight", FLIGHT_SIZE), ca.SX.sym("dt")
+    x, lowest = flight[:STATE_SIZE], flight[STATE_SIZE:]
+    a = loop_rate(x, design, points)
+    b = loop_rate(x + dt / 2 * a, design, points)
+    c = loop_rate(x + dt / 2 * b, design, points)
+    d = loop_rate(x + dt * c, design, points)
+    body = RigidBodyState.from_vector(x + dt / 6 * (a + 2 * b + 2 * c + d))
+    after = RigidBodyState(
+        body.position, body.velocity, nearest_rotation(body.rotation), body.rate, body.thrust
+    ).vector()
+    lowest = ca.fmin(lowest, guards(x, design, points))
+    inputs = [flight, design.vector(), points, dt]
+    outputs = ca.cse(ca.vertcat(after, lowest))
+    return ca.Function("hoverproof_step", inputs, [outputs])
+
+
+@cache
+def readout_function(n: int) -> ca.Function:
+    """Return (state, design, points, arm, drag_ratio) ↦ what a flight record holds.
+
+    Outputs: image (2, n), centroid (3,), δ1, δ2, δ3 (3,), δ4 (2,), lyapunov, torque (3,) in N m,
+    rotor_thrusts (4,) in N.
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    """
+    design, points = parameters(n)
+    x, arm, drag = ca.SX.sym("x", STATE_SIZE), ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
+    measured, image, _ = sense(RigidBodyState.from_vector(x), points)
+    e = errors(measured, design)
+    _, torque = derive_controller().function()(measured.vector(), design.vector())
+    outputs = {
+        "image": image,
+        "centroid": measured.centroid,
+        "delta1": e.d1,
+        "delta2": e.d2,
+        "delta3": e.d3,
+        "delta4": e.d4,
+        "lyapunov": lyapunov(e, ca.SX.ones(4)),
+        "torque": torque,
+        "rotor_thrusts": rotors.rotor_thrusts(measured.thrust, torque, arm, drag),
+    }
+    return ca.Function(
+        "readout",
+        [x, design.vector(), points, arm, drag],
+        list(outputs.values()),
+        ["x", "design", "points", "arm", "drag_ratio"],
+        list(outputs),
+    )

@@ -1,0 +1,340 @@
+"""Fly a mission: from its start, with the camera in the loop, to a record with units."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+import hoverproof
+from hoverproof.algebra.graph import fingerprint
+from hoverproof.errors import InputError
+from hoverproof.files import replacing
+from hoverproof.mission import Mission
+from hoverproof.plant.camera import body_points, depth_matrix
+from hoverproof.plant.goal import hover_goal
+from hoverproof.plant.rigid_body import STATE_SIZE
+from hoverproof.plant.rotors import ROTORS
+from hoverproof.servo.error_chain import Design
+from hoverproof.servo.lyapunov import linearised_loop, thrust_factor
+from hoverproof.simulate.closed_loop import GUARDS, readout_function, step_function
+from hoverproof.simulate.compiled import Runner, runner
+
+Array = NDArray[np.float64]
+
+STEP = 0.01
+SAMPLES = 2000
+MAX_SAMPLES = 10_000_000
+SETTLED = 0.1
+
+
+@dataclass(frozen=True)
+class FlightNumbers:
+    """The floating-point numbers that a flight runs on.
+
+    Attributes
+    ----------
+    design : (13,)
+        In the order of `Design`.
+    points : (3, n)
+        Target, world frame, m.
+    goal : (3,)
+        ξ*, world frame, m.
+    start : (19,)
+        Packed state.
+    """
+
+    design: Array
+    points: Array
+    goal: Array
+    start: Array
+
+    @classmethod
+    def of(cls, mission: Mission) -> FlightNumbers:
+        """Round the numbers of a mission."""
+        goal = hover_goal(mission)
+        start = mission.start
+        state = [
+            *start.position,
+            *start.velocity,
+            *rotation_matrix(*map(float, start.rotation)).T.ravel(),
+            *start.rates,
+            mission.vehicle.weight,
+        ]
+        return cls(
+            design=_floats(Design.values(mission, goal.centroid_midpoint)),
+            points=np.array([_floats(p) for p in mission.target.points]).T,
+            goal=_floats(goal.position),
+            start=_floats(state),
+        )
+
+
+def simulate(
+    mission: Mission,
+    *,
+    duration: float | None = None,
+    step: float = STEP,
+    every: int | None = None,
+    compiler: str | None = None,
+) -> xr.Dataset:
+    """Fly a mission from its start.
+
+    Parameters
+    ----------
+    mission : Mission
+    duration : float, optional
+        s; by default seven time constants of the slowest motion near the goal.
+    step : float
+        Step of the Runge-Kutta method of order 4, s.
+    every : int, optional
+        Keep every so many steps; by default about 2000 samples are kept.
+    compiler : str, optional
+        Command of the C compiler (see `hoverproof.simulate.compiled.runner`).
+
+    Returns
+    -------
+    xarray.Dataset
+        Named coordinates and units; ``attrs["outcome"]`` is ``"flown"``, or says why the flight ended
+        before its time.
+
+    Raises
+    ------
+    InputError
+        If the duration, the step or the mission cannot be used.
+    """
+    numbers = FlightNumbers.of(mission)
+    if duration is None:
+        duration = default_duration(mission)
+    if not (math.isfinite(step) and step > 0):
+        raise InputError("--step", "", f"must be a positive time in s, not {step}")
+    if not (math.isfinite(duration) and duration >= step):
+        raise InputError("--duration", "", f"must be at least one step of {step} s, not {duration}")
+    steps = round(duration / step)
+    every = max(1, steps // SAMPLES) if every is None else every
+    if not 1 <= every <= steps:
+        raise InputError("--every", "", f"must be between 1 and the {steps} steps, not {every}")
+    if steps // every > MAX_SAMPLES:
+        raise InputError(
+            "--every", "", f"would keep more than {MAX_SAMPLES} samples; take a larger one"
+        )
+
+    machine = runner(numbers.points.shape[1], compiler=compiler)
+    begin = time.perf_counter()
+    states, good = _run(machine, numbers, step, steps // every, every)
+    seconds = time.perf_counter() - begin
+    flight = _record(mission, numbers, states[:, :STATE_SIZE], step * every)
+    flight.attrs |= {
+        "outcome": "flown"
+        if good
+        else _what_happened(states[-1], (len(states) - 1) * every * step),
+        "step": step,
+        "steps": (len(states) - 1) * every,
+        "seconds": seconds,
+        "machine": machine.name,
+    }
+    return flight
+
+
+def default_duration(mission: Mission) -> float:
+    """Return seven time constants of the slowest motion near the goal, s, to two digits.
+
+    Parameters
+    ----------
+    mission : Mission
+
+    Raises
+    ------
+    InputError
+        If the loop is not stable near the goal, so that no time is natural.
+    """
+    slowest = slowest_rate(mission)
+    if slowest <= 0:
+        raise InputError("--duration", "", "must be given: this loop is not stable near its goal")
+    time = 7 / slowest
+    digits = 1 - math.floor(math.log10(time))
+    return float(round(time, digits))
+
+
+def slowest_rate(mission: Mission) -> float:
+    """Return the decay rate of the slowest motion of the loop linearised at the goal, 1/s.
+
+    Negative if some motion grows.
+    """
+    numbers = FlightNumbers.of(mission)
+    design, thrust = Design.symbols(), ca.SX.sym("T")
+    f = ca.Function("f", [design.vector(), thrust], [thrust_factor(thrust, design)])
+    points = ca.SX(numbers.points)
+    Q = depth_matrix(body_points(points, ca.SX(numbers.goal), ca.SX.eye(3)))
+    weight = float(mission.vehicle.weight)
+    B = linearised_loop()(numbers.design, ca.DM(Q), f(numbers.design, weight))
+    return -float(np.linalg.eigvals(np.array(B)).real.max())
+
+
+def summary(flight: xr.Dataset) -> dict[str, Any]:
+    """Return what a flight came to: positions and errors in m, times in s.
+
+    Parameters
+    ----------
+    flight : Dataset
+        From `simulate`.
+    """
+    error = np.linalg.norm(flight["position"].values - flight.attrs["goal_position"], axis=1)
+    outside = np.nonzero(error > SETTLED * error[0])[0]
+    times = flight["time"].values
+    flown = flight.attrs["outcome"] == "flown"
+    settled = flown and outside.size > 0 and outside[-1] + 1 < len(times)
+    return {
+        "outcome": flight.attrs["outcome"],
+        "start_position": flight["position"].values[0].tolist(),
+        "start_error": float(error[0]),
+        "final_position": flight["position"].values[-1].tolist(),
+        "final_error": float(error[-1]),
+        "settled_at": float(times[outside[-1] + 1]) if settled else None,
+        "duration": float(times[-1]),
+        "steps": int(flight.attrs["steps"]),
+        "seconds": float(flight.attrs["seconds"]),
+        "machine": flight.attrs["machine"],
+        "largest_tilt": float(flight["tilt"].max()),
+        "rotor_thrust": [float(flight["rotor_thrust"].min()), float(flight["rotor_thrust"].max())],
+    }
+
+
+def save(flight: xr.Dataset, path: str | Path) -> None:
+    """Write a flight to a netCDF-4 file.
+
+    Parameters
+    ----------
+    flight : Dataset
+    path : str or Path
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    with replacing(path) as beside:
+        flight.to_netcdf(beside, engine="h5netcdf")
+
+
+def rotation_matrix(roll: float, pitch: float, yaw: float) -> Array:
+    """Return R = Rz(yaw) Ry(pitch) Rx(roll), (3, 3), from angles in rad."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def euler_angles(rotation: Array) -> Array:
+    """Return roll, pitch, yaw in rad, (..., 3), of rotations (..., 3, 3): the inverse of the above."""
+    r = rotation
+    roll = np.arctan2(r[..., 2, 1], r[..., 2, 2])
+    pitch = np.arctan2(-r[..., 2, 0], np.hypot(r[..., 0, 0], r[..., 1, 0]))
+    yaw = np.arctan2(r[..., 1, 0], r[..., 0, 0])
+    return np.stack([roll, pitch, yaw], axis=-1)
+
+
+def _run(
+    machine: Runner, numbers: FlightNumbers, step: float, samples: int, every: int
+) -> tuple[Array, bool]:
+    """Return the flight states from the start on, (1 + samples, 21), and whether all are good."""
+    start = np.concatenate([numbers.start, np.full(len(GUARDS), np.finfo(float).max)])
+    states, good = machine.run(start, numbers.design, numbers.points, step, samples, every)
+    return np.vstack([start, states]), good
+
+
+def _what_happened(state: Array, at: float) -> str:
+    if not np.isfinite(state).all():
+        return f"the motion diverged before {at:g} s"
+    broken = [name for name, value in zip(GUARDS, state[STATE_SIZE:], strict=True) if value <= 0]
+    return f"ended before {at:g} s: no {' and no '.join(broken)} left"
+
+
+def _record(mission: Mission, numbers: FlightNumbers, states: Array, interval: float) -> xr.Dataset:
+    n = numbers.points.shape[1]
+    read = _columns(readout_function(n), mission, numbers, states)
+    rotation = states[:, 6:15].reshape(-1, 3, 3).transpose(0, 2, 1)
+    body, world, point = ("time", "body_axis"), ("time", "axis"), ("time", "point", "image_axis")
+    tilt = np.arctan2(np.hypot(rotation[:, 2, 0], rotation[:, 2, 1]), rotation[:, 2, 2])
+    variables: dict[str, tuple[Any, Array, str, str]] = {
+        "position": (world, states[:, 0:3], "m", "position ξ, world frame, z down"),
+        "velocity": (body, states[:, 3:6], "m/s", "velocity V, body frame"),
+        "rotation": (("time", "axis", "body_axis"), rotation, "1", "rotation R, body to world"),
+        "euler_angles": (
+            ("time", "angle"),
+            euler_angles(rotation),
+            "rad",
+            "R = Rz(yaw) Ry(pitch) Rx(roll)",
+        ),
+        "tilt": (("time",), tilt, "rad", "angle between body and world vertical"),
+        "body_rate": (body, states[:, 15:18], "rad/s", "angular velocity Ω, body frame"),
+        "thrust": (("time",), states[:, 18], "N", "thrust T"),
+        "torque": (body, read["torque"], "N m", "torque Γ, body frame"),
+        "rotor_thrust": (("time", "rotor"), read["rotor_thrusts"], "N", "thrust of each rotor"),
+        "image": (point, read["image"].reshape(-1, n, 2), "1", "pinhole image, focal length 1"),
+        "centroid": (body, read["centroid"], "1", "image centroid q"),
+        "delta1": (body, read["delta1"], "1", "image error δ1"),
+        "delta2": (body, read["delta2"], "1", "velocity error δ2"),
+        "delta3": (body, read["delta3"], "1", "force error δ3"),
+        "delta4": (("time", "horizontal_axis"), read["delta4"], "1", "body-rate error δ4"),
+        "lyapunov": (("time",), read["lyapunov"][:, 0], "1", "L = ½ Σ|δᵢ|²"),
+    }
+    axes = list("xyz")
+    return xr.Dataset(
+        {
+            name: (dims, values, {"units": units, "long_name": words})
+            for name, (dims, values, units, words) in variables.items()
+        },
+        coords={
+            "time": ("time", interval * np.arange(len(states)), {"units": "s"}),
+            "axis": axes,
+            "body_axis": axes,
+            "horizontal_axis": axes[:2],
+            "image_axis": axes[:2],
+            "angle": ["roll", "pitch", "yaw"],
+            "rotor": list(ROTORS),
+            "point": np.arange(1, n + 1),
+        },
+        attrs={
+            "title": f"closed-loop flight of {mission.name}",
+            "goal_position": numbers.goal,
+            "goal_centroid": numbers.design[-3:],
+            "mission": json.dumps(mission.exact()),
+            "model_sha256": fingerprint(step_function(n)),
+            "hoverproof_version": hoverproof.__version__,
+            "casadi_version": ca.__version__,
+        },
+    )
+
+
+def _columns(
+    read: ca.Function, mission: Mission, numbers: FlightNumbers, states: Array
+) -> dict[str, Array]:
+    """Evaluate a readout along the flight; each result is (samples, size)."""
+    samples = len(states)
+    names: Callable[[int], str] = read.name_out
+    mapped = read.map(samples)
+    held = (
+        np.tile(numbers.design[:, None], samples),
+        np.tile(numbers.points, samples),
+        np.full((1, samples), float(mission.vehicle.arm)),
+        np.full((1, samples), float(mission.vehicle.drag_ratio)),
+    )
+    outputs = mapped(states.T, *held)
+    return {names(i): np.array(output).T.reshape(samples, -1) for i, output in enumerate(outputs)}
+
+
+def _floats(values: Any) -> Array:
+    return np.array([float(value) for value in values])
