@@ -21,8 +21,8 @@ For L = ½ Σ wi|δi|² the terms in Ω drop out and -m L' = XᵀΣX, X = (δ1, 
 
     uᵀQv ≥ λ uᵀv - ϱ|u||v| ≥ λ uᵀv - (ϱ/2)(τ|v|² + |u|²/τ),
 
-so Σ ≻ t I follows from  M = Σ(λI) - (k1 ϱ/2)(τ vᵀv + uᵀu/τ) - t I ≻ 0,  which is decided by an exact
-LDLᵀ. M is affine in f and in each component of q*: the corners of a box around them suffice.
+so Σ ≻ t I follows from  M = Σ(λI) - (k1 ϱ/2)(τ vᵀv + uᵀu/τ) - t I ≻ 0,  which is decided by an
+exact LDLᵀ. M is affine in f and in each component of q*: the corners of a box around them suffice.
 """
 
 import hashlib
@@ -31,10 +31,30 @@ import json
 import math
 import re
 import sys
+from collections.abc import Sequence
 from fractions import Fraction
+from typing import Any, NamedTuple
+
+Row = Sequence[Fraction]
+Matrix = list[list[Fraction]]
+Gains = dict[str, Fraction]
 
 MAX_BYTES = 1_000_000
 BITS = 128  # of the enclosures made here
+
+
+class Question(NamedTuple):
+    """The numbers of a mission that bear on the claim; intervals enclose what is irrational."""
+
+    name: str
+    m: Fraction  # mass, kg
+    g: Gains  # k1 kg m/s, k2 1/m, k3 and k4 kg/s
+    w: list[Fraction]  # weights of L
+    thrust: list[Fraction]  # lowest and highest, N
+    eigenvalues: list[Fraction]  # of Q, lowest and highest, 1/m
+    centroid: list[tuple[Fraction, Fraction]]  # q*
+    factor: tuple[Fraction, Fraction]  # holds every f(T), 1/m
+    attained: tuple[Fraction, Fraction]  # every value in it is an f(T), 1/m
 
 
 class Rejected(Exception):
@@ -48,7 +68,7 @@ class Unreadable(Exception):
 # --- exact arithmetic ---------------------------------------------------------------------------
 
 
-def positive_definite(matrix):
+def positive_definite(matrix: Matrix) -> bool:
     """Tell by LDLᵀ in rational arithmetic whether a symmetric matrix is positive definite."""
     a = [list(row) for row in matrix]
     n = len(a)
@@ -64,7 +84,7 @@ def positive_definite(matrix):
     return True
 
 
-def square_root(s):
+def square_root(s: Fraction) -> tuple[Fraction, Fraction]:
     """Return rationals low <= √s <= high."""
     n = (s.numerator << 2 * BITS) // s.denominator
     r = math.isqrt(n)
@@ -72,7 +92,7 @@ def square_root(s):
     return Fraction(r, 1 << BITS), Fraction(r if exact else r + 1, 1 << BITS)
 
 
-def within(inner, outer):
+def within(inner: Sequence[Fraction], outer: Sequence[Fraction]) -> bool:
     """Tell whether the interval `inner` lies in `outer`."""
     return outer[0] <= inner[0] <= inner[1] <= outer[1]
 
@@ -80,38 +100,39 @@ def within(inner, outer):
 # --- the model ----------------------------------------------------------------------------------
 
 
-def centroid_seen(points, position):
+def centroid_seen(points: Matrix, position: Row) -> list[tuple[Fraction, Fraction]]:
     """Enclose q = Σ (P - ξ)/|P - ξ|; points at equal distance are added before rounding."""
-    sums = {}
+    sums: dict[Fraction, list[Fraction]] = {}
     for point in points:
-        ray = [p - x for p, x in zip(point, position)]
-        square = sum(c * c for c in ray)
+        ray = [p - x for p, x in zip(point, position, strict=True)]
+        square = sum((c * c for c in ray), Fraction(0))
         require(square > 0, "the goal coincides with a target point")
-        old = sums.get(square, [0, 0, 0])
-        sums[square] = [a + b for a, b in zip(old, ray)]
+        old = sums.get(square, [Fraction(0)] * 3)
+        sums[square] = [a + b for a, b in zip(old, ray, strict=True)]
     box = []
     for i in range(3):
         ends = [sorted(ray[i] / r for r in square_root(s)) for s, ray in sums.items()]
-        box.append((sum(e[0] for e in ends), sum(e[1] for e in ends)))
+        low, high = (sum((e[k] for e in ends), Fraction(0)) for k in (0, 1))
+        box.append((low, high))
     return box
 
 
-def factor(m, k1, k2, k3, thrust, q3):
+def factor(m: Fraction, g: Gains, thrust: Fraction, q3: Fraction) -> Fraction:
     """Return f(T) = k1 k2 (k1 k2 + k3)/(m (T - c q3*)), c = k1² k2/m."""
-    distance = thrust - k1**2 * k2 / m * q3
+    distance = thrust - g["k1"] ** 2 * g["k2"] / m * q3
     require(distance > 0, "the thrust interval reaches the singularity T = c q3*")
-    return k1 * k2 * (k1 * k2 + k3) / (m * distance)
+    return g["k1"] * g["k2"] * (g["k1"] * g["k2"] + g["k3"]) / (m * distance)
 
 
-def closed_loop(g, Q, f, q):
+def closed_loop(g: Gains, Q: Matrix, f: Fraction, q: Row) -> Matrix:
     """Return the matrix B of m X' = B X (the terms in Ω left out), 11 x 11."""
     k1, k2, k3, k4 = (g[k] for k in ("k1", "k2", "k3", "k4"))
     unit = [[Fraction(int(i == j)) for j in range(11)] for i in range(11)]
     zero = [Fraction(0)] * 11
     d1, d2, d3, d4 = unit[0:3], unit[3:6], unit[6:9], [unit[9], unit[10], zero]
 
-    def mix(*terms):
-        return [sum(c * row[j] for c, row in terms) for j in range(11)]
+    def mix(*terms: tuple[Fraction | int, Row]) -> list[Fraction]:
+        return [sum((c * row[j] for c, row in terms), Fraction(0)) for j in range(11)]
 
     v = [mix((1, d1[i]), (1, d2[i])) for i in range(3)]
     flow = [mix(*((k1 * Q[i][j], v[j]) for j in range(3))) for i in range(3)]
@@ -130,7 +151,7 @@ def closed_loop(g, Q, f, q):
     return rows
 
 
-def sigma(g, w, Q, f, q):
+def sigma(g: Gains, w: Row, Q: Matrix, f: Fraction, q: Row) -> Matrix:
     """Return Σ = -sym(W B) for L = ½ XᵀWX."""
     weight = [w[0]] * 3 + [w[1]] * 3 + [w[2]] * 3 + [w[3]] * 2
     b = closed_loop(g, Q, f, q)
@@ -138,7 +159,9 @@ def sigma(g, w, Q, f, q):
     return [[-(weight[i] * b[i][j] + weight[j] * b[j][i]) / 2 for j in n] for i in n]
 
 
-def bound(g, w, eigenvalues, f, q, tau, t):
+def bound(
+    g: Gains, w: Row, eigenvalues: Row, f: Fraction, q: Row, tau: Fraction, t: Fraction
+) -> Matrix:
     """Return M = Σ(λI) - (k1 ϱ/2)(τ vᵀv + uᵀu/τ) - t I."""
     low, high = eigenvalues
     middle, spread = (low + high) / 2, (high - low) / 2
@@ -161,13 +184,13 @@ def bound(g, w, eigenvalues, f, q, tau, t):
 # --- the certificate ----------------------------------------------------------------------------
 
 
-def require(condition, reason):
+def require(condition: object, reason: str) -> None:
     """Reject the certificate for a reason unless the condition holds."""
     if not condition:
         raise Rejected(reason)
 
 
-def number(text):
+def number(text: Any) -> Fraction:
     """Read an exact rational in lowest terms, written as "p" or "p/q"."""
     good = isinstance(text, str) and re.fullmatch(r"-?[0-9]{1,300}(/[0-9]{1,300})?", text, re.A)
     require(good, f"not an exact number: {str(text)[:40]!r}")
@@ -178,7 +201,7 @@ def number(text):
     return value
 
 
-def numbers(values, *shape):
+def numbers(values: Any, *shape: int | None) -> Any:
     """Read nested lists of numbers of a shape; None stands for any length."""
     if not shape:
         return number(values)
@@ -186,14 +209,14 @@ def numbers(values, *shape):
     return [numbers(entry, *shape[1:]) for entry in values]
 
 
-def keys(value, wanted, where):
+def keys(value: Any, wanted: Sequence[str], where: str) -> Any:
     """Make sure that an object has just the wanted keys."""
     require(isinstance(value, dict), f"{where} is not an object")
     require(set(value) == set(wanted), f"{where} must have the keys {', '.join(wanted)}")
     return value
 
 
-def digest(value):
+def digest(value: Any) -> str:
     """Return the SHA-256 of a JSON value in canonical form."""
     text = json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
     return hashlib.sha256(text.encode("ascii")).hexdigest()
@@ -201,10 +224,11 @@ def digest(value):
 
 COMMON = ("format", "version", "kind", "mission", "mission_sha256", "model_sha256", "tools")
 PROOF = ("goal_position", "weights", "enclosures", "vertices", "claim", "statement", "sha256")
+GAINS = ("k1", "k2", "k3", "k4", "k_yaw")
 WITNESS = ("goal_position", "weights", "counterexample", "statement", "sha256")
 
 
-def read_mission(c):
+def read_mission(c: Any) -> Question:
     """Return the numbers of the mission that bear on the claim, and enclosures made from them."""
     mission = c["mission"]
     keys(mission, ("name", "vehicle", "target", "goal", "gains", "bounds", "start"), "mission")
@@ -253,60 +277,66 @@ def read_mission(c):
         require(c["goal_position"] is None, "a goal by centroid has no position here")
         require(q[2] > 0 and sum(x * x for x in q) < len(points) ** 2, "no hover sees this q*")
         centroid = [(x, x) for x in q]
-    return {
-        "name": mission["name"], "m": m, "g": g, "w": w, "thrust": thrust,
-        "eigenvalues": eigenvalues, "centroid": centroid,
-        "f": lambda T, q3: factor(m, g["k1"], g["k2"], g["k3"], T, q3),
-    }  # fmt: skip
+
+    def f(thrust: Fraction, q3: Fraction) -> Fraction:
+        return factor(m, g, thrust, q3)
+
+    (low, high), (q_low, q_high) = thrust, centroid[2]
+    return Question(
+        name=mission["name"],
+        m=m,
+        g=g,
+        w=w,
+        thrust=thrust,
+        eigenvalues=eigenvalues,
+        centroid=centroid,
+        factor=(f(high, q_low), f(low, q_high)),
+        attained=(f(high, q_high), f(low, q_low)),
+    )
 
 
-GAINS = ("k1", "k2", "k3", "k4", "k_yaw")
-
-
-def check_gains(c):
+def check_gains(c: Any) -> str:
     """Verify a proof of Σ ≻ margin·I and of the decay of L; return the theorem in words."""
     p = read_mission(c)
-    (t_low, t_high), (_, _, (q_low, q_high)) = p["thrust"], p["centroid"]
     keys(c["enclosures"], ("centroid", "factor"), "enclosures")
     box = numbers(c["enclosures"]["centroid"], 3, 2)
     span = numbers(c["enclosures"]["factor"], 2)
-    for mine, given in zip(p["centroid"], box):
+    for mine, given in zip(p.centroid, box, strict=True):
         require(within(mine, given), "the box around q* does not hold q*")
-    true_span = p["f"](t_high, q_low), p["f"](t_low, q_high)
-    require(within(true_span, span), "the interval of f does not hold f(T)")
+    require(within(p.factor, span), "the interval of f does not hold f(T)")
 
     require(isinstance(c["vertices"], list) and len(c["vertices"]) == 2, "two vertices are needed")
     claim = keys(c["claim"], ("margin", "decay_rate"), "claim")
     margin, rate = number(claim["margin"]), number(claim["decay_rate"])
     require(margin > 0, "a margin of zero or less proves nothing")
-    scale = 2 / (p["m"] * max(p["w"]))
+    scale = 2 / (p.m * max(p.w))
     require(rate == scale * margin, "the decay rate does not follow from the margin")
     margins = []
-    for f, vertex in zip(span, c["vertices"]):
+    for f, vertex in zip(span, c["vertices"], strict=True):
         keys(vertex, ("factor", "multiplier", "margin", "decay_rate"), "vertex")
         require(number(vertex["factor"]) == f, "a vertex is not at an end of the interval of f")
         tau, t = number(vertex["multiplier"]), number(vertex["margin"])
         require(tau > 0, "a multiplier must be positive")
         require(number(vertex["decay_rate"]) == scale * t, "a decay rate is not that of its margin")
         for q in itertools.product(*(sorted(set(ends)) for ends in box)):
-            M = bound(p["g"], p["w"], p["eigenvalues"], f, q, tau, t)
+            M = bound(p.g, p.w, p.eigenvalues, f, q, tau, t)
             require(positive_definite(M), "Σ - margin·I is not shown to be positive definite")
         margins.append(t)
     require(margin == min(margins), "the margin is not the smallest of the vertices")
     return theorem_of_gains(p, margin, rate)
 
 
-def theorem_of_gains(p, margin, rate):
+def theorem_of_gains(p: Question, margin: Fraction, rate: Fraction) -> str:
     """Say in words what was proved."""
     return (
         f"F{setting(p)[1:]}, the matrix Σ(Q, T) is positive definite, with every eigenvalue above "
-        f"{about(margin)} kg/s. Hence, while Q and T stay in these intervals and Ω3 = 0, the Lyapunov function "
-        f"L = ½ Σ wi|δi|² with w = ({', '.join(map(str, p['w']))}) falls at least as fast as "
-        f"exp(-r t) with r = {about(rate)} 1/s."
+        f"{about(margin)} kg/s. Hence, while Q and T stay in these intervals and Ω3 = 0, the "
+        f"Lyapunov function L = ½ Σ wi|δi|² with w = ({', '.join(map(str, p.w))}) falls at least "
+        f"as fast as exp(-r t) with r = {about(rate)} 1/s."
     )
 
 
-def check_counterexample(c):
+def check_counterexample(c: Any) -> str:
     """Verify that Σ(Q, f) is not positive semidefinite at one admissible point."""
     p = read_mission(c)
     point = keys(c["counterexample"], ("Q", "f", "X", "value"), "counterexample")
@@ -314,44 +344,42 @@ def check_counterexample(c):
     f, value = number(point["f"]), number(point["value"])
     n = range(3)
     require(all(Q[i][j] == Q[j][i] for i in n for j in n), "Q is not symmetric")
-    low, high = p["eigenvalues"]
+    low, high = p.eigenvalues
     above = [[Q[i][j] - (low if i == j else 0) for j in n] for i in n]
     below = [[(high if i == j else 0) - Q[i][j] for j in n] for i in n]
     inside = positive_definite(above) and positive_definite(below)
     require(inside, "the eigenvalues of Q are not inside the interval")
-    (t_low, t_high), (_, _, (q_low, q_high)) = p["thrust"], p["centroid"]
-    attained = p["f"](t_high, q_high), p["f"](t_low, q_low)
-    require(attained[0] <= f <= attained[1], "no thrust in the interval gives this f")
+    require(within((f, f), p.attained), "no thrust in the interval gives this f")
     values = []
-    for q in itertools.product(*p["centroid"]):
-        S = sigma(p["g"], p["w"], Q, f, q)
+    for q in itertools.product(*p.centroid):
+        S = sigma(p.g, p.w, Q, f, q)
         values.append(sum(X[i] * S[i][j] * X[j] for i in range(11) for j in range(11)))
     require(max(values) <= value < 0, "XᵀΣX is not as negative as claimed")
     return theorem_of_counterexample(p, f, value)
 
 
-def theorem_of_counterexample(p, f, value):
+def theorem_of_counterexample(p: Question, f: Fraction, value: Fraction) -> str:
     """Say in words what was refuted."""
     return (
-        f"It is not true that, {setting(p)}, the matrix Σ(Q, T) is positive definite: for the given "
-        f"rational Q and X, and the thrust with f(T) = {about(f)} 1/m, "
+        f"It is not true that, {setting(p)}, the matrix Σ(Q, T) is positive definite: for the "
+        f"given rational Q and X, and the thrust with f(T) = {about(f)} 1/m, "
         f"XᵀΣX <= {about(value)} < 0."
     )
 
 
-def setting(p):
+def setting(p: Question) -> str:
     """Say in words for which vehicle, gains and intervals."""
-    gains = ", ".join(f"{k} = {p['g'][k]}" for k in GAINS[:4])
-    q = ", ".join(f"{float((a + b) / 2):.12g}" for a, b in p["centroid"])
-    (a, b), (t, u) = p["eigenvalues"], p["thrust"]
+    gains = ", ".join(f"{k} = {p.g[k]}" for k in GAINS[:4])
+    q = ", ".join(f"{float((a + b) / 2):.12g}" for a, b in p.centroid)
+    (a, b), (t, u) = p.eigenvalues, p.thrust
     return (
-        f"for the mission {p['name']} (m = {p['m']} kg, {gains}, q* = ({q}) to 12 digits), every "
+        f"for the mission {p.name} (m = {p.m} kg, {gains}, q* = ({q}) to 12 digits), every "
         f"symmetric Q with eigenvalues in [{a}, {b}] 1/m and every thrust T in "
         f"[{about(t)}, {about(u)}] N"
     )
 
 
-def about(x):
+def about(x: Fraction) -> str:
     """Write a rational number so that a person sees its size."""
     return str(x) if len(str(x)) < 6 else f"{x} (about {float(x):.6g})"
 
@@ -359,7 +387,7 @@ def about(x):
 KINDS = {"gains": (PROOF, check_gains), "counterexample": (WITNESS, check_counterexample)}
 
 
-def check(certificate):
+def check(certificate: Any) -> str:
     """Return the theorem that a certificate (an object read from JSON) proves.
 
     Raises Rejected if it does not prove what it claims.
@@ -378,13 +406,13 @@ def check(certificate):
     return theorem
 
 
-def read(path):
+def read(path: Any) -> Any:
     """Read a certificate file: JSON without floats, duplicate keys or constants such as NaN."""
 
-    def refuse(what):
+    def refuse(what: str) -> Any:
         raise Unreadable(f"holds {what}")
 
-    def unique(pairs):
+    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         if len(dict(pairs)) < len(pairs):
             refuse("the same key twice")
         return dict(pairs)
@@ -407,13 +435,21 @@ def read(path):
         raise Unreadable(f"is not JSON: {str(error)[:100]}") from None
 
 
-def main(arguments):
+def check_file(path: Any) -> str:
+    """Return the theorem that a certificate file proves.
+
+    Raises Rejected if it does not prove what it claims, Unreadable if it is not a certificate.
+    """
+    return check(read(path))
+
+
+def main(arguments: list[str]) -> int:
     """Check the file named on the command line; return the exit status."""
     if len(arguments) != 1:
         print("usage: checker.py FILE", file=sys.stderr)
         return 2
     try:
-        theorem = check(read(arguments[0]))
+        theorem = check_file(arguments[0])
     except Unreadable as error:
         print(f"{arguments[0]}: {error}", file=sys.stderr)
         return 2

@@ -37,7 +37,7 @@ def replacing(path: Path | str) -> Iterator[Path]:
     try:
         yield beside
         beside.chmod(0o666 & ~_umask())
-        os.replace(beside, path)
+        beside.replace(path)
     except OSError as error:
         raise InputError(str(path), "", f"cannot be written: {error.strerror or error}") from error
     finally:

@@ -47,8 +47,8 @@ def _shown(value: object) -> str:
     return text if len(text) <= 40 else text[:37] + "..."
 
 
-def _quantity(unit: str, low: str, high: str, *, open_low: bool = False) -> Any:
-    """Return the type of an exact number in [low, high] (or above low, if open_low)."""
+def _quantity(unit: str, low: str, high: str, *, open_low: bool = False) -> BeforeValidator:
+    """Accept an exact number in [low, high] (or above low, if open_low)."""
     lowest, highest = Fraction(low), Fraction(high)
     suffix = f" {unit}" if unit else ""
     span = f"above {low} and at most {high}" if open_low else f"from {low} to {high}"
@@ -63,7 +63,7 @@ def _quantity(unit: str, low: str, high: str, *, open_low: bool = False) -> Any:
             raise _reject(f"must be {span}{suffix}, not {_shown(value)}")
         return number
 
-    return Annotated[Fraction, BeforeValidator(exact)]
+    return BeforeValidator(exact)
 
 
 def _array(*names: str) -> Callable[[object], object]:
@@ -77,16 +77,16 @@ def _array(*names: str) -> Callable[[object], object]:
     return check
 
 
-_Length = _quantity("m", "-1e6", "1e6")
-_PositiveLength = _quantity("m", "0", "1e6", open_low=True)
-_Inertia = _quantity("kg m²", "0", "1e6", open_low=True)
-_Speed = _quantity("m/s", "-1e4", "1e4")
-_Angle = _quantity("rad", "-3.1416", "3.1416")
-_BodyRate = _quantity("rad/s", "-1e3", "1e3")
-_Eigenvalue = _quantity("1/m", "0", "1e6", open_low=True)
-_Force = _quantity("N", "0", "1e9", open_low=True)
-_Direction = _quantity("", "-1e3", "1e3")
-_MassPerTime = _quantity("kg/s", "0", "1e9", open_low=True)
+_Length = Annotated[Fraction, _quantity("m", "-1e6", "1e6")]
+_PositiveLength = Annotated[Fraction, _quantity("m", "0", "1e6", open_low=True)]
+_Inertia = Annotated[Fraction, _quantity("kg m²", "0", "1e6", open_low=True)]
+_Speed = Annotated[Fraction, _quantity("m/s", "-1e4", "1e4")]
+_Angle = Annotated[Fraction, _quantity("rad", "-3.1416", "3.1416")]
+_BodyRate = Annotated[Fraction, _quantity("rad/s", "-1e3", "1e3")]
+_Eigenvalue = Annotated[Fraction, _quantity("1/m", "0", "1e6", open_low=True)]
+_Force = Annotated[Fraction, _quantity("N", "0", "1e9", open_low=True)]
+_Direction = Annotated[Fraction, _quantity("", "-1e3", "1e3")]
+_MassPerTime = Annotated[Fraction, _quantity("kg/s", "0", "1e9", open_low=True)]
 
 Point = Annotated[tuple[_Length, _Length, _Length], BeforeValidator(_array("x", "y", "z"))]
 
@@ -98,13 +98,13 @@ class _Section(BaseModel):
 class Vehicle(_Section):
     """The vehicle: mass kg, inertia kg m² (principal), arm m, drag_ratio m, gravity m/s²."""
 
-    mass: _quantity("kg", "0", "1e6", open_low=True)  # type: ignore[valid-type]
+    mass: Annotated[Fraction, _quantity("kg", "0", "1e6", open_low=True)]
     inertia: Annotated[
         tuple[_Inertia, _Inertia, _Inertia], BeforeValidator(_array("I1", "I2", "I3"))
     ]
     arm: _PositiveLength
     drag_ratio: _PositiveLength
-    gravity: _quantity("m/s²", "0", "1e3", open_low=True)  # type: ignore[valid-type]
+    gravity: Annotated[Fraction, _quantity("m/s²", "0", "1e3", open_low=True)]
 
     @model_validator(mode="after")
     def _is_a_body(self) -> Self:
@@ -159,15 +159,15 @@ class Goal(_Section):
 class Gains(_Section):
     """Control gains: k1 kg m/s, k2 1/m, k3 and k4 kg/s, k_yaw kg m²/s."""
 
-    k1: _quantity("kg m/s", "0", "1e9", open_low=True)  # type: ignore[valid-type]
-    k2: _quantity("1/m", "0", "1e9", open_low=True)  # type: ignore[valid-type]
+    k1: Annotated[Fraction, _quantity("kg m/s", "0", "1e9", open_low=True)]
+    k2: Annotated[Fraction, _quantity("1/m", "0", "1e9", open_low=True)]
     k3: _MassPerTime
     k4: _MassPerTime
-    k_yaw: _quantity("kg m²/s", "0", "1e9", open_low=True)  # type: ignore[valid-type]
+    k_yaw: Annotated[Fraction, _quantity("kg m²/s", "0", "1e9", open_low=True)]
 
 
 class Bounds(_Section):
-    """What is assumed in flight: eigenvalues of Q in 1/m, and a thrust interval in N or a level of L."""
+    """What is assumed in flight: eigenvalues of Q 1/m, and thrust N or a level of L."""
 
     eigenvalues: Annotated[
         tuple[_Eigenvalue, _Eigenvalue], BeforeValidator(_array("lowest", "highest"))
@@ -175,7 +175,7 @@ class Bounds(_Section):
     thrust: (
         Annotated[tuple[_Force, _Force], BeforeValidator(_array("lowest", "highest"))] | None
     ) = None
-    level: _quantity("", "0", "1e9", open_low=True) | None = None  # type: ignore[valid-type]
+    level: Annotated[Fraction, _quantity("", "0", "1e9", open_low=True)] | None = None
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
@@ -282,7 +282,8 @@ class Mission(_Section):
 
     def exact(self) -> dict[str, Any]:
         """Return the whole mission as nested dicts and lists, each number an exact string."""
-        return _as_text(self.model_dump(exclude_none=True))
+        text: dict[str, Any] = _as_text(self.model_dump(exclude_none=True))
+        return text
 
 
 def on_one_line(points: Sequence[Sequence[Fraction]]) -> bool:

@@ -1,0 +1,1 @@
+"""Exact mathematics that knows nothing of flight."""

@@ -73,7 +73,8 @@ def evaluate(
         elif op in _UNARY:
             work[outputs[0]] = _UNARY[op](work[inputs[0]])
         else:
-            raise NotImplementedError(f"no exact counterpart of CasADi operation {op}")
+            name = next((n for n, v in vars(ca).items() if n[:3] == "OP_" and v == op), op)
+            raise NotImplementedError(f"no exact counterpart of CasADi operation {name}")
     return [_dense(values, function.sparsity_out(i), zero) for i, values in enumerate(results)]
 
 

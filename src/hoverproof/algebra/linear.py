@@ -39,7 +39,7 @@ def solve_affine(residual: ca.SX, unknown: ca.SX) -> ca.SX:
 
 
 def _first_entry(row: ca.SX) -> ca.SX:
-    return ca.sparsify(row).nonzeros()[0]
+    return ca.sparsify(row).nz[0]
 
 
 def lie_derivative(expression: ca.SX, state: ca.SX, rate: ca.SX) -> ca.SX:

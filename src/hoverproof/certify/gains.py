@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar
@@ -9,14 +10,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from hoverproof.algebra.definite import is_positive_definite, quadratic_form
-from hoverproof.certify.certificate import Certificate, exact, seal
-from hoverproof.certify.lmi import Array, Vertex, best_multiplier, worst_directions
+from hoverproof.certify.certificate import Certificate, seal
+from hoverproof.certify.lmi import Array, Vertex, best_multiplier, worst_direction
 from hoverproof.certify.problem import GainProblem, Rows, gain_problem
 from hoverproof.mission import Mission
 
-MULTIPLIER_BITS = 40
-DIRECTION_BITS = 40
-SHRINK = 1 - Fraction(1, 1 << 40)
+WITNESS_BITS = 40
 
 
 @dataclass(frozen=True)
@@ -82,8 +81,8 @@ class Undecided:
 
     Attributes
     ----------
-    margin_above : Fraction
-        Proved upper bound of the worst eigenvalue, kg/s.
+    margin_above : Fraction or None
+        Proved upper bound of the worst eigenvalue, kg/s; None if the solver found nothing.
     reason : str
         What stood in the way.
     problem : GainProblem
@@ -91,12 +90,21 @@ class Undecided:
     """
 
     status: ClassVar[str] = "undecided"
-    margin_above: Fraction
+    margin_above: Fraction | None
     reason: str
     problem: GainProblem
 
 
 Verdict = Proved | Refuted | Undecided
+
+
+@dataclass(frozen=True)
+class _Vertex:
+    """One end of the interval of f, with what was proved there."""
+
+    factor: Fraction
+    multiplier: Fraction
+    margin: Fraction
 
 
 @dataclass(frozen=True)
@@ -136,50 +144,48 @@ def certify(mission: Mission) -> Verdict:
     problem = gain_problem(mission)
     vertices, worst = [], []
     for f, attained in zip(problem.factor, problem.factor_attained, strict=True):
+        vertex = _vertex(problem, f)
         try:
-            vertex = _vertex(problem, f)
-            tau = _dyadic(best_multiplier(vertex), MULTIPLIER_BITS)
+            tau = _short_multiplier(best_multiplier(vertex))
         except RuntimeError as error:
-            return _undecided(problem, worst, str(error))
-        worst.append(_worst_case(problem, vertex, float(tau), attained))
+            return Undecided(None, str(error), problem)
+        direction = worst_direction(vertex, float(tau))
+        worst.append((_worst_case(problem, direction, attained, WITNESS_BITS), direction))
         margin = _proved_margin(problem, f, tau, vertex.margin(float(tau)))
-        vertices.append(
-            {
-                "factor": f,
-                "multiplier": tau,
-                "margin": margin,
-                "decay_rate": None if margin is None else problem.decay_rate(margin),
-            }
-        )
+        vertices.append(_Vertex(f, tau, margin))
     low, high = problem.factor_attained
-    lowest = min(worst, key=lambda w: w.quotient)
+    lowest, direction = min(worst, key=lambda pair: pair[0].quotient)
     if lowest.value < 0 and low <= lowest.f <= high:
-        return _refuted(problem, lowest)
-    margins = [v["margin"] for v in vertices]
-    if None in margins or min(margins) <= 0:
-        return _undecided(problem, worst, "the worst eigenvalue of Σ is too close to zero")
+        return _refuted(problem, _shortest_witness(problem, direction, lowest), lowest.quotient)
+    if any(v.margin <= 0 for v in vertices):
+        return Undecided(lowest.quotient, "the worst eigenvalue of Σ is too near zero", problem)
     return _proved(problem, vertices, lowest.quotient)
 
 
-def _proved(problem: GainProblem, vertices: list[dict[str, Any]], margin_above: Fraction) -> Proved:
-    margin = min(v["margin"] for v in vertices)
+def _proved(problem: GainProblem, vertices: list[_Vertex], margin_above: Fraction) -> Proved:
+    margin = min(v.margin for v in vertices)
     rate = problem.decay_rate(margin)
     parts = {
         "claim": {"margin": margin, "decay_rate": rate},
         "enclosures": {"centroid": problem.centroid, "factor": problem.factor},
-        "vertices": vertices,
+        "vertices": [
+            {
+                "factor": v.factor,
+                "multiplier": v.multiplier,
+                "margin": v.margin,
+                "decay_rate": problem.decay_rate(v.margin),
+            }
+            for v in vertices
+        ],
     }
     return Proved(margin, margin_above, rate, problem, seal(problem, "gains", parts))
 
 
-def _refuted(problem: GainProblem, worst: _Worst) -> Refuted:
-    point = {"Q": worst.Q, "f": worst.f, "X": worst.X, "value": worst.value}
+def _refuted(problem: GainProblem, worst: _Worst, margin_above: Fraction) -> Refuted:
+    value = -_decimal_below(-worst.value)
+    point = {"Q": worst.Q, "f": worst.f, "X": worst.X, "value": value}
     certificate = seal(problem, "counterexample", {"counterexample": point})
-    return Refuted(worst.Q, worst.f, worst.X, worst.value, worst.quotient, problem, certificate)
-
-
-def _undecided(problem: GainProblem, worst: list[_Worst], reason: str) -> Undecided:
-    return Undecided(min(w.quotient for w in worst), reason, problem)
+    return Refuted(worst.Q, worst.f, worst.X, value, margin_above, problem, certificate)
 
 
 def _vertex(problem: GainProblem, f: Fraction) -> Vertex:
@@ -190,10 +196,11 @@ def _vertex(problem: GainProblem, f: Fraction) -> Vertex:
     return Vertex(sigma, u, v, float(problem.mission.gains.k1 * spread / 2))
 
 
-def _proved_margin(
-    problem: GainProblem, f: Fraction, tau: Fraction, estimate: float
-) -> Fraction | None:
-    """Return a short t, just below the estimate, with M(τ) ≻ t I exactly at all corners of q*."""
+def _proved_margin(problem: GainProblem, f: Fraction, tau: Fraction, estimate: float) -> Fraction:
+    """Return a short t, near the estimate, with M(τ) ≻ t I exactly at all corners of q*.
+
+    Zero if none is found above it.
+    """
     middle, spread = _middle_and_spread(problem)
     loss = problem.mission.gains.k1 * spread / 2
     bounds = []
@@ -211,29 +218,47 @@ def _proved_margin(
                 for i in n
             ]
         )
-    for slack in (1e-9, 1e-7, 1e-5):
-        t = _decimal_below(estimate - slack * abs(estimate))
-        if all(is_positive_definite(_shifted(m, t)) for m in bounds):
+    for slack in (1e-9, 1e-7, 1e-5, 1e-3):
+        t = _decimal_below(estimate * (1 - slack))
+        if t > 0 and all(is_positive_definite(_shifted(m, t)) for m in bounds):
             return t
-    return None
+    return Fraction(0)
 
 
-def _worst_case(problem: GainProblem, vertex: Vertex, tau: float, f: Fraction) -> _Worst:
-    """Make exact the candidate of worst directions with the lowest Rayleigh quotient."""
+def _worst_case(
+    problem: GainProblem, direction: tuple[Array, Array], f: Fraction, bits: int
+) -> _Worst:
+    """Round a worst direction to rationals, and evaluate XᵀΣX there exactly.
+
+    Q = λ̄I + ϱH with a mirror H, pulled in a little so that its eigenvalues lie strictly inside.
+    """
     middle, spread = _middle_and_spread(problem)
-    found = []
-    for x, w in worst_directions(vertex, tau):
-        X = [_dyadic(float(c), DIRECTION_BITS) for c in x / np.abs(x).max()]
-        axis = [_dyadic(float(c), DIRECTION_BITS) for c in w]
-        square = sum(c * c for c in axis)
-        Q = _identity(middle)
-        for i in range(3):
-            for j in range(3):
-                mirror = 2 * axis[i] * axis[j] / square if square else Fraction(0)
-                Q[i][j] += spread * SHRINK * (Fraction(int(i == j)) - mirror)
-        value = max(quadratic_form(problem.matrices(Q, f, q)[0], X) for q in problem.corners())
-        found.append(_Worst(Q, f, X, value))
-    return min(found, key=lambda candidate: candidate.quotient)
+    spread *= 1 - Fraction(1, 1 << bits)
+    x, w = direction
+    X = [_rounded(c, bits) for c in x / np.abs(x).max()]
+    axis = [_rounded(c, bits) for c in w]
+    square = sum(c * c for c in axis)
+    Q = _identity(middle + spread)
+    for i in range(3):
+        for j in range(3):
+            Q[i][j] -= 2 * spread * axis[i] * axis[j] / square if square else Fraction(0)
+    value = max(quadratic_form(problem.matrices(Q, f, q)[0], X) for q in problem.corners())
+    return _Worst(Q, f, X, value)
+
+
+def _shortest_witness(
+    problem: GainProblem, direction: tuple[Array, Array], worst: _Worst
+) -> _Worst:
+    """Return a counterexample in shorter numbers that loses no more than a tenth of the value."""
+    low, high = problem.factor_attained
+    for bits in (4, 8, 12, 16, 24):
+        unit = Fraction(1, 1 << (bits + 8))
+        inward = worst.f // unit * unit + (unit if worst.f == low else 0)
+        f = inward if low <= inward <= high else worst.f
+        short = _worst_case(problem, direction, f, bits)
+        if any(short.X) and short.quotient < worst.quotient * Fraction(9, 10):
+            return short
+    return worst
 
 
 def _middle_and_spread(problem: GainProblem) -> tuple[Fraction, Fraction]:
@@ -253,20 +278,23 @@ def _floats(matrix: Rows) -> Array:
     return np.array([[float(entry) for entry in row] for row in matrix])
 
 
-def _dyadic(value: float, bits: int) -> Fraction:
-    """Round to `bits` binary digits, relative to the size of the value if that is below 1."""
-    _, exponent = np.frexp(value)
-    places = bits - min(int(exponent), 0)
-    return Fraction(round(Fraction(value) * (1 << places)), 1 << places)
+def _short_multiplier(tau: float) -> Fraction:
+    """Round τ to 24 significant binary digits: the margin is flat there, and proofs stay short."""
+    return _rounded(tau, 24 - int(np.frexp(tau)[1])) if tau < 2.0**24 else Fraction(round(tau))
 
 
-def _decimal_below(value: float, digits: int = 10) -> Fraction:
+def _rounded(value: float, bits: int) -> Fraction:
+    """Round to so many binary digits after the point."""
+    return Fraction(round(Fraction(value) * (1 << bits)), 1 << bits)
+
+
+def _decimal_below(value: float | Fraction, digits: int = 10) -> Fraction:
     """Return the largest decimal of so many significant digits that is not above a value."""
     if value == 0:
         return Fraction(0)
-    places = digits - 1 - int(np.floor(np.log10(abs(value))))
+    places = digits - 1 - int(np.floor(np.log10(abs(float(value)))))
     scale = Fraction(10) ** places
-    return Fraction(int((Fraction(value) * scale) // 1)) / scale
+    return Fraction(value) * scale // 1 / scale
 
 
 def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
@@ -279,32 +307,26 @@ def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
         Where the certificate was written.
     """
     problem = verdict.problem
-    margin = verdict.margin if isinstance(verdict, Proved) else None
-    counterexample = None
-    if isinstance(verdict, Refuted):
-        point = {"Q": verdict.Q, "f": verdict.f, "X": verdict.X, "value": verdict.value}
-        counterexample = exact(point)
+    proved = verdict if isinstance(verdict, Proved) else None
+    refuted = verdict if isinstance(verdict, Refuted) else None
+    above = None if verdict.margin_above is None else float(verdict.margin_above)
     return {
         "mission": problem.mission.name,
         "verdict": verdict.status,
-        "margin": float(verdict.margin_above if margin is None else margin),
-        "margin_bounds": [
-            None if margin is None else float(margin),
-            float(verdict.margin_above),
-        ],
-        "decay_rate": float(verdict.decay_rate) if isinstance(verdict, Proved) else None,
-        "eigenvalues": [float(x) for x in problem.eigenvalues],
-        "thrust": [float(x) for x in problem.thrust],
-        "goal_centroid": [float(x) for x in problem.goal.centroid_midpoint],
-        "weights": [float(x) for x in problem.weights],
-        "counterexample": counterexample,
+        "margin": float(proved.margin) if proved else above,
+        "margin_bounds": [float(proved.margin) if proved else None, above],
+        "decay_rate": float(proved.decay_rate) if proved else None,
+        "eigenvalues": _numbers(problem.eigenvalues),
+        "thrust": _numbers(problem.thrust),
+        "goal_centroid": _numbers(problem.goal.centroid_midpoint),
+        "weights": _numbers(problem.weights),
+        "counterexample": refuted.certificate.content["counterexample"] if refuted else None,
         "reason": verdict.reason if isinstance(verdict, Undecided) else None,
         "statement": None if isinstance(verdict, Undecided) else verdict.certificate.statement,
         "certificate": certificate_path,
-        "units": {
-            "margin": "kg/s",
-            "decay_rate": "1/s",
-            "eigenvalues": "1/m",
-            "thrust": "N",
-        },
+        "units": {"margin": "kg/s", "decay_rate": "1/s", "eigenvalues": "1/m", "thrust": "N"},
     }
+
+
+def _numbers(values: Sequence[Fraction]) -> list[float]:
+    return [float(x) for x in values]

@@ -11,6 +11,7 @@ decided elsewhere, exactly.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 
 import cvxpy as cp
@@ -70,7 +71,12 @@ def best_multiplier(vertex: Vertex) -> float:
         ]
     )
     problem = cp.Problem(cp.Maximize(t), [(block + block.T) / 2 >> 0])
-    problem.solve(solver=cp.CLARABEL)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # an inaccurate multiplier costs margin, never soundness
+        try:
+            problem.solve(solver=cp.CLARABEL)
+        except cp.SolverError as error:
+            raise RuntimeError(f"the solver failed: {error}") from None
     if tau.value is None or not np.isfinite(tau.value) or tau.value <= 0:
         raise RuntimeError(f"the solver found no multiplier ({problem.status})")
     return _polish(vertex, float(tau.value))
@@ -90,14 +96,14 @@ def _polish(vertex: Vertex, tau: float) -> float:
     return max((tau, middle), key=vertex.margin)
 
 
-def worst_directions(vertex: Vertex, tau: float) -> list[tuple[Array, Array]]:
-    """Return candidates (X, w) for the worst case, worst first found first.
+def worst_direction(vertex: Vertex, tau: float) -> tuple[Array, Array]:
+    """Return the worst case found: the error vector X (11,) and the axis w (3,) of the extremal Q.
 
-    X (11,) is the error vector; w (3,) the axis of the extremal Q = λ̄I + ϱ(I - 2wwᵀ/wᵀw), which
-    reflects v into the direction opposite to u.
+    The extremal Q = λ̄I + ϱ(I - 2wwᵀ/wᵀw) mirrors v into the direction opposite to u, which gives
+    XᵀΣX = XᵀΣ(λ̄I)X - k1 ϱ|u||v|.
 
-    At the best τ some X in the lowest eigenspace of M has |u| = τ|v|; if that space has more than one
-    dimension, X is mixed from the two directions in which |u|² - τ²|v|² has opposite signs.
+    At the best τ some X in the lowest eigenspace of M has |u| = τ|v|; if that space has several
+    dimensions, X is mixed from the two directions in which |u|² - τ²|v|² has opposite signs.
     """
     values, vectors = np.linalg.eigh(vertex.bound(tau))
     scale = np.abs(values).max()
@@ -112,12 +118,13 @@ def worst_directions(vertex: Vertex, tau: float) -> list[tuple[Array, Array]]:
             y = np.cos(share) * mix[:, 0] + np.sin(share) * mix[:, -1]
         else:
             y = mix[:, np.argmin(np.abs(balance))]
-        x = space @ y
-        candidates.append((x, _reflection_axis(vertex, x)))
-    return candidates
+        candidates.append(space @ y)
 
+    def quotient(x: Array) -> float:
+        u, v = np.linalg.norm(vertex.u @ x), np.linalg.norm(vertex.v @ x)
+        return float((x @ vertex.sigma @ x - 2 * vertex.spread * u * v) / (x @ x))
 
-def _reflection_axis(vertex: Vertex, x: Array) -> Array:
+    x = min(candidates, key=quotient)
     u, v = vertex.u @ x, vertex.v @ x
-    w = u / max(float(np.linalg.norm(u)), 1e-300) + v / max(float(np.linalg.norm(v)), 1e-300)
-    return np.asarray(w)
+    tiny = np.finfo(float).tiny
+    return x, u / max(float(np.linalg.norm(u)), tiny) + v / max(float(np.linalg.norm(v)), tiny)

@@ -1,0 +1,1 @@
+"""The world: rigid body, camera, rotors, and the hover asked for."""

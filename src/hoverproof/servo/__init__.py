@@ -1,0 +1,1 @@
+"""The control design: error chain, controller, Lyapunov function."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from fractions import Fraction
+from typing import ClassVar, Self
 
 import casadi as ca
 
@@ -17,8 +18,27 @@ from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.rigid_body import E3, skew
 
 
+class Packed:
+    """A dataclass of column vectors, which also stand as one vector in the order of the fields."""
+
+    vectors: ClassVar[frozenset[str]] = frozenset()
+    """Names of the fields with three components; the others are scalars."""
+
+    @classmethod
+    def symbols(cls) -> Self:
+        """Return an object of fresh symbols."""
+        names = [f.name for f in fields(cls)]  # type: ignore[arg-type]
+        return cls(**{name: ca.SX.sym(name, 3 if name in cls.vectors else 1) for name in names})
+
+    def vector(self) -> ca.SX:
+        """Pack into one column, in the order of the fields."""
+        names = [f.name for f in fields(self)]  # type: ignore[arg-type]
+        packed: ca.SX = ca.vertcat(*(getattr(self, name) for name in names))
+        return packed
+
+
 @dataclass(frozen=True)
-class Design:
+class Design(Packed):
     """What the control law is made of besides measurements; every field is an SX.
 
     Attributes
@@ -33,6 +53,8 @@ class Design:
         q*, (3, 1), wanted image centroid, camera frame.
     """
 
+    vectors = frozenset({"inertia", "goal_centroid"})
+
     mass: ca.SX
     gravity: ca.SX
     inertia: ca.SX
@@ -42,16 +64,6 @@ class Design:
     k4: ca.SX
     k_yaw: ca.SX
     goal_centroid: ca.SX
-
-    @classmethod
-    def symbols(cls) -> Design:
-        """Return a design of fresh symbols."""
-        size = {"inertia": 3, "goal_centroid": 3}
-        return cls(**{f.name: ca.SX.sym(f.name, size.get(f.name, 1)) for f in fields(cls)})
-
-    def vector(self) -> ca.SX:
-        """Pack into a (13, 1) vector, in the order of the fields."""
-        return ca.vertcat(*(getattr(self, f.name) for f in fields(self)))
 
     @staticmethod
     def values(mission: Mission, goal_centroid: Sequence[Fraction]) -> list[Fraction]:
@@ -74,7 +86,7 @@ class Design:
 
 
 @dataclass(frozen=True)
-class Measurement:
+class Measurement(Packed):
     """What the vehicle knows in flight; every field is an SX, in the body frame.
 
     Attributes
@@ -91,21 +103,13 @@ class Measurement:
         T, (1, 1), N.
     """
 
+    vectors = frozenset({"centroid", "velocity", "gravity_direction", "rate"})
+
     centroid: ca.SX
     velocity: ca.SX
     gravity_direction: ca.SX
     rate: ca.SX
     thrust: ca.SX
-
-    @classmethod
-    def symbols(cls) -> Measurement:
-        """Return a measurement of fresh symbols."""
-        size = {"thrust": 1}
-        return cls(**{f.name: ca.SX.sym(f.name, size.get(f.name, 3)) for f in fields(cls)})
-
-    def vector(self) -> ca.SX:
-        """Pack into a (13, 1) vector, in the order of the fields."""
-        return ca.vertcat(*(getattr(self, f.name) for f in fields(self)))
 
 
 @dataclass(frozen=True)

@@ -68,8 +68,8 @@ class LyapunovForm:
 
 def lyapunov(e: Errors, weights: ca.SX) -> ca.SX:
     """Return L = ½ Σ wᵢ|δᵢ|², (1, 1) (eq. 32 with all wᵢ = 1)."""
-    parts = (e.d1, e.d2, e.d3, e.d4)
-    return sum(weights[i] * ca.dot(part, part) for i, part in enumerate(parts)) / 2
+    squares = ca.vertcat(*(ca.dot(part, part) for part in (e.d1, e.d2, e.d3, e.d4)))
+    return ca.dot(weights, squares) / 2
 
 
 def thrust_factor(thrust: ca.SX, design: Design) -> ca.SX:
@@ -188,7 +188,7 @@ def derive_lyapunov_form(dynamics: ErrorDynamics | None = None) -> LyapunovForm:
 
 
 def linearised_loop() -> ca.Function:
-    """Return (design, Q, f) ↦ the matrix of Ẋ = B X near the goal: (13,), (3, 3), () to (11, 11)."""
+    """Return (design, Q, f) ↦ B of Ẋ = B X near the goal: (13,), (3, 3), () to (11, 11)."""
     loop = derive_error_dynamics()
     Q = ca.SX.sym("Q", 3, 3)
     B = at_origin(ca.jacobian(loop.rate_with_depths(Q), loop.errors), loop.errors)
@@ -201,5 +201,5 @@ def at_origin(expression: ca.SX, x: ca.SX) -> ca.SX:
 
 
 def symmetric_matrix(lower: ca.SX) -> ca.SX:
-    """Return the symmetric (3, 3) matrix whose lower triangle, column by column, is given, (6, 1)."""
+    """Return the symmetric (3, 3) matrix of a lower triangle, column by column, (6, 1)."""
     return ca.tril2symm(ca.SX(ca.Sparsity.lower(3), lower))

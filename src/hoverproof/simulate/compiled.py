@@ -35,6 +35,15 @@ FLAGS = (
 )
 
 
+DIVERGED = 10**12
+"""A flight has diverged when any number of its state reaches this size, in SI units."""
+
+
+def has_diverged(flight: Array) -> bool:
+    """Tell whether a flight state, (21,), has diverged or is not a number."""
+    return not (np.abs(flight[:STATE_SIZE]) < DIVERGED).all()
+
+
 @dataclass(frozen=True)
 class Runner:
     """A way to run the closed loop.
@@ -44,9 +53,9 @@ class Runner:
     name : str
         ``"compiled C"`` or ``"CasADi virtual machine"``.
     run : callable
-        ``run(start (21,), design (13,), points (3, n), dt, samples, every)`` returns the flight states
-        after each `every` steps, (m, 21), and whether the last of them is good; m is less than
-        `samples` if it is not.
+        ``run(start (21,), design (13,), points (3, n), dt, samples, every)`` returns the flight
+        states after each `every` steps, (m, 21), and whether the last of them is good; m is less
+        than `samples` if it is not.
     """
 
     name: str
@@ -88,8 +97,9 @@ def c_source(n: int) -> str:
         generator.generate(folder + os.sep)
         generated = (Path(folder) / "closed_loop.c").read_text(encoding="utf-8")
     design, points = step.nnz_in(1), step.nnz_in(2)
-    sizes = {"FLIGHT": FLIGHT_SIZE, "STATE": STATE_SIZE, "DESIGN": design, "POINTS": points}
-    defines = "".join(f"#define HP_{name} {value}\n" for name, value in sizes.items())
+    constants = {"FLIGHT": FLIGHT_SIZE, "STATE": STATE_SIZE, "DESIGN": design, "POINTS": points}
+    constants["DIVERGED"] = DIVERGED
+    defines = "".join(f"#define HP_{name} {value}\n" for name, value in constants.items())
     driver = (resources.files("hoverproof.simulate") / "loop.c").read_text(encoding="utf-8")
     return f"#define CASADI_SYMBOL_EXPORT static\n{defines}{generated}\n{driver}"
 
@@ -99,23 +109,23 @@ def _library(n: int, compiler: str) -> Path | None:
     """Return the compiled closed loop from the cache, made if needed; None if that fails."""
     source = c_source(n)
     command = [*shlex.split(compiler), *FLAGS]
-    version = subprocess.run(
-        [*command[:1], "--version"], capture_output=True, text=True, check=False
-    )
-    identity = "\0".join([source, *command, version.stdout, _processor()])
-    name = f"closed-loop-{hashlib.sha256(identity.encode()).hexdigest()[:32]}.so"
-    path = _cache_folder() / name
-    if not path.exists():
-        with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-            made = Path(folder) / name
-            arguments = [*command, "-x", "c", "-", "-o", str(made), "-lm"]
-            done = subprocess.run(
-                arguments, input=source, capture_output=True, text=True, check=False
-            )
-            if done.returncode or not made.exists():
-                return None
-            made.replace(path)
+    try:
+        version = _call([command[0], "--version"]).stdout
+        identity = "\0".join([source, *command, version, _processor()])
+        digest = hashlib.sha256(identity.encode()).hexdigest()[:32]
+        path = _cache_folder() / f"closed-loop-{digest}.so"
+        if not path.exists():
+            with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+                made = Path(folder) / path.name
+                _call([*command, "-x", "c", "-", "-o", str(made), "-lm"], source).check_returncode()
+                made.replace(path)
+    except (OSError, subprocess.CalledProcessError):
+        return None
     return path
+
+
+def _call(command: list[str], text: str = "") -> subprocess.CompletedProcess[str]:
+    return subprocess.run(command, input=text, capture_output=True, text=True, check=False)
 
 
 def _cache_folder() -> Path:
@@ -181,7 +191,7 @@ def _virtual_machine(n: int) -> Runner:
             for leap, held in leaps:
                 flight = np.array(leap(flight, *held))[:, 0]
             taken.append(flight)
-            if not (np.isfinite(flight).all() and (flight[STATE_SIZE:] > 0).all()):
+            if has_diverged(flight) or not (flight[STATE_SIZE:] > 0).all():
                 return np.array(taken), False
         return np.array(taken), True
 

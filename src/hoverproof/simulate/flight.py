@@ -7,6 +7,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,7 @@ from hoverproof.plant.rotors import ROTORS
 from hoverproof.servo.error_chain import Design
 from hoverproof.servo.lyapunov import linearised_loop, thrust_factor
 from hoverproof.simulate.closed_loop import GUARDS, readout_function, step_function
-from hoverproof.simulate.compiled import Runner, runner
+from hoverproof.simulate.compiled import Runner, has_diverged, runner
 
 Array = NDArray[np.float64]
 
@@ -103,8 +104,8 @@ def simulate(
     Returns
     -------
     xarray.Dataset
-        Named coordinates and units; ``attrs["outcome"]`` is ``"flown"``, or says why the flight ended
-        before its time.
+        Named coordinates and units; ``attrs["outcome"]`` is ``"flown"``, or says why the flight
+        ended before its time.
 
     Raises
     ------
@@ -131,13 +132,13 @@ def simulate(
     begin = time.perf_counter()
     states, good = _run(machine, numbers, step, steps // every, every)
     seconds = time.perf_counter() - begin
-    flight = _record(mission, numbers, states[:, :STATE_SIZE], step * every)
+    last, taken = states[-1], (len(states) - 1) * every
+    kept = states if good else states[:-1]  # the record ends with the last good state
+    flight = _record(mission, numbers, kept[:, :STATE_SIZE], step * every)
     flight.attrs |= {
-        "outcome": "flown"
-        if good
-        else _what_happened(states[-1], (len(states) - 1) * every * step),
+        "outcome": "flown" if good else _what_happened(last, taken * step),
         "step": step,
-        "steps": (len(states) - 1) * every,
+        "steps": taken,
         "seconds": seconds,
         "machine": machine.name,
     }
@@ -238,7 +239,7 @@ def rotation_matrix(roll: float, pitch: float, yaw: float) -> Array:
 
 
 def euler_angles(rotation: Array) -> Array:
-    """Return roll, pitch, yaw in rad, (..., 3), of rotations (..., 3, 3): the inverse of the above."""
+    """Return roll, pitch, yaw in rad, (..., 3), of rotations (..., 3, 3)."""
     r = rotation
     roll = np.arctan2(r[..., 2, 1], r[..., 2, 2])
     pitch = np.arctan2(-r[..., 2, 0], np.hypot(r[..., 0, 0], r[..., 1, 0]))
@@ -256,8 +257,8 @@ def _run(
 
 
 def _what_happened(state: Array, at: float) -> str:
-    if not np.isfinite(state).all():
-        return f"the motion diverged before {at:g} s"
+    if has_diverged(state):
+        return f"diverged before {at:g} s"
     broken = [name for name, value in zip(GUARDS, state[STATE_SIZE:], strict=True) if value <= 0]
     return f"ended before {at:g} s: no {' and no '.join(broken)} left"
 
@@ -314,7 +315,7 @@ def _record(mission: Mission, numbers: FlightNumbers, states: Array, interval: f
             "mission": json.dumps(mission.exact()),
             "model_sha256": fingerprint(step_function(n)),
             "hoverproof_version": hoverproof.__version__,
-            "casadi_version": ca.__version__,
+            "casadi_version": version("casadi"),
         },
     )
 

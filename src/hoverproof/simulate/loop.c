@@ -2,7 +2,7 @@
  * The generated code stands above this text; everything in it is static. */
 
 /* Fills `out` with up to `samples` flight states, one after each `every` steps from `start`.
- * Returns how many were taken: fewer if the next one is not finite or breaks a guard; that one is
+ * Returns how many were taken: fewer if the next one has diverged or breaks a guard; that one is
  * still written. The parameters are copied so that the compiler knows that nothing changes them. */
 __attribute__((visibility("default"))) long hoverproof_run(
     const double *start, const double *design, const double *points, double dt, long samples,
@@ -21,7 +21,7 @@ __attribute__((visibility("default"))) long hoverproof_run(
     int good = 1;
     for (int i = 0; i < HP_FLIGHT; ++i) {
       out[s * HP_FLIGHT + i] = now[i];
-      good &= isfinite(now[i]) && (i < HP_STATE || now[i] > 0);
+      good &= i < HP_STATE ? fabs(now[i]) < HP_DIVERGED : now[i] > 0; /* false for NaN */
     }
     if (!good) return s;
   }

@@ -1,0 +1,43 @@
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: demo test quick bench lint clean
+.DELETE_ON_ERROR:
+
+# Certify the paper's vehicle, check the certificate, and fly it. Everything lands in demo/.
+demo: .venv/installed
+	@mkdir -p demo
+	@cd demo && ../$(BIN)/hoverproof certify x4-flyer
+	@cd demo && ../$(BIN)/hoverproof check x4-flyer.cert.json
+	@cd demo && ../$(BIN)/hoverproof simulate x4-flyer
+	@echo "All of this is in the folder demo/."
+
+# Everything that CI runs: style, types, all tests.
+test: lint
+	$(BIN)/pytest -n auto
+
+# The fast tests only.
+quick: .venv/installed-dev
+	$(BIN)/pytest -n auto -m "not slow"
+
+lint: .venv/installed-dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+# Speed, as ratios to peers in the same run; rewrites the tables in benchmarks/README.md.
+bench: .venv/installed-dev
+	$(BIN)/python benchmarks/closed_loop.py --write
+
+.venv/installed: pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
+	@touch $@
+
+.venv/installed-dev: pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
+	@touch .venv/installed $@
+
+clean:
+	rm -rf .venv demo

@@ -1,0 +1,5 @@
+"""Run the commands as ``python -m hoverproof``."""
+
+from hoverproof.cli import main
+
+main()

@@ -1,0 +1,285 @@
+"""The commands: each parses, calls one function and prints.
+
+Exit status: 0 done or proved, 1 refuted, rejected or a flight cut short, 2 bad usage or bad input,
+3 undecided. Heavy imports stand inside the commands that need them, so that help comes at once.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+
+from cyclopts import App, CycloptsError, Parameter
+
+from hoverproof import __version__
+from hoverproof.errors import InputError
+
+if TYPE_CHECKING:
+    from hoverproof.mission import Mission
+
+app = App(
+    name="hoverproof",
+    version=__version__,
+    help="From a camera, a target and a hovering vehicle to gains with a proof and a flight.",
+    help_epilogue="Exit status: 0 done or proved, 1 refuted, rejected or a flight cut short, "
+    "2 bad usage or bad input, 3 undecided.",
+    result_action="return_value",
+)
+
+MissionName = Annotated[str, Parameter(help="Name of a preset, or path of a mission file.")]
+Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object.")]
+Set = Annotated[
+    list[str] | None,
+    Parameter(name="--set", negative="", help="Put a value in place: gains.k4=0.1 (repeatable)."),
+]
+EXIT = {"proved": 0, "refuted": 1, "undecided": 3}
+
+
+@app.command
+def certify(
+    mission: MissionName,
+    *,
+    out: Annotated[Path | None, Parameter(help="Certificate file to write.")] = None,
+    set_: Set = None,
+    json_: Json = False,
+) -> int:
+    """Prove or refute that the gains work for every Q and thrust in the mission's bounds.
+
+    Writes a certificate (NAME.cert.json), or a counterexample (NAME.refutation.json), that `check`
+    verifies without trusting this program.
+
+    Example: `hoverproof certify x4-flyer --set gains.k4=0.1`
+    """
+    from hoverproof.certify.gains import Proved, Refuted, Undecided, as_json
+    from hoverproof.certify.gains import certify as decide
+
+    loaded = _load(mission, set_)
+    verdict = decide(loaded)
+    path = None
+    if not isinstance(verdict, Undecided):
+        ending = "cert" if isinstance(verdict, Proved) else "refutation"
+        path = out or Path(f"{loaded.name}.{ending}.json")
+        verdict.certificate.save(path)
+    if json_:
+        _print_json(as_json(verdict, None if path is None else str(path)))
+        return EXIT[verdict.status]
+
+    problem = verdict.problem
+    (low, high), (weakest, strongest) = problem.eigenvalues, problem.thrust
+    print(f"{loaded.name}: {verdict.status}")
+    print(
+        f"  Σ(Q, T) ≻ 0 for every symmetric Q with eigenvalues in [{_n(low)}, {_n(high)}] 1/m\n"
+        f"  and every thrust T in [{_n(weakest)}, {_n(strongest)}] N?"
+    )
+    if isinstance(verdict, Proved):
+        gap = float(verdict.margin_above / verdict.margin - 1)
+        print(f"  worst eigenvalue of Σ   {_n(verdict.margin)} kg/s, proved (tight to {gap:.0e})")
+        print(f"  decay rate of L         {_n(verdict.decay_rate)} 1/s, proved")
+        print(f"  certificate             {path}")
+        print(f"Next: hoverproof check {path}")
+    elif isinstance(verdict, Refuted):
+        print(f"  worst eigenvalue of Σ   {_n(verdict.margin_above)} kg/s or less, proved")
+        print("  counterexample, exact:")
+        print(f"    Q = {_matrix(verdict.Q)} 1/m")
+        print(f"    f = {verdict.f} 1/m")
+        print(f"    X = ({', '.join(map(str, verdict.X))})")
+        print(f"    XᵀΣX <= {verdict.value} (about {_n(verdict.value)}) < 0")
+        print(f"  written to              {path}")
+        print(f"Next: hoverproof check {path}")
+    else:
+        print(f"  {verdict.reason}")
+        if verdict.margin_above is not None:
+            print(f"  worst eigenvalue of Σ   {_n(verdict.margin_above)} kg/s or less, proved")
+    return EXIT[verdict.status]
+
+
+@app.command
+def check(
+    certificate: Annotated[Path, Parameter(help="Certificate file.")], *, json_: Json = False
+) -> int:
+    """Verify a certificate in exact arithmetic, with the standard library alone.
+
+    The same as `python -I -S checker.py FILE`, which needs no installation.
+
+    Example: `hoverproof check x4-flyer.cert.json`
+    """
+    from hoverproof import checker
+
+    if not json_:
+        return checker.main([str(certificate)])
+    try:
+        theorem = checker.check_file(certificate)
+    except checker.Unreadable as error:
+        raise InputError(str(certificate), "", str(error)) from None
+    except checker.Rejected as error:
+        _print_json({"certificate": str(certificate), "accepted": False, "reason": str(error)})
+        return 1
+    _print_json({"certificate": str(certificate), "accepted": True, "statement": theorem})
+    return 0
+
+
+@app.command
+def simulate(
+    mission: MissionName,
+    *,
+    duration: Annotated[
+        float | None,
+        Parameter(help="Length in s; by default seven time constants of the slowest motion."),
+    ] = None,
+    step: Annotated[float, Parameter(help="Step of the integrator in s.")] = 0.01,
+    every: Annotated[
+        int | None, Parameter(help="Keep every so many steps; by default about 2000 are kept.")
+    ] = None,
+    out: Annotated[Path | None, Parameter(help="Flight file to write, netCDF-4.")] = None,
+    figures: Annotated[bool, Parameter(help="Draw the flight beside the file.")] = True,
+    set_: Set = None,
+    json_: Json = False,
+) -> int:
+    """Fly a mission from its start, with the camera in the loop.
+
+    Example: `hoverproof simulate x4-flyer --duration 1500`
+    """
+    from hoverproof.show.figures import save_figures
+    from hoverproof.simulate.flight import save, summary
+    from hoverproof.simulate.flight import simulate as fly
+
+    loaded = _load(mission, set_)
+    flight = fly(loaded, duration=duration, step=step, every=every)
+    path = out or Path(f"{loaded.name}.flight.nc")
+    save(flight, path)
+    pictures = save_figures(flight, path.with_suffix("")) if figures else []
+    result: dict[str, Any] = {
+        "mission": loaded.name,
+        **summary(flight),
+        "figures": [str(p) for p in pictures],
+        "out": str(path),
+    }
+    status = 0 if result["outcome"] == "flown" else 1
+    if json_:
+        _print_json(result)
+        return status
+
+    settled = result["settled_at"]
+    print(f"{loaded.name}: {result['outcome']}, {result['duration']:g} s")
+    print(f"  {result['steps']} steps in {result['seconds']:.2f} s: {result['machine']}")
+    if result["machine"] != "compiled C":
+        print("  (no C compiler works here; with one this is much faster)")
+    print(f"  start     {_position(result['start_position'])}, {result['start_error']:.3g} m away")
+    print(f"  end       {_position(result['final_position'])}, {result['final_error']:.3g} m away")
+    reached = "not reached" if settled is None else f"from {settled:g} s on"
+    print(f"  within 10 % of the distance at the start: {reached}")
+    print(f"  flight    {path}")
+    for picture in pictures:
+        print(f"  figure    {picture}")
+    return status
+
+
+@app.command
+def presets(
+    name: Annotated[str | None, Parameter(help="Print this preset as a mission file.")] = None,
+    *,
+    json_: Json = False,
+) -> int:
+    """List the missions that come with hoverproof, or print one.
+
+    Example: `hoverproof presets x4-flyer`
+    """
+    from hoverproof.mission import load, preset_text
+    from hoverproof.mission import presets as names
+
+    if name is not None:
+        text = preset_text(name)
+        if json_:
+            _print_json(load(name).exact())
+        else:
+            print(text, end="")
+        return 0
+    missions = [load(n) for n in names()]
+    if json_:
+        _print_json({"presets": [m.name for m in missions]})
+        return 0
+    for m in missions:
+        mass, n = _n(m.vehicle.mass), len(m.target.points)
+        print(f"{m.name:24} {mass} kg, {n} target points; hoverproof certify {m.name}")
+    return 0
+
+
+@app.command
+def new(
+    path: Annotated[Path, Parameter(help="Mission file to write.")],
+    *,
+    preset: Annotated[str, Parameter(name="--from", help="Preset to start from.")] = "x4-flyer",
+    force: Annotated[bool, Parameter(negative="", help="Replace an existing file.")] = False,
+) -> int:
+    """Write a commented mission file to start from.
+
+    Example: `hoverproof new my-flyer.toml`
+    """
+    import re
+
+    from hoverproof.files import write_text
+    from hoverproof.mission import preset_text
+
+    text = preset_text(preset)
+    if path.exists() and not force:
+        raise InputError(str(path), "", "exists already; --force replaces it")
+    name = re.sub(r"[^A-Za-z0-9._-]", "-", path.stem).lstrip("._-")[:64] or "mission"
+    write_text(path, re.sub(r'(?m)^name = ".*"', f'name = "{name}"', text, count=1))
+    print(f"{path}: written, from preset {preset}")
+    print("Next: put in your vehicle, target and gains, then")
+    print(f"  hoverproof certify {path}")
+    print(f"  hoverproof simulate {path}")
+    return 0
+
+
+def main(arguments: list[str] | None = None) -> NoReturn:
+    """Run a command and exit with its status."""
+    try:
+        status = app(arguments, exit_on_error=False, print_error=False)
+        sys.stdout.flush()
+    except CycloptsError as error:
+        _fail(f"{str(error).strip()} (see --help)")
+    except InputError as error:
+        _fail(str(error))
+    except KeyboardInterrupt:
+        _fail("interrupted", status=130)
+    except BrokenPipeError:
+        sys.stderr.close()
+        status = 0
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+def _fail(message: str, status: int = 2) -> NoReturn:
+    line = " ".join(message.split())
+    print(f"hoverproof: {line}", file=sys.stderr)
+    sys.exit(status)
+
+
+def _load(mission: str, settings: list[str] | None) -> Mission:
+    from hoverproof.mission import load
+
+    overrides = {}
+    for setting in settings or []:
+        key, equals, value = setting.partition("=")
+        if not equals:
+            raise InputError(f"--set {setting}", "", "must have the form KEY=VALUE")
+        overrides[key.strip()] = value.strip()
+    return load(mission, overrides)
+
+
+def _print_json(value: dict[str, Any]) -> None:
+    print(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def _n(value: Any) -> str:
+    return f"{float(value):.6g}"
+
+
+def _matrix(rows: list[list[Any]]) -> str:
+    return "[" + "; ".join(", ".join(map(str, row)) for row in rows) + "]"
+
+
+def _position(p: list[float]) -> str:
+    return "(" + ", ".join(f"{round(c, 4) + 0.0:g}" for c in p) + ") m"
