@@ -1,6 +1,7 @@
 /* The closed loop written by hand: what an engineer would write who wants it fast and readable.
  * It has the layout, the duties and the entry point of the generated loop and its driver (loop.c).
- * State: position, velocity, rotation column by column, rate, thrust; then the lowest guards. */
+ * State: position, velocity, rotation column by column, rate, thrust; then the lowest guards.
+ * The command line defines HP_DIVERGED, the size at which a flight has diverged. */
 
 #include <math.h>
 
@@ -184,7 +185,7 @@ __attribute__((visibility("default"))) long hoverproof_run(
     for (long k = 0; k < every; ++k) step(&s, &lowest, &law, &target, dt);
     store(out, &s, &lowest);
     int good = lowest.depth > 0 && lowest.thrust > 0;
-    for (int i = 0; i < FLIGHT; ++i) good &= isfinite(out[i]);
+    for (int i = 0; i < STATE; ++i) good &= fabs(out[i]) < HP_DIVERGED; /* false for NaN */
     if (!good) return sample;
   }
   return samples;

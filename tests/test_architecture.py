@@ -17,7 +17,7 @@ FLOORS = [
     {"mission", "algebra"},
     {"plant"},
     {"servo"},
-    {"certify", "simulate", "export", "paper"},
+    {"certification", "simulation"},
     {"show"},
     {"cli"},
     {"__main__"},

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from hoverproof import checker
-from hoverproof.certify.gains import Proved, Refuted, Undecided, certify
-from hoverproof.certify.problem import gain_problem
+from hoverproof.certification.gains import Proved, Refuted, Undecided, certify
+from hoverproof.certification.problem import gain_problem
 from hoverproof.errors import InputError
 from hoverproof.mission import load
 
@@ -116,14 +116,14 @@ def test_a_solver_that_finds_nothing_leaves_the_question_undecided(x4, monkeypat
     def nothing(_):
         raise RuntimeError("the solver found no multiplier (infeasible)")
 
-    monkeypatch.setattr("hoverproof.certify.gains.best_multiplier", nothing)
+    monkeypatch.setattr("hoverproof.certification.gains.best_multiplier", nothing)
     assert isinstance(certify(x4), Undecided)
 
 
 @pytest.mark.parametrize("tau", [1e-6, 0.5, 1.5, 1e6])
 def test_a_bad_multiplier_never_proves_too_much(x4, monkeypatch, tau):
     best = certify(x4)
-    monkeypatch.setattr("hoverproof.certify.gains.best_multiplier", lambda _: tau)
+    monkeypatch.setattr("hoverproof.certification.gains.best_multiplier", lambda _: tau)
     verdict = certify(x4)
     assert not isinstance(verdict, Refuted)
     if isinstance(verdict, Proved):

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from hoverproof import checker
-from hoverproof.certify.gains import certify
+from hoverproof.certification.gains import certify
 from hoverproof.mission import load
 
 CHECKER = Path(checker.__file__)

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import json
 import subprocess
+from fractions import Fraction
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
 
+from hoverproof.algebra.graph import evaluate
+from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.errors import InputError
 from hoverproof.mission import load
-from hoverproof.simulate import compiled
-from hoverproof.simulate.flight import (
+from hoverproof.simulation import compiled
+from hoverproof.simulation.flight import (
     default_duration,
     euler_angles,
     rotation_matrix,
@@ -283,3 +287,18 @@ def test_the_generated_code_compiles_without_a_warning_of_ours():
         [*command, *quiet], input=compiled.c_source(4), capture_output=True, text=True, check=True
     )
     assert done.stderr == ""
+
+
+def test_sharing_reciprocals_changes_no_value():
+    x = ca.SX.sym("x", 3)
+    plain = ca.Function("f", [x], [x[0] / x[1] + x[2] / x[1] - 1 / x[2], ca.sqrt(x[0] ** 2 + 1)])
+    shared = share_reciprocals(plain)
+    divisions = sum(
+        shared.instruction_id(k) in (ca.OP_DIV, ca.OP_INV) for k in range(shared.n_instructions())
+    )
+    assert divisions == 2
+    values = [Fraction(3), Fraction(-7, 5), Fraction(2, 9)]
+    first = [ca.Function("g", [x], [f(x)[0]]) for f in (plain, shared)]
+    assert evaluate(first[0], [values]) == evaluate(first[1], [values])
+    numbers = [float(v) for v in values]
+    assert float(plain(numbers)[1]) == pytest.approx(float(shared(numbers)[1]), rel=1e-15)

@@ -14,20 +14,20 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from hoverproof.certify.gains import certify as certify
+    from hoverproof.certification.gains import certify as certify
     from hoverproof.checker import check_file as check
     from hoverproof.errors import InputError as InputError
     from hoverproof.mission import load as load
     from hoverproof.mission import presets as presets
-    from hoverproof.simulate.flight import simulate as simulate
+    from hoverproof.simulation.flight import simulate as simulate
 
 _HOMES = {
     "InputError": ("hoverproof.errors", "InputError"),
-    "certify": ("hoverproof.certify.gains", "certify"),
+    "certify": ("hoverproof.certification.gains", "certify"),
     "check": ("hoverproof.checker", "check_file"),
     "load": ("hoverproof.mission", "load"),
     "presets": ("hoverproof.mission", "presets"),
-    "simulate": ("hoverproof.simulate.flight", "simulate"),
+    "simulate": ("hoverproof.simulation.flight", "simulate"),
 }
 
 __all__ = ["InputError", "__version__", "certify", "check", "load", "presets", "simulate"]

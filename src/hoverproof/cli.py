@@ -52,8 +52,8 @@ def certify(
 
     Example: `hoverproof certify x4-flyer --set gains.k4=0.1`
     """
-    from hoverproof.certify.gains import Proved, Refuted, Undecided, as_json
-    from hoverproof.certify.gains import certify as decide
+    from hoverproof.certification.gains import Proved, Refuted, Undecided, as_json
+    from hoverproof.certification.gains import certify as decide
 
     loaded = _load(mission, set_)
     verdict = decide(loaded)
@@ -142,8 +142,8 @@ def simulate(
     Example: `hoverproof simulate x4-flyer --duration 1500`
     """
     from hoverproof.show.figures import save_figures
-    from hoverproof.simulate.flight import save, summary
-    from hoverproof.simulate.flight import simulate as fly
+    from hoverproof.simulation.flight import save, summary
+    from hoverproof.simulation.flight import simulate as fly
 
     loaded = _load(mission, set_)
     flight = fly(loaded, duration=duration, step=step, every=every)

@@ -10,9 +10,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from hoverproof.algebra.definite import is_positive_definite, quadratic_form
-from hoverproof.certify.certificate import Certificate, seal
-from hoverproof.certify.lmi import Array, Vertex, best_multiplier, worst_direction
-from hoverproof.certify.problem import GainProblem, Rows, gain_problem
+from hoverproof.certification.certificate import Certificate, seal
+from hoverproof.certification.lmi import Array, Vertex, best_multiplier, worst_direction
+from hoverproof.certification.problem import GainProblem, Rows, gain_problem
 from hoverproof.mission import Mission
 
 WITNESS_BITS = 40

@@ -6,6 +6,7 @@ from functools import cache
 
 import casadi as ca
 
+from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.plant import camera, rotors
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, state_rate
 from hoverproof.servo.controller import derive_controller
@@ -99,8 +100,8 @@ def step_function(n: int) -> ca.Function:
     ).vector()
     lowest = ca.fmin(lowest, guards(x, design, points))
     inputs = [flight, design.vector(), points, dt]
-    outputs = ca.cse(ca.vertcat(after, lowest))
-    return ca.Function("hoverproof_step", inputs, [outputs])
+    outputs = [ca.cse(ca.vertcat(after, lowest))]
+    return share_reciprocals(ca.Function("hoverproof_step", inputs, outputs))
 
 
 @cache

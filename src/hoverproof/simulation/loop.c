@@ -16,6 +16,7 @@ __attribute__((visibility("default"))) long hoverproof_run(
       const double *arg[] = {now, d, p, &dt};
       double *res[] = {next};
       hoverproof_step(arg, res, 0, 0, 0);
+#pragma GCC unroll 32 /* one by one: a wider load would wait for the narrow stores */
       for (int i = 0; i < HP_FLIGHT; ++i) now[i] = next[i];
     }
     int good = 1;

@@ -13,7 +13,7 @@ from typing import Any
 
 from hoverproof import checker
 from hoverproof.algebra.graph import fingerprint
-from hoverproof.certify.problem import GainProblem, sigma_function
+from hoverproof.certification.problem import GainProblem, sigma_function
 from hoverproof.files import write_text
 
 

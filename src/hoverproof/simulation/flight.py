@@ -27,8 +27,8 @@ from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.plant.rotors import ROTORS
 from hoverproof.servo.error_chain import Design
 from hoverproof.servo.lyapunov import linearised_loop, thrust_factor
-from hoverproof.simulate.closed_loop import GUARDS, readout_function, step_function
-from hoverproof.simulate.compiled import Runner, has_diverged, runner
+from hoverproof.simulation.closed_loop import GUARDS, readout_function, step_function
+from hoverproof.simulation.compiled import Runner, has_diverged, runner
 
 Array = NDArray[np.float64]
 
@@ -99,7 +99,7 @@ def simulate(
     every : int, optional
         Keep every so many steps; by default about 2000 samples are kept.
     compiler : str, optional
-        Command of the C compiler (see `hoverproof.simulate.compiled.runner`).
+        Command of the C compiler (see `hoverproof.simulation.compiled.runner`).
 
     Returns
     -------

@@ -9,6 +9,7 @@ import ctypes
 import hashlib
 import os
 import platform
+import re
 import shlex
 import shutil
 import subprocess
@@ -25,7 +26,7 @@ import platformdirs
 from numpy.typing import NDArray
 
 from hoverproof.plant.rigid_body import STATE_SIZE
-from hoverproof.simulate.closed_loop import FLIGHT_SIZE, step_function
+from hoverproof.simulation.closed_loop import FLIGHT_SIZE, step_function
 
 Array = NDArray[np.float64]
 
@@ -42,6 +43,14 @@ DIVERGED = 10**12
 def has_diverged(flight: Array) -> bool:
     """Tell whether a flight state, (21,), has diverged or is not a number."""
     return not (np.abs(flight[:STATE_SIZE]) < DIVERGED).all()
+
+
+PREAMBLE = """\
+#if !defined(__clang__)
+#pragma GCC optimize("schedule-insns,sched-pressure") /* CasADi's order is depth first */
+#endif
+#define CASADI_SYMBOL_EXPORT static
+"""
 
 
 @dataclass(frozen=True)
@@ -100,8 +109,9 @@ def c_source(n: int) -> str:
     constants = {"FLIGHT": FLIGHT_SIZE, "STATE": STATE_SIZE, "DESIGN": design, "POINTS": points}
     constants["DIVERGED"] = DIVERGED
     defines = "".join(f"#define HP_{name} {value}\n" for name, value in constants.items())
-    driver = (resources.files("hoverproof.simulate") / "loop.c").read_text(encoding="utf-8")
-    return f"#define CASADI_SYMBOL_EXPORT static\n{defines}{generated}\n{driver}"
+    driver = (resources.files("hoverproof.simulation") / "loop.c").read_text(encoding="utf-8")
+    helpers = re.sub(r"(?m)^casadi_real casadi_", "static casadi_real casadi_", generated)
+    return f"{PREAMBLE}{defines}{helpers}\n{driver}"
 
 
 @cache

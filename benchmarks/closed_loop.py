@@ -1,0 +1,215 @@
+"""Time one step of the closed loop: the project's code, C by hand, numpy and CasADi's machine.
+
+Run ``python benchmarks/closed_loop.py``; ``--write`` puts the table into the README beside it.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import shlex
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.mission import load
+from hoverproof.simulation import compiled
+from hoverproof.simulation.flight import FlightNumbers
+
+HERE = Path(__file__).parent
+MARKERS = "<!-- closed_loop -->", "<!-- /closed_loop -->"
+
+Array = NDArray[np.float64]
+Run = Callable[[Array, Array, Array, float, int, int], tuple[Array, bool]]
+
+N, DT, ROUNDS, AGREEMENT = 4, 0.01, 30, 1e-9
+TILTED = {"start.rotation": [0.1, -0.05, 0.4], "start.rates": [0.1, -0.1, 0.2]}
+PLAIN_FLAGS = ("-O3", "-march=native", "-fPIC", "-shared")
+KINDS = [slice(0, 3), slice(3, 6), slice(6, 15), slice(15, 18), slice(18, 19), slice(19, 21)]
+"""Position, velocity, rotation, rate, thrust and guards in a flight state."""
+
+
+@dataclass
+class Peer:
+    """A way to run the loop, with the length of the flight it is timed on.
+
+    Attributes
+    ----------
+    run : callable
+        As `hoverproof.simulation.compiled.Runner.run`.
+    samples, every : int
+        It takes samples * every steps.
+    seconds : float
+        The shortest flight so far.
+    error : float
+        Largest difference from the C by hand, relative to the largest value of its kind.
+    """
+
+    run: Run
+    samples: int
+    every: int
+    seconds: float = np.inf
+    error: float = np.nan
+
+    @property
+    def ns_per_step(self) -> float:
+        """Time of a step in the shortest flight, ns."""
+        return self.seconds / (self.samples * self.every) * 1e9
+
+
+def hand_written(flags: Iterable[str], folder: Path) -> Run:
+    """Compile closed_loop.c and load it the way the project loads its own."""
+    library = Path(tempfile.mkstemp(suffix=".so", dir=folder)[1])
+    compiler = shlex.split(compiled.find_compiler())
+    inputs = (f"-DHP_DIVERGED={compiled.DIVERGED}", str(HERE / "closed_loop.c"))
+    subprocess.run([*compiler, *flags, *inputs, "-o", str(library), "-lm"], check=True)
+    return compiled._machine_code(N, library).run
+
+
+def skew(a: Array) -> Array:
+    """Return the matrix with ``skew(a) @ b == cross(a, b)``, (3, 3)."""
+    return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
+
+
+def numpy_run(
+    start: Array, design: Array, points: Array, dt: float, samples: int, every: int
+) -> tuple[Array, bool]:
+    """Run the loop as one would write it with numpy, in the manner of `Runner.run`."""
+    m, g, inertia, (k1, k2, k3, k4, k_yaw) = design[0], design[1], design[2:5], design[5:10]
+    goal, e3 = design[10:], np.array([0.0, 0.0, 1.0])
+    c = k1**2 * k2 / m
+    beta = m / (c * (k1 * k2 + k3))
+
+    def see(x: Array) -> Array:
+        return x[6:15].reshape(3, 3) @ (points - x[:3, None])  # rows are the columns of R
+
+    def rate(x: Array) -> Array:
+        velocity, rotation, omega, thrust = x[3:6], x[6:15].reshape(3, 3).T, x[15:18], x[18]
+        seen = see(x)
+        rays = np.vstack([seen[:2] / seen[2], np.ones(N)])
+        q = (rays / np.linalg.norm(rays, axis=0)).sum(axis=1)
+
+        turn = skew(omega)
+        force = m * g * rotation[2] - thrust * e3
+        d2 = m / k1 * velocity - (q - goal)
+        d3 = force / c + d2
+        w = thrust * e3 - c * goal
+        lever = -turn @ w
+        d4 = beta * lever + d3
+
+        thrust_rate = lever[2] + d3[2] / beta
+        drift = -turn @ d3 + lever / c + force / k1
+        wanted = -((k1 * k2 + k3) * d3 + k4 * d4) / m
+        rest = (wanted - drift) / beta - thrust_rate * skew(e3) @ omega
+        yaw = -k_yaw / inertia[2] * omega[2]
+        alpha = np.array([(rest[1] + w[0] * yaw) / w[2], (w[1] * yaw - rest[0]) / w[2], yaw])
+        torque = inertia * alpha + turn @ (inertia * omega)
+
+        return np.concatenate(
+            [
+                rotation @ velocity,
+                force / m - turn @ velocity,
+                (rotation @ turn).T.ravel(),
+                (torque - turn @ (inertia * omega)) / inertia,
+                [thrust_rate],
+            ]
+        )
+
+    x, lowest, taken = start[:19], start[19:], []
+    for _ in range(samples):
+        for _ in range(every):
+            lowest = np.minimum(lowest, [see(x)[2].min(), x[18] - c * goal[2]])
+            k = rate(x)
+            slope = k.copy()
+            k = rate(x + dt / 2 * k)
+            slope += 2 * k
+            k = rate(x + dt / 2 * k)
+            slope += 2 * k
+            slope += rate(x + dt * k)
+            x = x + dt / 6 * slope
+            rotation = x[6:15].reshape(3, 3).T
+            x[6:15] = (rotation @ (3 * np.eye(3) - rotation.T @ rotation) / 2).T.ravel()
+        taken.append(np.concatenate([x, lowest]))
+        if compiled.has_diverged(taken[-1]) or not (lowest > 0).all():
+            return np.array(taken), False
+    return np.array(taken), True
+
+
+def measure(peers: list[Peer], reference: Peer) -> None:
+    """Time the peers in turn, several times over, and assert that they agree."""
+    numbers = FlightNumbers.of(load("x4-flyer", TILTED))
+    start = np.concatenate([numbers.start, np.full(2, np.finfo(float).max)])
+
+    def fly(run: Run, peer: Peer) -> Array:
+        states, good = run(start, numbers.design, numbers.points, DT, peer.samples, peer.every)
+        assert good
+        return states
+
+    for _ in range(ROUNDS):
+        for peer in peers:
+            begin = time.perf_counter()
+            states = fly(peer.run, peer)
+            peer.seconds = min(peer.seconds, time.perf_counter() - begin)
+            wanted = fly(reference.run, peer)
+            peer.error = max(
+                np.abs(states[:, k] - wanted[:, k]).max() / np.abs(wanted[:, k]).max()
+                for k in KINDS
+            )
+            assert peer.error < AGREEMENT, peer
+
+
+def table(peers: dict[str, Peer], reference: Peer) -> str:
+    """Return the results as a Markdown table, with a line about where they come from."""
+    compiler = shlex.split(compiled.find_compiler())
+    version = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=True)
+    rows = [
+        f"| {name} | {peer.ns_per_step:,.0f} | {peer.ns_per_step / reference.ns_per_step:,.2f} |"
+        for name, peer in peers.items()
+    ]
+    worst = max(peer.error for peer in peers.values())
+    return "\n".join(
+        [
+            "| what | ns per step | ratio to hand-written C |",
+            "| --- | ---: | ---: |",
+            *rows,
+            "",
+            f"{platform.machine()} with {os.cpu_count()} CPUs, {version.stdout.splitlines()[0]}, "
+            f"CasADi {ca.CasadiMeta.version()}, numpy {np.__version__}.",
+            f"Largest relative difference from the hand-written C: {worst:.0e}.",
+        ]
+    )
+
+
+def main() -> None:
+    """Measure, print and, if asked, write."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        by_hand = Peer(hand_written(compiled.FLAGS, folder), 15, 1000)
+        peers = {
+            "hoverproof, compiled C": Peer(compiled.runner(N).run, 15, 1000),
+            "C by hand, the same flags": by_hand,
+            "C by hand, `-O3 -march=native`": Peer(hand_written(PLAIN_FLAGS, folder), 15, 1000),
+            "CasADi virtual machine": Peer(compiled.runner(N, compiler="").run, 15, 100),
+            "numpy": Peer(numpy_run, 15, 20),
+        }
+        measure(list(peers.values()), by_hand)
+    text = table(peers, by_hand)
+    print(text)
+    if "--write" in sys.argv[1:]:
+        readme = HERE / "README.md"
+        before, rest = readme.read_text(encoding="utf-8").split(MARKERS[0])
+        after = rest.split(MARKERS[1])[1]
+        new = f"{before}{MARKERS[0]}\n\n{text}\n\n{MARKERS[1]}{after}"
+        readme.write_text(new, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

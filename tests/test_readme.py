@@ -1,0 +1,60 @@
+"""The README's own commands run as written."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language):
+    return re.findall(rf"```{language}\n(.*?)```", README, flags=re.S)
+
+
+@pytest.mark.slow
+def test_the_commands_run_as_written():
+    scripts = [block for block in blocks("sh") if "make " not in block]
+    assert len(scripts) == 2
+    (Path.cwd() / "src").symlink_to(ROOT / "src")
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        ["bash", "-euxc", "\n".join(scripts)],
+        env={**os.environ, "PATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "x4-flyer: proved" in done.stdout
+    assert "x4-flyer: refuted" in done.stdout
+
+
+@pytest.mark.slow
+def test_the_python_example_runs_as_written():
+    (example,) = blocks("python")
+    done = subprocess.run(
+        [sys.executable, "-c", example], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "positive definite" in done.stdout
+
+
+def test_every_file_and_folder_that_is_named_exists():
+    named = re.findall(r"`((?:src|benchmarks|docs|tests)/[\w./-]*)`", README)
+    pictures = re.findall(r"!\[.*?\]\((.*?)\)", README)
+    assert len(named) > 5
+    for name in [*named, *pictures]:
+        assert (ROOT / name).exists(), name
+
+
+def test_the_two_commands_are_targets_of_the_makefile():
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for target in re.findall(r"^make (\w+)", README, flags=re.M):
+        assert re.search(rf"^{target}:", makefile, flags=re.M)
