@@ -7,10 +7,9 @@ BIN := .venv/bin
 # Certify the paper's vehicle, check the certificate, and fly it. Everything lands in demo/.
 demo: .venv/installed
 	@mkdir -p demo
-	@cd demo && ../$(BIN)/hoverproof certify x4-flyer
-	@cd demo && ../$(BIN)/hoverproof check x4-flyer.cert.json
-	@cd demo && ../$(BIN)/hoverproof simulate x4-flyer
-	@echo "All of this is in the folder demo/."
+	@$(BIN)/hoverproof certify x4-flyer --out demo/x4-flyer.cert.json
+	@$(BIN)/hoverproof check demo/x4-flyer.cert.json
+	@$(BIN)/hoverproof simulate x4-flyer --out demo/x4-flyer.flight.nc
 
 # Everything that CI runs: style, types, all tests.
 test: lint

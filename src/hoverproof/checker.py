@@ -31,6 +31,7 @@ import json
 import math
 import re
 import sys
+import textwrap
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -456,7 +457,8 @@ def main(arguments: list[str]) -> int:
     except Rejected as error:
         print(f"{arguments[0]}: rejected: {error}")
         return 1
-    print(f"{arguments[0]}: accepted\nProved: {theorem}")
+    print(f"{arguments[0]}: accepted")
+    print(textwrap.fill(f"Proved: {theorem}", width=80, initial_indent="  ", subsequent_indent="  "))
     return 0
 
 
