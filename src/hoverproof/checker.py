@@ -458,7 +458,9 @@ def main(arguments: list[str]) -> int:
         print(f"{arguments[0]}: rejected: {error}")
         return 1
     print(f"{arguments[0]}: accepted")
-    print(textwrap.fill(f"Proved: {theorem}", width=80, initial_indent="  ", subsequent_indent="  "))
+    print(
+        textwrap.fill(f"Proved: {theorem}", width=80, initial_indent="  ", subsequent_indent="  ")
+    )
     return 0
 
 

@@ -17,7 +17,7 @@ from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.rational import Field, Polynomials, Rational
 
 Roots = Mapping[ca.SX, ca.SX]
-ATTEMPTS = 400
+ATTEMPTS = 100
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,8 @@ def normal_form(
         If the roots are not scalar symbols with scalar radicands that contain no later root.
     """
     graph = _Graph.of([expression], roots or {})
-    return graph.entries(graph.variables(backend))[0]
+    field = graph.field(backend)
+    return evaluate(graph.expressions, [field.variables()], field.constant)[0]
 
 
 def prove_zero(
@@ -109,7 +110,8 @@ def prove_equal(
         raise ValueError(f"the shapes {left.shape} and {right.shape} differ")
     # Subtracting here and not in CasADi, which would fold constants in floating point.
     graph = _Graph.of([left, right], roots or {})
-    entries = graph.difference(graph.variables(backend))
+    field = graph.field(backend)
+    entries = graph.difference(field, field.variables())
     terms = max((entry.size for entry in entries), default=0)
     if all(entry.is_zero() for entry in entries):
         return Identity(True, terms)
@@ -150,23 +152,17 @@ class _Graph:
         functions = [(position[r], ca.Function("radicand", [x], [s])) for r, s in pairs]
         return cls(_distinct(symbols), ca.Function("graph", [x], list(expressions)), functions)
 
-    def variables(self, backend: str | None) -> list[Rational]:
-        """Return the symbols as elements of a field with all roots."""
+    def field(self, backend: str | None) -> Field:
+        """Return the field of the symbols with all roots."""
         field = Field(Polynomials.over(self.names, backend))
         for index, radicand in self.roots:
-            field = field.with_root(
-                index, evaluate(radicand, [field.variables()], field.constant)[0][0][0]
-            )
-        return field.variables()
+            value = evaluate(radicand, [field.variables()], field.constant)[0][0][0]
+            field = field.with_root(index, value)
+        return field
 
-    def entries(self, values: list[Rational]) -> list[list[list[Rational]]]:
-        """Return the expressions at values of the symbols."""
-        number = values[0].field.constant if values else Field(Polynomials.over([])).constant
-        return evaluate(self.expressions, [values], number)
-
-    def difference(self, values: list[Rational]) -> list[Rational]:
+    def difference(self, field: Field, values: list[Rational]) -> list[Rational]:
         """Return the entries of the first expression less the second, row by row."""
-        left, right = self.entries(values)
+        left, right = evaluate(self.expressions, [values], field.constant)
         return [a - b for p, q in zip(left, right, strict=True) for a, b in zip(p, q, strict=True)]
 
     def counterexample(self, backend: str | None) -> tuple[dict[str, Fraction], Fraction] | None:
@@ -174,18 +170,17 @@ class _Graph:
 
         The graph itself is run at the point, so this does not rely on the normal form.
         """
-        constants, draw = Field(Polynomials.over([], backend)), random.Random(0)
+        constants, draw = Field(Polynomials.over(["none"], backend)), random.Random(0)
         for attempt in range(ATTEMPTS):
-            bound = 3 + attempt // 10  # a polynomial that is not zero has no large grid of zeros
+            bound = 3 + attempt // 4  # no nonzero polynomial vanishes on every grid
             try:
                 point = self._point(constants, draw, bound)
-                entries = [entry.at([]) for entry in self.difference(point)]
+                entries = [_number(entry) for entry in self.difference(constants, point)]
             except (ZeroDivisionError, NotImplementedError):  # not defined, or a root irrational
                 continue
             for value in entries:
                 if value != 0:
-                    point_values = (x.at([]) for x in point)
-                    return dict(zip(self.names, point_values, strict=True)), value
+                    return dict(zip(self.names, map(_number, point), strict=True)), value
         return None
 
     def _point(self, constants: Field, draw: random.Random, bound: int) -> list[Rational]:
@@ -194,8 +189,8 @@ class _Graph:
 
         point, settled = [integer() for _ in self.names], {index for index, _ in self.roots}
         for index, radicand in self.roots:
-            involved = set(radicand.sparsity_jac(0, 0).get_col()) - settled
-            for _ in range(ATTEMPTS):  # draw its own variables anew until the root is rational
+            involved = sorted(set(radicand.jac_sparsity(0, 0).get_col()) - settled)
+            for _ in range(ATTEMPTS if involved else 1):  # draw anew until the root is rational
                 try:
                     point[index] = evaluate(radicand, [point], constants.constant)[0][0][0].sqrt()
                     break
@@ -204,8 +199,12 @@ class _Graph:
                         point[i] = integer()
             else:
                 raise NotImplementedError("no rational root found")
-            settled |= involved
+            settled.update(involved)
         return point
+
+
+def _number(constant: Rational) -> Fraction:
+    return constant.at([Fraction(0)])
 
 
 def _distinct(symbols: Sequence[ca.SX]) -> list[str]:

@@ -6,15 +6,17 @@ form of every output, and an output is identically zero iff its numerator is the
 
 from __future__ import annotations
 
+import heapq
 import importlib
 import importlib.util
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from operator import add, neg, sub
 from typing import Any
 
-Poly = Any  # a polynomial of the library in use: it knows + - * ** divmod == len degrees
+Poly = Any  # a polynomial of the library in use: it knows + - * ** == len degrees
 Terms = Mapping[tuple[int, ...], Fraction]  # exponents to coefficient
 Factors = tuple[tuple[Poly, int], ...]  # distinct monic polynomials and their exponents
 
@@ -28,14 +30,14 @@ class Polynomials:
     generators : tuple of n polynomials
     of_terms, terms : callable
         From and to a mapping of exponents to coefficient.
-    squarefree : callable
-        Coefficient and factors (polynomial, exponent) of a polynomial.
+    quotient : callable
+        p/f if f divides p, otherwise None.
     """
 
     generators: tuple[Poly, ...]
     of_terms: Callable[[Terms], Poly]
     terms: Callable[[Poly], Terms]
-    squarefree: Callable[[Poly], tuple[Any, list[tuple[Poly, int]]]]
+    quotient: Callable[[Poly, Poly], Poly | None]
 
     @classmethod
     def over(cls, names: Sequence[str], backend: str | None = None) -> Polynomials:
@@ -48,26 +50,53 @@ class Polynomials:
             The library that computes; by default python-flint if it is there, otherwise sympy.
         """
         backend = backend or ("flint" if importlib.util.find_spec("flint") else "sympy")
+        library = importlib.import_module(backend)
         if backend == "flint":
-            flint = importlib.import_module("flint")
-            ring = flint.fmpq_mpoly_ctx.get(tuple(names), flint.Ordering.lex)
-            rational, squarefree = flint.fmpq, flint.fmpq_mpoly.factor_squarefree
-            generators, to_dict = ring.gens(), flint.fmpq_mpoly.to_dict
+            ring, rational = library.fmpq_mpoly_ctx.get(tuple(names), "lex"), library.fmpq
+            generators, to_dict, quotient = ring.gens(), library.fmpq_mpoly.to_dict, _flint_quotient
         else:
-            sympy, rings = importlib.import_module("sympy"), importlib.import_module("sympy.polys")
-            ring = rings.ring([sympy.Symbol(name) for name in names], sympy.QQ)[0]
-            rational, squarefree = sympy.QQ, lambda p: p.sqf_list()
-            generators, to_dict = ring.gens, dict
+            ring = library.polys.ring([library.Symbol(name) for name in names], library.QQ)[0]
+            generators, to_dict, rational = ring.gens, dict, library.QQ
+            quotient = _sympy_quotient
+        return cls(
+            tuple(generators),
+            lambda t: ring.from_dict({e: rational(*c.as_integer_ratio()) for e, c in t.items()}),
+            lambda p: {
+                tuple(map(int, e)): Fraction(int(c.numerator), int(c.denominator))
+                for e, c in to_dict(p).items()
+            },
+            quotient,
+        )
 
-        def of_terms(terms: Terms) -> Poly:
-            return ring.from_dict(
-                {e: rational(c.numerator, c.denominator) for e, c in terms.items()}
-            )
+    def constant(self, value: Fraction | int) -> Poly:
+        """Return a number as a polynomial."""
+        return self.of_terms({(0,) * len(self.generators): Fraction(value)} if value else {})
 
-        def terms(p: Poly) -> Terms:
-            return {e: _fraction(c) for e, c in to_dict(p).items()}
 
-        return cls(tuple(generators), of_terms, terms, squarefree)
+def _flint_quotient(p: Poly, f: Poly) -> Poly | None:
+    quotient, rest = divmod(p, f)
+    return quotient if rest == 0 else None
+
+
+def _sympy_quotient(p: Poly, f: Poly) -> Poly | None:
+    """Divide with a heap of exponents: sympy searches the leading term in every step."""
+    (lead, c), *tail = sorted(f.items(), reverse=True)
+    rest, quotient = dict(p), {}
+    heap = [tuple(map(neg, e)) for e in rest]
+    heapq.heapify(heap)
+    while heap:
+        e = tuple(map(neg, heapq.heappop(heap)))
+        if a := rest.pop(e, None):
+            m = tuple(map(sub, e, lead))
+            if any(k < 0 for k in m):
+                return None
+            quotient[m] = a / c
+            for t, b in tail:
+                n = tuple(map(add, m, t))
+                if n not in rest:
+                    heapq.heappush(heap, tuple(map(neg, n)))
+                rest[n] = rest.get(n, 0) - quotient[m] * b
+    return p.ring.from_dict(quotient)
 
 
 @dataclass(frozen=True)
@@ -109,9 +138,7 @@ class Field:
 
     def constant(self, value: Fraction | int) -> Rational:
         """Return a rational number as an element."""
-        exponents = (0,) * len(self.polynomials.generators)
-        terms = {exponents: Fraction(value)} if value != 0 else {}
-        return Rational(self, self.polynomials.of_terms(terms), (), 1)
+        return Rational(self, self.polynomials.constant(value), (), 1)
 
     def variables(self) -> list[Rational]:
         """Return the n variables as elements."""
@@ -122,8 +149,7 @@ class Field:
 
     def with_root(self, index: int, radicand: Rational) -> Field:
         """Return the field in which variable `index` is the square root ≥ 0 of an element."""
-        one = self.constant(1).numerator
-        scale = _product(one, radicand.denominator)
+        scale = _product(self.polynomials.constant(1), radicand.denominator)
         square = self.reduced(radicand.numerator * scale)
         value = Rational(self, self.polynomials.generators[index], radicand.denominator, 1)
         return replace(self, roots=(*self.roots, Root(index, square, scale, radicand, value)))
@@ -142,7 +168,7 @@ class Field:
 
     def rationalised(self, p: Poly) -> tuple[Poly, Poly]:
         """Return (p·c, c), c the product of conjugates that makes p·c free of roots."""
-        cofactor = self.constant(1).numerator
+        cofactor = self.polynomials.constant(1)
         for root in reversed(self.roots):
             if p.degrees()[root.index] > 0:
                 signs = {
@@ -216,33 +242,22 @@ class Rational:
         return _element(self, other, self.field.reduced(top), below)
 
     def sqrt(self) -> Rational:
-        """Return the square root ≥ 0: a declared root, or of an obvious square.
+        """Return the square root ≥ 0, as far as it is declared or obvious.
 
         Raises
         ------
         NotImplementedError
-            If it is neither; √x² = |x| is not, for the sign of x is not known.
+            If it is no product of a declared root, fourth powers and the square of a number;
+            √x² = |x| is not, for the sign of x is not known: declare r with r² = x².
         """
-        for root in self.field.roots:
-            if self == root.radicand:
-                return replace(root.value, field=self.field)
         if self.is_zero():
             return self
-        polynomials = self.field.polynomials
-        coefficient, factors = polynomials.squarefree(self.numerator)
-        c = _fraction(coefficient)
-        above, below = math.isqrt(abs(c.numerator)), math.isqrt(c.denominator)
-        obvious = Fraction(above**2, below**2) == c and all(
-            k % 4 == 0 or (k % 2 == 0 and _is_positive(polynomials.terms(f)))
-            for f, k in (*factors, *self.denominator)
-        )
-        if not obvious:
-            raise NotImplementedError(f"square root of an undeclared radicand: {self}")
-        one = self.field.constant(Fraction(above, below)).numerator
-        top = _product(one, ((f, k // 2) for f, k in factors))
-        return replace(
-            self, numerator=top, denominator=tuple((f, k // 2) for f, k in self.denominator)
-        )
+        one = self.field.constant(1)
+        for radicand, value in [(one, one), *((r.radicand, r.value) for r in self.field.roots)]:
+            square = _root_of_square(self / radicand)
+            if square is not None:
+                return square * value
+        raise NotImplementedError(f"square root of an undeclared radicand: {self}")
 
     def at(self, values: Sequence[Fraction]) -> Fraction:
         """Return the value at a point, (n,), which gives roots their value, too."""
@@ -255,8 +270,7 @@ class Rational:
         return _value(terms(self.numerator), x) / below
 
     def __str__(self) -> str:
-        below = "".join(f" / ({f})^{k}" for f, k in self.denominator)
-        return f"({self.numerator}){below}"
+        return f"({self.numerator})" + "".join(f"/({f})^{k}" for f, k in self.denominator)
 
 
 def _element(a: Rational, b: Rational, top: Poly, below: Factors) -> Rational:
@@ -266,44 +280,47 @@ def _element(a: Rational, b: Rational, top: Poly, below: Factors) -> Rational:
         return Rational(a.field, top, (), size)
     kept = []
     for f, k in below:
-        top, left = _divided(top, f, k)
+        top, left = _divided(a.field.polynomials, top, f, k)
         if left:
             kept.append((f, left))
     return Rational(a.field, top, tuple(kept), size)
 
 
-def _divided(p: Poly, f: Poly, times: int) -> tuple[Poly, int]:
+def _divided(ring: Polynomials, p: Poly, f: Poly, times: int) -> tuple[Poly, int]:
     """Divide p by f as often as it goes, at most `times`; also return how often it did not go."""
-    while times:
-        quotient, rest = divmod(p, f)
-        if rest != 0:
-            break
+    while times and (quotient := ring.quotient(p, f)) is not None:
         p, times = quotient, times - 1
     return p, times
 
 
-def _factors(polynomials: Polynomials, p: Poly, known: Iterable[Poly]) -> tuple[Poly, Factors]:
-    """Return the (c, factors) of 1/p = c/product: known factors, variables and what is left."""
+def _factors(ring: Polynomials, p: Poly, known: Iterable[Poly]) -> tuple[Poly, Factors]:
+    """Return c and the factors of 1/p = c/∏: variables, known polynomials and what is left."""
     found = []
-    terms = polynomials.terms(p)
-    lowest = [min(exponents) for exponents in zip(*terms, strict=True)]
-    for x, k in zip(polynomials.generators, lowest, strict=True):
-        if k:
-            found.append((x, k))
-            p, _ = _divided(p, x, k)
-    for f in known:
-        if len(f) > 1:
-            most = p.degrees()
-            limit = max(most, default=0)
-            p, left = _divided(p, f, limit)
-            if left < limit:
-                found.append((f, limit - left))
-    terms = polynomials.terms(p)
-    lead = terms[max(terms)]
-    scale = polynomials.of_terms({(0,) * len(polynomials.generators): 1 / lead})
+    most = int(max(p.degrees(), default=0))
+    lowest = (min(exponents) for exponents in zip(*ring.terms(p), strict=True))
+    divisors = [(x, k) for x, k in zip(ring.generators, lowest, strict=True) if k]
+    for f, limit in [*divisors, *((f, most) for f in known if len(f) > 1)]:
+        p, left = _divided(ring, p, f, limit)
+        if left < limit:
+            found.append((f, limit - left))
+    terms = ring.terms(p)
+    scale = ring.constant(1 / terms[max(terms)])
     if len(terms) > 1:
         found.append((p * scale, 1))
     return scale, tuple(found)
+
+
+def _root_of_square(x: Rational) -> Rational | None:
+    """Return the root of a square of a number and fourth powers: no other sign is known."""
+    terms = x.field.polynomials.terms(x.numerator)
+    ((e, c),) = terms.items() if len(terms) == 1 else [((1,), Fraction(-1))]
+    if c < 0 or any(k % 4 for k in e) or any(k % 4 for _, k in x.denominator):
+        return None
+    root = Fraction(math.isqrt(c.numerator), math.isqrt(c.denominator))
+    if root**2 != c:
+        return None
+    top = x.field.polynomials.of_terms({tuple(k // 2 for k in e): root})
+    return replace(x, numerator=top, denominator=tuple((f, k // 2) for f, k in x.denominator))
 
 
 def _merge(a: Factors, b: Factors, combine: Callable[[int, int], int]) -> Factors:
@@ -334,15 +351,6 @@ def _product(p: Poly, factors: Iterable[tuple[Poly, int]]) -> Poly:
         if k:
             p = p * f**k
     return p
-
-
-def _fraction(c: Any) -> Fraction:
-    return Fraction(int(c.numerator), int(c.denominator))
-
-
-def _is_positive(terms: Terms) -> bool:
-    """Tell whether only even powers with positive coefficients occur."""
-    return all(c > 0 and not any(k % 2 for k in e) for e, c in terms.items())
 
 
 def _value(terms: Terms, x: Sequence[Fraction]) -> Fraction:

@@ -1,0 +1,431 @@
+"""The equations of the paper as printed, each beside the corrected form where one is needed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import casadi as ca
+
+from hoverproof.algebra.linear import lie_derivative
+from hoverproof.paper.judge import Claim, Setting, definition, identity, setting
+from hoverproof.paper.notation import Equation, Symbol, World
+from hoverproof.paper.symbols import (
+    NEWTON,
+    ONE,
+    A,
+    F,
+    Gamma,
+    Gamma3,
+    L,
+    L_rate,
+    M,
+    Omega,
+    Omega3,
+    Omega_rate,
+    Q,
+    R_T_e3,
+    S,
+    T,
+    T_rate,
+    U,
+    V,
+    V_rate,
+    any_motion,
+    closed_loop,
+    closed_loop_no_yaw,
+    d1,
+    d1_rate,
+    d1_square_rate,
+    d2,
+    d2_rate,
+    d3,
+    d3_rate,
+    d4,
+    d4_rate,
+    e3,
+    f,
+    g,
+    identity as I,
+    inertia,
+    inertia_inverse,
+    k1,
+    k2,
+    k3,
+    k4,
+    k_Omega,
+    m,
+    no_yaw_motion,
+    number,
+    pi,
+    q,
+    q3_star,
+    q_rate,
+    q_star,
+    sk,
+    sq,
+)
+from hoverproof.plant import camera, rigid_body, rotors
+from hoverproof.plant.rigid_body import RigidBodyState
+
+E = Equation
+FREE, FREE_NO_YAW = setting(any_motion), setting(no_yaw_motion)
+LOOP, LOOP_NO_YAW = setting(closed_loop), setting(closed_loop_no_yaw)
+NO_YAW = "Ω3 = 0"
+
+# --- the rigid body and the image ---------------------------------------------------------------
+
+xi_rate, R, R_rate = (
+    Symbol("ξ̇", r"\dot\xi", M / S),
+    Symbol("R", "R", ONE),
+    Symbol("Ṙ", r"\dot R", S**-1),
+)
+P, P_rate = Symbol("Pᵢ", "P_i", M), Symbol("Ṗᵢ", r"\dot P_i", M / S)
+P_world, xi = Symbol("P'ᵢ", "P'_i", M), Symbol("ξ", r"\xi", M)
+p, p_rate = Symbol("pᵢ", "p_i", ONE), Symbol("ṗᵢ", r"\dot p_i", S**-1)
+r, pi_p = Symbol("rᵢ", "r_i", M), Symbol("π_p", r"\pi_p", ONE)
+p_sum, Q_sum = (
+    Symbol("Σ pᵢ", r"\sum_i p_i", ONE),
+    Symbol("Σ π_pᵢ/rᵢ", r"\sum_i \pi_{p_i}/r_i", M**-1),
+)
+
+
+def body_in_flight() -> tuple[World, Mapping[ca.SX, ca.SX]]:
+    """Return the rigid body with R written by a quaternion, so that RᵀR = I identically."""
+    h = ca.SX.sym("h", 4)
+    w, v = h[0], h[1:]
+    rotation = ca.SX.eye(3) + 2 * (w * ca.skew(v) + ca.skew(v) @ ca.skew(v)) / ca.dot(h, h)
+    x, target = RigidBodyState.symbols(), ca.SX.sym("P_world", 3)
+    mass, gravity, moments = ca.SX.sym("m"), ca.SX.sym("g"), ca.SX.sym("inertia", 3)
+    torque, thrust_rate = ca.SX.sym("Gamma", 3), ca.SX.sym("U")
+    rate = rigid_body.state_rate(
+        x, torque=torque, thrust_rate=thrust_rate, mass=mass, inertia=moments, gravity=gravity
+    )
+    seen = camera.body_points(target, x.position, x.rotation)
+    values = {
+        **{"ξ̇": rate.position, "R": x.rotation, "V": x.velocity, "V̇": rate.velocity},
+        **{"Ω": x.rate, "Ω̇": rate.rate, "Ṙ": rate.rotation, "m": mass, "g": gravity},
+        "F": rigid_body.force(x.thrust, x.gravity_direction, mass, gravity),
+        **{"T": x.thrust, "e3": rigid_body.E3, "Rᵀe3": x.gravity_direction, "Γ": torque},
+        **{"𝐈": ca.diag(moments), "𝐈⁻¹": ca.diag(1 / moments), "P'ᵢ": target, "ξ": x.position},
+        **{"Pᵢ": seen, "Ṗᵢ": lie_derivative(seen, x.vector(), rate.vector())},
+    }
+    flat = ca.vec(x.rotation)
+    return {n: ca.substitute(y, flat, ca.vec(rotation)) for n, y in values.items()}, {}
+
+
+def two_points_in_view() -> tuple[World, Mapping[ca.SX, ca.SX]]:
+    """Return the spherical image of two points that move as Ṗᵢ = -Ω × Pᵢ - V."""
+    points, r = ca.SX.sym("P", 3, 2), ca.SX.sym("r", 2)
+    velocity, rate = ca.SX.sym("V", 3), ca.SX.sym("Omega", 3)
+    motion = -ca.skew(rate) @ points - ca.repmat(velocity, 1, 2)
+    norms = ca.sqrt(ca.sum1(points * points))
+    p = points / ca.repmat(norms, 3, 1)
+    centroid = camera.centroid(p)
+
+    def change(x: ca.SX) -> ca.SX:
+        return lie_derivative(x, ca.vec(points), ca.vec(motion))
+
+    first = p[:, 0]
+    projection = ca.SX.eye(3) - first @ first.T
+    second = ca.SX.eye(3) - p[:, 1] @ p[:, 1].T
+    values = {
+        **{"Ω": rate, "V": velocity, "Pᵢ": points[:, 0], "pᵢ": first, "ṗᵢ": change(first)},
+        **{"rᵢ": norms[0], "π_p": projection, "q": centroid, "q̇": change(centroid)},
+        **{"Q": camera.depth_matrix(points), "Σ pᵢ": p[:, 0] + p[:, 1]},
+        "Σ π_pᵢ/rᵢ": projection / norms[0] + second / norms[1],
+    }
+    roots = {r[i]: ca.dot(points[:, i], points[:, i]) for i in range(2)}
+    return values, roots
+
+
+BODY: Setting = body_in_flight
+VIEW: Setting = two_points_in_view
+
+RIGID_BODY_AND_IMAGE = [
+    definition("1", "position", E(xi_rate, R * V), BODY),
+    definition("2", "velocity", E(m * V_rate, -m * sk(Omega) * V + F), BODY),
+    definition("3", "attitude", E(R_rate, R * sk(Omega)), BODY),
+    definition(
+        "4", "angular velocity", E(inertia * Omega_rate, -sk(Omega) * inertia * Omega + Gamma), BODY
+    ),
+    definition("5", "force", E(F, -T * e3 + m * g * R_T_e3), BODY),
+    definition("point", "target point in the camera frame", E(P, R.T * (P_world - xi)), BODY),
+    identity(
+        "point motion",
+        "motion of a target point (not printed; eq. 6 needs it)",
+        E(P_rate, -sk(Omega) * P - V),
+        BODY,
+    ),
+    identity(
+        "6",
+        "motion of a point of the spherical image",
+        E(p_rate, -sk(Omega) * p + pi_p * (V / r)),
+        VIEW,
+        corrected=E(p_rate, -sk(Omega) * p - pi_p * (V / r)),
+    ),
+    definition("7", "centroid", E(q, p_sum), VIEW),
+    identity(
+        "8",
+        "motion of the centroid",
+        E(q_rate, -sk(Omega) * q - Q * V),
+        VIEW,
+        note="for two points; each further point adds a term of the same form",
+    ),
+    definition("9", "the matrix Q", E(Q, Q_sum), VIEW),
+]
+
+# --- the error chain ----------------------------------------------------------------------------
+
+c = k1**2 * k2 / m
+K = k1 * k2 + k3
+beta = m**2 / (k1**2 * k2 * K)
+lever = sk(T * e3 - c * q_star)
+distance = T - c * q3_star
+damping = k2 * I - Q
+
+kinematics = -sk(Omega) * d1 - Q * V - sk(Omega) * q_star
+d1_square = -d1.T * sk(Omega) * d1 - d1.T * Q * V - d1.T * sk(Omega) * q_star
+common = k1 / m * Q * d1 - k1 / m * damping * d2
+e3_part = sk(q_star) * Omega - K / m * d3 + m / (k1**2 * k2) * U * e3
+e3_part_no_yaw = sk(q_star) * pi * Omega - K / m * d3 + m / (k1**2 * k2) * U * e3
+d3_rate_26 = -sk(Omega) * d3 + common + K / m * pi * d4 - k3 / m * d3
+d4_rate_27 = (
+    -pi * sk(Omega) * d3
+    + k1 / m * pi * Q * d1
+    - k1 / m * pi * damping * d2
+    + K / m * pi * d4
+    + beta * pi * U * sk(e3) * Omega
+    - k3 / m * pi * d3
+)
+d4_rate_29 = (
+    -pi * sk(Omega) * d3
+    + k1 / m * pi * Q * d1
+    - k1 / m * pi * damping * d2
+    + K / m * pi * d4
+    + beta * pi * U * sk(e3) * pi * Omega
+    - k3 / m * pi * d3
+)
+
+ERROR_CHAIN = [
+    definition("10", "image error", E(d1, q - q_star), FREE),
+    identity("11", "motion of the image error", E(d1_rate, kinematics), FREE),
+    identity(
+        "|δ1|²",
+        "derivative of the storage function |δ1|²",
+        E(d1_square_rate, d1_square),
+        FREE,
+        corrected=E(d1_square_rate, number(2) * d1_square),
+    ),
+    identity(
+        "skew",
+        "the first term of it is zero",
+        E(d1.T * sk(Omega) * d1, number(0) * Symbol("1/s", r"\mathrm{s}^{-1}", S**-1)),
+        lambda: ({**any_motion(), "1/s": ca.SX(1)}, {}),
+    ),
+    identity(
+        "J",
+        "image Jacobian: δ̇1 = [Q  sk(q*) + sk(δ1)] (V, Ω)",
+        E(d1_rate, Q * V + (sk(q_star) + sk(d1)) * Omega),
+        FREE,
+        corrected=E(d1_rate, -Q * V + (sk(q_star) + sk(d1)) * Omega),
+    ),
+    identity("13", "full dynamics: image error", E(d1_rate, kinematics), FREE),
+    definition("14", "full dynamics: velocity", E(m * V_rate, -m * sk(Omega) * V + F), BODY),
+    definition("15", "full dynamics: attitude", E(R_rate, R * sk(Omega)), BODY),
+    definition(
+        "16",
+        "full dynamics: angular velocity",
+        E(inertia * Omega_rate, -sk(Omega) * inertia * Omega + Gamma),
+        BODY,
+    ),
+    definition("17", "velocity error", E(d2, m / k1 * V - d1), FREE),
+    definition(
+        "18", "force error", E(d3, m / (k1**2 * k2) * (-T * e3 + m * g * R_T_e3) + d2), FREE
+    ),
+    definition(
+        "20",
+        "yaw torque",
+        E(Gamma3, e3.T * (sk(Omega) * inertia * Omega) - k_Omega * Omega3),
+        LOOP,
+        note="then I3 Ω̇3 = -kΩ Ω3",
+    ),
+    definition("21", "thrust as a state", E(T_rate, U), FREE),
+    identity(
+        "22",
+        "motion of δ1 in the errors",
+        E(d1_rate, -sk(Omega) * d1 - k1 / m * Q * d1 - k1 / m * Q * d2 + sk(q_star) * Omega),
+        FREE,
+    ),
+    identity(
+        "23",
+        "motion of δ2",
+        E(d2_rate, -sk(Omega) * d2 + common + k1 * k2 / m * d3 - sk(q_star) * Omega),
+        FREE,
+    ),
+    identity(
+        "24",
+        "motion of δ3",
+        E(
+            d3_rate,
+            -sk(Omega) * d3
+            + common
+            + k1 * k2 / m * d3
+            + m / (k1**2 * k2) * (lever * Omega - T_rate * e3),
+        ),
+        FREE,
+    ),
+    definition("25", "body-rate error", E(d4, beta * pi * lever * Omega + pi * d3), FREE),
+    identity(
+        "26", "motion of δ3 with δ4 put in", E(d3_rate, d3_rate_26 - (I - pi) * e3_part), FREE
+    ),
+    identity("27", "motion of δ4", E(d4_rate, d4_rate_27 + beta * pi * lever * Omega_rate), FREE),
+    identity(
+        "28",
+        "motion of δ3 without yaw",
+        E(d3_rate, d3_rate_26 - (I - pi) * e3_part_no_yaw),
+        FREE_NO_YAW,
+        note=NO_YAW,
+    ),
+    identity(
+        "29",
+        "motion of δ4 without yaw",
+        E(d4_rate, d4_rate_29 + beta * pi * lever * pi * d3_rate),
+        FREE_NO_YAW,
+        corrected=E(d4_rate, d4_rate_29 + beta * pi * lever * pi * Omega_rate),
+        note=f"{NO_YAW}; the last factor is Ω̇, not δ̇3",
+    ),
+]
+
+# --- the controller and the Lyapunov function ---------------------------------------------------
+
+wish = sk(Omega) * d3 + k1 * k2 / m * d2 - k1 * k2 / m * d3 - (K + k4) / m * d4
+levelled = k1**2 * k2 * K / m**2 * sk(e3) * wish
+gyroscopic = sk(Omega) * inertia * Omega - k_Omega * Omega3 * e3
+cross_terms = (
+    k1 / m * d3.T * Q * d1
+    + k1 / m * d3.T * Q * d2
+    + k1 / m * d4.T * Q * d1
+    + k1 / m * d4.T * Q * d2
+)
+decay = -(k1 / m * d1.T * Q * d1) - k1 / m * d2.T * damping * d2 - k3 / m * sq(d3) - k4 / m * sq(d4)
+
+
+CONTROLLER = [
+    identity(
+        "30",
+        "thrust control U",
+        E(U, c * (K / m) * e3.T * d3 - c * e3.T * sk(q_star) * Omega),
+        LOOP,
+        note="it makes the e3 part of eq. 26 vanish; for any Ω3",
+    ),
+    identity(
+        "31",
+        "torque control Γ",
+        E(
+            Gamma,
+            inertia_inverse * (gyroscopic - inertia / distance * U * sk(e3) * Omega - levelled),
+        ),
+        LOOP_NO_YAW,
+        corrected=E(Gamma, gyroscopic - inertia / distance * (U * pi * Omega + levelled)),
+        note=NO_YAW,
+    ),
+    definition(
+        "32",
+        "Lyapunov function",
+        E(
+            L,
+            number(1) / number(2) * sq(d1)
+            + number(1) / number(2) * sq(d2)
+            + number(1) / number(2) * sq(d3)
+            + number(1) / number(2) * sq(d4),
+        ),
+        FREE,
+    ),
+    definition("f(T)", "thrust factor", E(f, k1 * k2 * K / (m * distance)), FREE),
+    identity(
+        "Ω̇",
+        "angular acceleration, in the proof",
+        E(Omega_rate, -inertia_inverse * sk(Omega) * inertia * Omega + inertia_inverse * Gamma),
+        FREE,
+    ),
+    identity(
+        "π sk π",
+        "the projected lever",
+        E(pi * lever * pi, distance * sk(e3)),
+        FREE,
+        note="so Γ is unique while T ≠ (k1² k2/m) q3*",
+    ),
+    identity("π δ4", "δ4 is horizontal", E(pi * d4, d4), FREE),
+    identity(
+        "34",
+        "derivative of L",
+        E(L_rate, decay + cross_terms + (d1 - d2).T * sk(q_star) * Omega),
+        LOOP_NO_YAW,
+        note=f"{NO_YAW}, and Γ as corrected",
+    ),
+    identity(
+        "35",
+        "body rates from the errors",
+        E(pi * Omega, -(k1 / m * f * sk(e3) * (d4 - d3))),
+        FREE_NO_YAW,
+        note=NO_YAW,
+    ),
+    identity(
+        "L̇ with A",
+        "derivative of L with eq. 35 put in",
+        E(
+            L_rate,
+            decay
+            + k1 / m * d3.T * (Q - f * A) * d1
+            + k1 / m * d3.T * (Q + f * A) * d2
+            + k1 / m * d4.T * (Q + f * A) * d1
+            + k1 / m * d4.T * (Q - f * A) * d2,
+        ),
+        LOOP_NO_YAW,
+        corrected=E(
+            L_rate,
+            decay
+            + k1 / m * d3.T * (Q - f * A.T) * d1
+            + k1 / m * d3.T * (Q + f * A.T) * d2
+            + k1 / m * d4.T * (Q + f * A.T) * d1
+            + k1 / m * d4.T * (Q - f * A.T) * d2,
+        ),
+        note=f"{NO_YAW}; as printed only where A = Aᵀ, that is for q* along e3",
+    ),
+    identity(
+        "A",
+        "A = -sk(q*) sk(e3) written out",
+        E(A, q3_star * I - e3 * q_star.T),
+        FREE,
+        note="the product as printed, in simpler form",
+    ),
+]
+
+# --- the rotors ---------------------------------------------------------------------------------
+
+Trr, Trl = Symbol("Trr", "T_{rr}", NEWTON), Symbol("Trl", "T_{rl}", NEWTON)
+Tfr, Tfl = Symbol("Tfr", "T_{fr}", NEWTON), Symbol("Tfl", "T_{fl}", NEWTON)
+d_arm, kappa = Symbol("d", "d", M), Symbol("κ", r"\kappa", M)
+Gamma1 = Symbol("Γ1", r"\Gamma_1", NEWTON * M)
+Gamma2 = Symbol("Γ2", r"\Gamma_2", NEWTON * M)
+
+
+def four_rotors() -> tuple[World, Mapping[ca.SX, ca.SX]]:
+    """Return the thrust and torque that four rotors make."""
+    t, d, k = ca.SX.sym("thrusts", 4), ca.SX.sym("d"), ca.SX.sym("kappa")
+    made = rotors.wrench(t, d, k)
+    names = ("Trr", "Trl", "Tfr", "Tfl")
+    return {
+        **{name: t[i] for i, name in enumerate(names)},
+        **{"d": d, "κ": k, "T": made[0], "Γ1": made[1], "Γ2": made[2], "Γ3": made[3]},
+    }, {}
+
+
+ROTORS = [
+    definition("36", "thrust of the rotors", E(T, Trr + Trl + Tfr + Tfl), four_rotors),
+    definition("37", "roll torque", E(Gamma1, d_arm * (Tfr + Tfl - Trr - Trl)), four_rotors),
+    definition("38", "pitch torque", E(Gamma2, d_arm * (Trl + Tfl - Trr - Tfr)), four_rotors),
+    definition("39", "yaw torque", E(Gamma3, kappa * (Tfr + Trl - Tfl - Trr)), four_rotors),
+]
+
+EQUATIONS: list[Claim] = [*RIGID_BODY_AND_IMAGE, *ERROR_CHAIN, *CONTROLLER, *ROTORS]
