@@ -17,7 +17,7 @@ FLOORS = [
     {"mission", "algebra"},
     {"plant"},
     {"servo"},
-    {"certification", "simulation"},
+    {"certification", "simulation", "paper"},
     {"show"},
     {"cli"},
     {"__main__"},

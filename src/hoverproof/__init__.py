@@ -19,18 +19,20 @@ if TYPE_CHECKING:
     from hoverproof.errors import InputError as InputError
     from hoverproof.mission import load as load
     from hoverproof.mission import presets as presets
+    from hoverproof.paper.ledger import derive as derive
     from hoverproof.simulation.flight import simulate as simulate
 
 _HOMES = {
     "InputError": ("hoverproof.errors", "InputError"),
     "certify": ("hoverproof.certification.gains", "certify"),
     "check": ("hoverproof.checker", "check_file"),
+    "derive": ("hoverproof.paper.ledger", "derive"),
     "load": ("hoverproof.mission", "load"),
     "presets": ("hoverproof.mission", "presets"),
     "simulate": ("hoverproof.simulation.flight", "simulate"),
 }
 
-__all__ = ["InputError", "__version__", "certify", "check", "load", "presets", "simulate"]
+__all__ = ["InputError", "__version__", "certify", "check", "derive", "load", "presets", "simulate"]
 
 
 def __getattr__(name: str) -> Any:

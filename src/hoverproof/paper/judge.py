@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -10,6 +11,7 @@ from typing import Any
 
 import casadi as ca
 
+from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.identity import Identity as Proof
 from hoverproof.algebra.identity import prove_equal
 from hoverproof.paper.notation import Equation, World
@@ -24,6 +26,9 @@ class Verdict(StrEnum):
     DEFINITION = "definition"
     CONVENTION = "convention"
     UNPROVED = "unproved"
+
+
+Setting = Callable[[], tuple[World, Mapping[ca.SX, ca.SX]]]
 
 
 @dataclass(frozen=True)
@@ -87,12 +92,15 @@ class Claim:
         As printed; where the print is ambiguous, in the reading that is kindest to the authors.
     judge : callable
         Takes the claim, returns its judgement.
+    where : Setting, optional
+        Of an equation: the values of its symbols, that is what is assumed of the motion.
     """
 
     id: str
     title: str
     printed: Shown
     judge: Callable[[Claim], Judgement]
+    where: Setting | None = None
 
     def judged(
         self, verdict: Verdict, reason: str, derived: Shown | None = None, **more: Any
@@ -100,9 +108,6 @@ class Claim:
         """Return the judgement of this claim."""
         shown = self.printed if derived is None else derived
         return Judgement(self.id, self.title, verdict, reason, self.printed, shown, **more)
-
-
-Setting = Callable[[], tuple[World, Mapping[ca.SX, ca.SX]]]
 
 
 def setting(world: Callable[[], World]) -> Setting:
@@ -124,6 +129,7 @@ def identity(
     *,
     corrected: Equation | None = None,
     note: str = "",
+    how: str = "",
 ) -> Claim:
     """Claim an equation that is to follow from the model.
 
@@ -140,6 +146,8 @@ def identity(
         What is right if the print is not.
     note : str
         What is assumed, or how the print was read.
+    how : str
+        How the print fails, where that is clearer in words than as a difference of terms.
     """
 
     def judge(claim: Claim) -> Judgement:
@@ -148,20 +156,21 @@ def identity(
         proof = proof_of(printed, where)
         if proof and not fault:
             return claim.judged(Verdict.HOLDS, f"proved, all parameters symbolic{suffix}")
-        point = _exact(proof.counterexample)
+        point = _counterexample(printed, where, proof)
         if corrected is None or corrected.unit_fault() or not proof_of(corrected, where):
             reason = f"units: {fault}" if fault else "no proof of the printed or a corrected form"
             return claim.judged(Verdict.UNPROVED, reason + suffix, counterexample=point)
         extra, missing = printed.difference(corrected)
         return claim.judged(
             Verdict.CORRECTED,
-            f"{_how_it_fails(printed, corrected, fault, where)}{suffix}",
+            f"{how or _how_it_fails(printed, corrected, where)}"
+            f"{f'; units: {fault}' if fault and not how else ''}{suffix}",
             corrected,
             difference=_differs(extra, missing),
             counterexample=point,
         )
 
-    return Claim(id, title, printed, judge)
+    return Claim(id, title, printed, judge, where)
 
 
 def definition(id: str, title: str, printed: Equation, where: Setting, *, note: str = "") -> Claim:
@@ -175,7 +184,7 @@ def definition(id: str, title: str, printed: Equation, where: Setting, *, note: 
         reason = "the model is proved to use it so" + (f" ({note})" if note else "")
         return replace(outcome, verdict=Verdict.DEFINITION, reason=reason)
 
-    return Claim(id, title, printed, judge)
+    return Claim(id, title, printed, judge, where)
 
 
 def statement(id: str, title: str, printed: Shown, judge: Callable[[Claim], Judgement]) -> Claim:
@@ -183,7 +192,7 @@ def statement(id: str, title: str, printed: Shown, judge: Callable[[Claim], Judg
     return Claim(id, title, printed, judge)
 
 
-def exact_point(**values: Fraction | int | list[Any]) -> dict[str, str]:
+def exact_point(**values: Fraction | int | str | list[Any]) -> dict[str, str]:
     """Write an exact point so that it can be shown and read by programs."""
     return {name: _shown(value) for name, value in values.items()}
 
@@ -192,8 +201,36 @@ def _shown(value: Any) -> str:
     return f"({', '.join(map(_shown, value))})" if isinstance(value, list | tuple) else str(value)
 
 
-def _exact(point: dict[str, Fraction] | None) -> dict[str, str] | None:
-    return None if point is None else {name: str(value) for name, value in point.items()}
+def witness(left: ca.SX, right: ca.SX) -> dict[str, str] | None:
+    """Return a point of small positive integers at which two expressions differ, exactly.
+
+    Parameters
+    ----------
+    left, right : SX
+        Of one shape, without roots.
+    """
+    symbols = ca.symvar(ca.horzcat(ca.vec(left), ca.vec(right)))
+    graph = ca.Function("sides", [ca.vertcat(*symbols)], [left, right])
+    draw = random.Random(0)
+    for _ in range(100):
+        point = [Fraction(draw.randint(1, 9)) for _ in symbols]
+        try:
+            one, other = evaluate(graph, [point])
+        except ZeroDivisionError:
+            continue
+        if one != other:
+            return {s.name(): str(x) for s, x in zip(symbols, point, strict=True)}
+    return None
+
+
+def _counterexample(printed: Equation, where: Setting, proof: Proof) -> dict[str, str] | None:
+    world, roots = where()
+    if proof.holds:  # then it is only the units that fail
+        return None
+    if roots:
+        found = proof.counterexample
+        return None if found is None else {name: str(value) for name, value in found.items()}
+    return witness(printed.left.value(world), printed.right.value(world))
 
 
 def _differs(extra: list[str], missing: list[str]) -> str:
@@ -204,23 +241,22 @@ def _differs(extra: list[str], missing: list[str]) -> str:
     return "; ".join(part for part in parts if part)
 
 
-def _how_it_fails(printed: Equation, corrected: Equation, fault: str, where: Setting) -> str:
-    """Name the failure: units, sign, factor, a missing or an extra term, or a wrong term."""
+def _how_it_fails(printed: Equation, corrected: Equation, where: Setting) -> str:
+    """Name the failure: sign, factor, a missing or an extra term, or a wrong term."""
     extra, missing = printed.difference(corrected)
-    units = f"; units: {fault}" if fault else ""
     if extra and [_flipped(t) for t in extra] == missing:
-        return f"sign: {' '.join(missing)} is right, not {' '.join(extra)}{units}"
+        return f"sign: {' '.join(missing)} is right, not {' '.join(extra)}"
     world, roots = where()
     left, right = printed.right.value(world), corrected.right.value(world)
     for factor in (Fraction(2), Fraction(1, 2), Fraction(-1)):
         scaled = left * factor.numerator / factor.denominator
         if left.shape == right.shape and prove_equal(scaled, right, roots):
-            return f"factor: the right side must be {factor} times what is printed{units}"
+            return f"factor: the right side must be {factor} times what is printed"
     if not extra:
-        return f"missing term: {' '.join(missing)}{units}"
+        return f"missing term: {' '.join(missing)}"
     if not missing:
-        return f"extra term: {' '.join(extra)}{units}"
-    return f"wrong term: {' '.join(missing)} is right, not {' '.join(extra)}{units}"
+        return f"extra term: {' '.join(extra)}"
+    return f"wrong term: {' '.join(missing)} is right, not {' '.join(extra)}"
 
 
 def _flipped(term: str) -> str:

@@ -4,6 +4,8 @@ A formula is a small tree. It prints itself as text and as LaTeX, gives its CasA
 (a mapping from symbol names to SX), and knows the physical unit that it has.
 """
 
+# ruff: noqa: D102 - the nodes' methods are documented once, in Formula
+
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
@@ -343,7 +345,8 @@ class Equation:
     def unit_fault(self) -> str:
         """Return what is wrong with the units, empty if nothing is."""
         try:
-            left, right = self.left.unit(), self.right.unit()
+            left = self.left.unit()
+            right = left if self.right == Number(Fraction(0)) else self.right.unit()
         except UnitError as error:
             return str(error)
         return "" if left == right else f"the left side is in {left}, the right side in {right}"

@@ -47,7 +47,11 @@ Omega3 = Symbol("Ω3", r"\Omega_3", S**-1)
 V_rate, Omega_rate = Symbol("V̇", r"\dot V", M / S**2), Symbol("Ω̇", r"\dot\Omega", S**-2)
 q_rate = Symbol("q̇", r"\dot q", S**-1)
 R_T_e3 = Symbol("Rᵀe3", "R^Te_3", ONE)
-e3, pi, identity = Symbol("e3", "e_3", ONE), Symbol("π", r"\pi_{e_3}", ONE), Symbol("I", "I", ONE)
+e3, pi, identity_matrix = (
+    Symbol("e3", "e_3", ONE),
+    Symbol("π", r"\pi_{e_3}", ONE),
+    Symbol("I", "I", ONE),
+)
 F, T = Symbol("F", "F", NEWTON), Symbol("T", "T", NEWTON)
 T_rate, U = Symbol("Ṫ", r"\dot T", NEWTON / S), Symbol("U", "U", NEWTON / S)
 Gamma = Symbol("Γ", r"\Gamma", NEWTON * M)

@@ -1,0 +1,573 @@
+"""What the paper claims beyond its equations: bounds, conditions, the theorem, the example."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+import casadi as ca
+
+from hoverproof.algebra.definite import is_positive_definite, quadratic_form
+from hoverproof.algebra.graph import evaluate
+from hoverproof.algebra.identity import prove_equal, prove_zero
+from hoverproof.algebra.surd import sqrt_enclosure
+from hoverproof.mission import Mission, load
+from hoverproof.paper.equations import FREE, c
+from hoverproof.paper.judge import (
+    Claim,
+    Judgement,
+    Verdict,
+    Words,
+    exact_point,
+    proof_of,
+    statement,
+    witness,
+)
+from hoverproof.paper.notation import Equation
+from hoverproof.paper.symbols import (
+    F,
+    closed_loop_no_yaw,
+    d2,
+    d3,
+    g,
+    k1,
+    k2,
+    m,
+    number,
+    q3_star,
+)
+from hoverproof.plant import camera
+from hoverproof.servo.lyapunov import derive_lyapunov_form
+
+Point = Sequence[Fraction]
+
+
+def _exact(*values: int | Fraction) -> list[Fraction]:
+    return [Fraction(v) for v in values]
+
+
+def _sigma(
+    mass: Fraction, gains: Point, goal: Point, depths: Point, f: Fraction
+) -> list[list[Fraction]]:
+    """Return the derived Σ exactly; gains are k1…k4, depths the lower triangle of Q."""
+    one = Fraction(1)
+    design = [mass, one, one, one, one, *gains, one, *goal]
+    return evaluate(derive_lyapunov_form().function(), [design, [one] * 4, depths, [f]])[0]
+
+
+# --- the image ----------------------------------------------------------------------------------
+
+
+def _judge_positive_q(claim: Claim) -> Judgement:
+    """Prove xᵀQx = |p × x|²/r for one point, and Q e3 = 0 for two points on one ray."""
+    point, x, r = ca.SX.sym("P", 3), ca.SX.sym("x", 3), ca.SX.sym("r")
+    roots = {r: ca.dot(point, point)}
+    turned = ca.cross(point / r, x)
+    form = x.T @ camera.depth_matrix(point) @ x
+    square = prove_equal(form, ca.dot(turned, turned) / r, roots)
+    below = ca.DM(camera.depth_matrix(ca.SX([[0, 0], [0, 0], [1, 2]])))[:, 2]
+    if not square or not below.is_zero():
+        return claim.judged(Verdict.UNPROVED, "xᵀQx = Σ |pᵢ × x|²/rᵢ was not proved")
+    return claim.judged(
+        Verdict.HOLDS,
+        "proved: xᵀQx = Σ |pᵢ × x|²/rᵢ, so Q > 0 unless all points are in line with the camera",
+        Words("Q > 0 if the points are not all in line with the camera", r"Q > 0"),
+    )
+
+
+def _judge_bounded_q(claim: Claim) -> Judgement:
+    return claim.judged(Verdict.CONVENTION, "an assumption about where the vehicle flies")
+
+
+def _judge_equilibrium(claim: Claim) -> Judgement:
+    """F = 0 gives T e3 = m g Rᵀe3, so T = ±m g; a magnitude is not negative."""
+    world, _ = FREE()
+    force = world["F"]
+    down = world["m"] * world["g"] * world["Rᵀe3"] - world["T"] * world["e3"]
+    weight = world["m"] * world["g"]
+    for sign in (1, -1):
+        there = ca.substitute(
+            ca.substitute(force, world["T"], sign * weight), world["Rᵀe3"], sign * world["e3"]
+        )
+        if not prove_zero(there):
+            return claim.judged(Verdict.UNPROVED, "the equilibrium was not confirmed")
+    if not prove_equal(force, down):
+        return claim.judged(Verdict.UNPROVED, "F is not m g Rᵀe3 - T e3")
+    return claim.judged(
+        Verdict.HOLDS, "as T is a magnitude; T = -m g with R e3 = -e3 would be another solution"
+    )
+
+
+def _judge_no_depth(claim: Claim) -> Judgement:
+    world = closed_loop_no_yaw()
+    control = ca.vertcat(world["U"], world["Γ"])
+    depths = ca.vertcat(*ca.symvar(world["Q"]))
+    if ca.depends_on(control, depths):
+        return claim.judged(Verdict.FALSE, "Q is in the control")
+    return claim.judged(Verdict.HOLDS, "the graph of U and Γ contains no entry of Q")
+
+
+# --- Σ ------------------------------------------------------------------------------------------
+
+
+def _judge_sigma(claim: Claim) -> Judgement:
+    """Compare XᵀΣX with -L̇ as printed, and with -m L̇ when the upper blocks are transposed."""
+    world = closed_loop_no_yaw()
+    Q, fA = world["Q"], world["f(T)"] * world["A"]
+    k_1, k_2 = world["k1"], world["k2"]
+    M, N = Q - fA.T, Q + fA.T
+    unit, zero, half = ca.SX.eye(3), ca.SX.zeros(3, 3), -k_1 / 2
+    X = ca.vertcat(*(world[f"δ{i}"] for i in range(1, 5)))
+
+    def form(upper_m: ca.SX, upper_n: ca.SX) -> ca.SX:
+        rows = [
+            [k_1 * Q, zero, half * upper_m, half * upper_n],
+            [zero, k_1 * (k_2 * unit - Q), half * upper_n, half * upper_m],
+            [half * M, half * N, world["k3"] * unit, zero],
+            [half * N, half * M, zero, world["k4"] * unit],
+        ]
+        return X.T @ ca.vertcat(*(ca.horzcat(*row) for row in rows)) @ X
+
+    printed = prove_equal(-world["L̇"], form(M, N))
+    scaled = prove_equal(-world["m"] * world["L̇"], form(M, N))
+    corrected = prove_equal(-world["m"] * world["L̇"], form(M.T, N.T))
+    if printed:
+        return claim.judged(Verdict.HOLDS, "proved, all parameters symbolic")
+    if not corrected:
+        return claim.judged(Verdict.UNPROVED, "no proof of the printed or the corrected form")
+    transposed = "" if scaled else "; the blocks above the diagonal are Mᵀ and Nᵀ"
+    return claim.judged(
+        Verdict.CORRECTED,
+        f"factor: m is missing{transposed}; an equality, Ω3 = 0, M and N as printed below it",
+        Words(
+            "m L̇ = -XᵀΣX with Σ13 = Σ24 = -(k1/2) Mᵀ, Σ14 = Σ23 = -(k1/2) Nᵀ, "
+            "Σ33 = k3 I, Σ44 = k4 π, the rest as printed",
+            r"m\dot{\mathcal{L}} = -X^T\Sigma X,\quad \Sigma_{13} = \Sigma_{24} = "
+            r"-\tfrac{k_1}{2}M^T,\ \Sigma_{14} = \Sigma_{23} = -\tfrac{k_1}{2}N^T",
+        ),
+        difference="printed L̇, M, N; derived m L̇, Mᵀ, Nᵀ above the diagonal",
+        counterexample=witness(-world["L̇"], form(M, N)),
+    )
+
+
+def _judge_sylvester(claim: Claim) -> Judgement:
+    """Prove the LDLᵀ of a general symmetric 3 x 3 matrix with ratios of minors as pivots."""
+    a = ca.tril2symm(ca.SX(ca.Sparsity.lower(3), ca.SX.sym("a", 6)))
+    two = a[0, 0] * a[1, 1] - a[0, 1] ** 2
+    pivots = ca.vertcat(a[0, 0], two / a[0, 0], ca.det(a) / two)
+    lower = ca.SX.eye(3)
+    lower[1, 0], lower[2, 0] = a[1, 0] / a[0, 0], a[2, 0] / a[0, 0]
+    lower[2, 1] = (a[2, 1] - a[2, 0] * a[1, 0] / a[0, 0]) / pivots[1]
+    if not prove_equal(lower @ ca.diag(pivots) @ lower.T, a):
+        return claim.judged(Verdict.UNPROVED, "LDLᵀ was not proved")
+    return claim.judged(
+        Verdict.HOLDS, "Sylvester's criterion; LDLᵀ with ratios of minors, proved for any 3 x 3"
+    )
+
+
+def _judge_norm(claim: Claim) -> Judgement:
+    """Prove |q*|²|x|² - |Aᵀx|² = (q*·x)² + (e3·(q* × x))²."""
+    q, x = ca.SX.sym("q", 3), ca.SX.sym("x", 3)
+    e3 = ca.SX([0, 0, 1])
+    turned = (-ca.skew(q) @ ca.skew(e3)).T @ x
+    gap = ca.dot(q, q) * ca.dot(x, x) - ca.dot(turned, turned)
+    squares = ca.dot(q, x) ** 2 + ca.dot(e3, ca.cross(q, x)) ** 2
+    if not prove_equal(gap, squares):
+        return claim.judged(Verdict.UNPROVED, "the sum of squares was not proved")
+    return claim.judged(
+        Verdict.HOLDS,
+        "‖AAᵀ‖^½ <= |q*|: the gap |q*|²|x|² - |Aᵀx|² is a sum of squares; equal for q* along e3",
+    )
+
+
+# --- the theorem --------------------------------------------------------------------------------
+
+MASS, GRAVITY, GOAL = Fraction(10_000), Fraction(10), _exact(0, 0, 1)
+GAINS = _exact(100, 4, 1000, Fraction(1, 1000))
+LOW, HIGH, BETWEEN = _exact(1, 2, Fraction(3, 2))
+STATE = _exact(Fraction(1, 10), 0, 0, 0, 0, 0, 0, 0, 0, Fraction(1, 5), 0)
+"""Gains that meet every printed condition, and a state with T = m g at which L grows."""
+
+
+def _printed_conditions(
+    mass: Fraction, gravity: Fraction, gains: Point, q3: Fraction, low: Fraction, high: Fraction
+) -> dict[str, bool]:
+    """Tell which conditions of the theorem are met, for q* along e3; units are not looked at."""
+    a, b, k_3, k_4 = gains
+    T_min = 2 * a**2 * b / mass * q3
+    f_min = a * b * (a * b + k_3) / (mass * (T_min - a**2 * b / mass * q3))
+    return {
+        "k2": b > high,
+        "k1": a**2 < 2 * mass * gravity * q3 / b,
+        "k3": k_3 > (b + high) * (high + f_min * q3) ** 2 / (low * (b - high)),
+        "k4": k_4 > 0,
+    }
+
+
+def _growing() -> tuple[bool, Fraction, dict[str, str]]:
+    """Return whether the printed conditions hold at the example, XᵀΣX there, and the point."""
+    a, b, k_3, _ = GAINS
+    f = a * b * (a * b + k_3) / (MASS * (MASS * GRAVITY - a**2 * b / MASS * GOAL[2]))
+    depths = [BETWEEN, Fraction(0), Fraction(0), BETWEEN, Fraction(0), BETWEEN]
+    value = quadratic_form(_sigma(MASS, GAINS, GOAL, depths, f), STATE)
+    met = all(_printed_conditions(MASS, GRAVITY, GAINS, GOAL[2], LOW, HIGH).values())
+    energy = sum(x * x for x in STATE) / 2
+    margin = MASS * GRAVITY / (a**2 * b) - 2 * GOAL[2]
+    allowed = met and margin > 0 and energy < margin**2 / 2
+    point = exact_point(
+        m=MASS,
+        g=GRAVITY,
+        gains=list(GAINS),
+        q_star=list(GOAL),
+        eigenvalues=[LOW, HIGH],
+        Q=f"{BETWEEN} I",
+        T=MASS * GRAVITY,
+        X=list(STATE),
+        XSigmaX=value,
+    )
+    return allowed, value, point
+
+
+def _judge_conditions(claim: Claim) -> Judgement:
+    allowed, value, point = _growing()
+    if not allowed or value >= 0:
+        return claim.judged(Verdict.UNPROVED, "the counterexample fails")
+    return claim.judged(
+        Verdict.FALSE,
+        "gains that meet all of them, with k4 = 1/1000, have XᵀΣX < 0 (k4 > 0 is not enough)",
+        Words(
+            "no such conditions: decide Σ over the whole region, as `certify` does", r"\Sigma > 0"
+        ),
+        counterexample=point,
+    )
+
+
+def _judge_exponential(claim: Claim) -> Judgement:
+    allowed, value, point = _growing()
+    if not allowed or value >= 0:
+        return claim.judged(Verdict.UNPROVED, "the counterexample fails")
+    return claim.judged(
+        Verdict.FALSE,
+        "at a state that meets every condition, (33) included, m L̇ = -XᵀΣX > 0; "
+        "true where Σ is certified and while Q stays in its bounds",
+        Words(
+            "if Σ ⪰ t I over the region: L̇ ≤ -(2t/m) L while Q and T stay in it",
+            r"\dot{\mathcal{L}} \le -\tfrac{2t}{m}\mathcal{L}",
+        ),
+        counterexample=point,
+    )
+
+
+K1_PRINTED = Equation(k1**2, number(2) * m * g * q3_star / k2, "<")
+K1_DERIVED = Equation(k1**2, m**2 * g / (number(2) * k2 * q3_star), "<")
+
+
+def _judge_k1(claim: Claim) -> Judgement:
+    """The condition is there to make m g > 2 c q3*; prove what that means for k1."""
+    world, _ = FREE()
+    gap = (K1_DERIVED.right.value(world) - world["k1"] ** 2) * 2 * world["k2"] * world["q3*"]
+    wanted = (m * g - number(2) * c * q3_star).value(world) * world["m"]
+    fault = K1_PRINTED.unit_fault()
+    if not fault or K1_DERIVED.unit_fault() or not prove_equal(gap, wanted):
+        return claim.judged(Verdict.UNPROVED, "the corrected condition was not proved")
+    return claim.judged(
+        Verdict.CORRECTED,
+        f"units: {fault}; what is needed is m g > 2 (k1² k2/m) q3*",
+        K1_DERIVED,
+    )
+
+
+def _judge_33(claim: Claim) -> Judgement:
+    """Units of the bracket; then, with √(2L) replaced by the proved 2√L, a smaller level."""
+    from_weight, goal_part = m * g / (k1**2 * k2), number(2) * q3_star
+    fault = Equation(from_weight, goal_part).unit_fault()
+    if not fault or Equation(m * g / c, goal_part).unit_fault():
+        return claim.judged(Verdict.UNPROVED, "the units are not as expected")
+    return claim.judged(
+        Verdict.CORRECTED,
+        "units: m g/(k1² k2) is in "
+        f"{from_weight.unit()}, so m is missing; and ¼ stands for ½, as |F| <= 2c√L",
+        Words(
+            "L(0) < ¼ (m² g/(k1² k2) - 2 |q*|)²",
+            r"\mathcal{L}(0) < \tfrac14\left(\frac{m^2g}{k_1^2k_2} - 2|q^*|\right)^2",
+        ),
+        difference="printed ½ and m g/(k1² k2); derived ¼ and m² g/(k1² k2)",
+        counterexample=_level_counterexample(),
+    )
+
+
+def _level_counterexample() -> dict[str, str]:
+    """Give a level that (33) allows as printed, with m g - c√(2L) < 2c|q*|, exactly."""
+    mass, gravity, level, goal = _exact(Fraction(1, 2), 10, 4, 1)
+    product = Fraction(1)  # k1² k2
+    stiffness = product / mass
+    printed = level < (mass * gravity / product - 2 * goal) ** 2 / 2
+    root_above = sqrt_enclosure(2 * level)[0]
+    broken = mass * gravity - stiffness * root_above < 2 * stiffness * goal
+    assert printed and broken
+    return exact_point(m=mass, g=gravity, k1=1, k2=1, q_star=[0, 0, goal], level=level)
+
+
+def _force_is_error_difference() -> bool:
+    return bool(proof_of(Equation(F, c * (d3 - d2)), FREE))
+
+
+def _judge_thrust_by_errors(claim: Claim) -> Judgement:
+    """|T - m g| <= |F| = c|δ3 - δ2|; at δ2 = δ3 = 0 all sides are equal, so < fails."""
+    if not _force_is_error_difference():
+        return claim.judged(Verdict.UNPROVED, "F = c (δ3 - δ2) was not proved")
+    return claim.judged(
+        Verdict.CORRECTED,
+        "<= is right, not <: F = c (δ3 - δ2) is proved, and at rest in hover all sides are m g",
+        Words(
+            "m g - c (|δ2| + |δ3|) <= T <= m g + c (|δ2| + |δ3|), c = k1² k2/m, T > 0",
+            r"mg - c(|\delta_2|+|\delta_3|) \le T \le mg + c(|\delta_2|+|\delta_3|)",
+        ),
+        counterexample=exact_point(delta2=_exact(0, 0, 0), delta3=_exact(0, 0, 0), T="m g"),
+    )
+
+
+def _judge_thrust_by_level(claim: Claim) -> Judgement:
+    """δ2 = (0, 0, 1) = -δ3, δ1 = δ4 = 0: T - m g = 2c but c√(2L) = √2 c."""
+    level = Fraction(1)  # L = ½(1 + 1)
+    distance = Fraction(2)  # |T - m g| / c = |δ3 - δ2|
+    if not _force_is_error_difference() or not distance**2 > 2 * level:
+        return claim.judged(Verdict.UNPROVED, "the counterexample fails")
+    return claim.judged(
+        Verdict.CORRECTED,
+        "factor: |δ2| + |δ3| reaches 2√L, not √(2L)",
+        Words(
+            "m g - 2c√L <= T <= m g + 2c√L",
+            r"mg - 2c\sqrt{\mathcal{L}} \le T \le mg + 2c\sqrt{\mathcal{L}}",
+        ),
+        difference="printed √(2L); derived 2√L",
+        counterexample=exact_point(
+            delta1=_exact(0, 0, 0),
+            delta2=_exact(0, 0, 1),
+            delta3=_exact(0, 0, -1),
+            delta4=_exact(0, 0, 0),
+            L=level,
+            T="m g + 2c",
+        ),
+    )
+
+
+def _judge_start_thrust(claim: Claim) -> Judgement:
+    return claim.judged(
+        Verdict.CORRECTED,
+        "it does not follow from (33) as printed; it does with 2√L for √(2L) and (33) corrected",
+        Words(
+            "2c|q*| < m g - 2c√L0 <= T0 <= m g + 2c√L0",
+            r"2c|q^*| < mg - 2c\sqrt{\mathcal{L}_0} \le T_0 \le mg + 2c\sqrt{\mathcal{L}_0}",
+        ),
+        difference="printed √(2L0) and strict bounds; derived 2√L0",
+        counterexample=_level_counterexample(),
+    )
+
+
+# --- the example --------------------------------------------------------------------------------
+
+
+def _paper_mission() -> Mission:
+    return load("x4-flyer")
+
+
+def _judge_gain_units(claim: Claim) -> Judgement:
+    """The unit of k2 follows from δ3 having none."""
+    unit = (m * F / k1**2).unit()
+    agrees = unit == k2.unit()
+    if not agrees or str(unit) == "kg^-1":
+        return claim.judged(Verdict.UNPROVED, "the units are not as expected")
+    return claim.judged(
+        Verdict.CORRECTED,
+        f"units: k2 is in {unit}, as k1² k2/m is a force; k1, k3 and k4 are as printed",
+        Words("k2 = 10 m⁻¹", r"k_2 = 10\ \mathrm{m}^{-1}"),
+        difference="printed kg⁻¹; derived m⁻¹",
+    )
+
+
+def _judge_paper_gains(claim: Claim) -> Judgement:
+    """The condition on k3 at the paper's numbers; f(Tmin)|q*| = (k1 k2 + k3)/k1 for axial q*."""
+    mission = _paper_mission()
+    v, k, (low, high) = mission.vehicle, mission.gains, mission.bounds.eigenvalues
+    gains = [k.k1, k.k2, k.k3, k.k4]
+    met = _printed_conditions(v.mass, v.gravity, gains, Fraction(1), low, high)
+    needed = (k.k2 + high) * (high + (k.k1 * k.k2 + k.k3) / k.k1) ** 2 / (low * (k.k2 - high))
+    if met["k3"] or not k.k3 < needed:
+        return claim.judged(Verdict.UNPROVED, "the condition on k3 holds")
+    return claim.judged(
+        Verdict.FALSE,
+        f"the condition on k3 asks for more than {float(needed):.3g} kg/s, not {float(k.k3):g}; "
+        "it is not needed either: see `hoverproof certify x4-flyer`",
+        counterexample=exact_point(k3=k.k3, needed=needed),
+    )
+
+
+def _judge_start_eigenvalues(claim: Claim) -> Judgement:
+    """Enclose Q at the start and decide λ- I ≺ Q ≺ λ+ I exactly."""
+    mission = _paper_mission()
+    low, high = mission.bounds.eigenvalues
+    middle = [[Fraction(0)] * 3 for _ in range(3)]
+    radius = Fraction(0)
+    for point in mission.target.points:
+        ray = [a - b for a, b in zip(point, mission.start.position, strict=True)]
+        square = sum((x * x for x in ray), Fraction(0))
+        ends = [1 / r for r in sqrt_enclosure(square)]
+        inverse = (ends[0] + ends[1]) / 2
+        radius += abs(ends[0] - ends[1])  # |I - ppᵀ| <= 1, so each term errs by less than this
+        for i in range(3):
+            for j in range(3):
+                middle[i][j] += inverse * (Fraction(int(i == j)) - ray[i] * ray[j] / square)
+    n = range(3)
+    above = [[middle[i][j] - (low + radius if i == j else 0) for j in n] for i in n]
+    below = [[(high - radius if i == j else 0) - middle[i][j] for j in n] for i in n]
+    if not (is_positive_definite(above) and is_positive_definite(below)):
+        return claim.judged(Verdict.UNPROVED, "Q at the start is not shown to be inside")
+    return claim.judged(
+        Verdict.HOLDS, "proved for a square of side 2 m; the paper gives no size for its square"
+    )
+
+
+K3_TEX = (
+    r"k_3 > \frac{(k_2+\lambda_{\max})(\lambda_{\max}+f(T_{\min})|q^*|)^2}"
+    r"{\lambda_{\min}(k_2-\lambda_{\max})}"
+)
+SIGMA_TEX = (
+    r"\dot{\mathcal{L}} \le -X^T\Sigma X,\quad \Sigma = \begin{pmatrix} "
+    r"k_1Q & 0 & -\frac{k_1}{2}M & -\frac{k_1}{2}N \\ "
+    r"0 & k_1(k_2I-Q) & -\frac{k_1}{2}N & -\frac{k_1}{2}M \\ "
+    r"-\frac{k_1}{2}M & -\frac{k_1}{2}N & k_3 & 0 \\ "
+    r"-\frac{k_1}{2}N & -\frac{k_1}{2}M & 0 & k_4 \end{pmatrix},\ "
+    r"M = Q - f(T)A^T,\ N = Q + f(T)A^T"
+)
+
+CLAIMS = [
+    statement("Q > 0", "Q is positive definite", Words("Q > 0", "Q > 0"), _judge_positive_q),
+    statement(
+        "12",
+        "bounds of the eigenvalues of Q",
+        Words("λmin < λᵢ(Q) < λmax", r"\lambda_{\min} < \{\lambda_i(Q)\} < \lambda_{\max}"),
+        _judge_bounded_q,
+    ),
+    statement(
+        "no depth",
+        "the control needs no depth",
+        Words("U and Γ do not contain Q", r"U, \Gamma \text{ do not contain } Q"),
+        _judge_no_depth,
+    ),
+    statement(
+        "19",
+        "hover is the only rest",
+        Words("-T e3 + m g Rᵀe3 = 0 => R e3 = e3, T = m g", r"Re_3 = e_3,\quad T = mg"),
+        _judge_equilibrium,
+    ),
+    statement(
+        "Σ",
+        "derivative of L as a quadratic form",
+        Words(
+            "L̇ <= -XᵀΣX, Σ = [k1 Q, 0, -(k1/2) M, -(k1/2) N; 0, k1 (k2 I - Q), -(k1/2) N, "
+            "-(k1/2) M; -(k1/2) M, -(k1/2) N, k3, 0; -(k1/2) N, -(k1/2) M, 0, k4], "
+            "M = Q - f(T) Aᵀ, N = Q + f(T) Aᵀ",
+            SIGMA_TEX,
+        ),
+        _judge_sigma,
+    ),
+    statement(
+        "minors",
+        "Σ is positive definite iff its principal minors are positive",
+        Words("Σ > 0 iff the principal minors are positive", r"\Sigma > 0"),
+        _judge_sylvester,
+    ),
+    statement(
+        "‖AAᵀ‖^½",
+        "the norm in the condition on k3, replaced by |q*|",
+        Words("‖AAᵀ‖^½ <= |q*|", r"\|AA^T\|^{1/2} \le |q^*|"),
+        _judge_norm,
+    ),
+    statement("k1", "condition on k1, squared", K1_PRINTED, _judge_k1),
+    statement(
+        "conditions",
+        "sufficient conditions on k1…k4",
+        Words(
+            "k1 > 0, k2 > λmax, k3 > (k2 + λmax) (λmax + f(Tmin) |q*|)²/(λmin (k2 - λmax)), k4 > 0 "
+            "=> Σ > 0",
+            rf"k_1 > 0,\ k_2 > \lambda_{{\max}},\ {K3_TEX},\ k_4 > 0 \Rightarrow \Sigma > 0",
+        ),
+        _judge_conditions,
+    ),
+    statement(
+        "33",
+        "the level at the start",
+        Words(
+            "L(0) < ½ (m g/(k1² k2) - 2 q3*)²",
+            r"\mathcal{L}(0) < \tfrac12\left(\frac{mg}{k_1^2k_2} - 2q_3^*\right)^2",
+        ),
+        _judge_33,
+    ),
+    statement(
+        "T by errors",
+        "bound of the thrust by the errors",
+        Words(
+            "m g - (k1² k2/m) (|δ2| + |δ3|) < T < m g + (k1² k2/m) (|δ2| + |δ3|)",
+            r"mg - \tfrac{k_1^2k_2}{m}(|\delta_2|+|\delta_3|) < T < "
+            r"mg + \tfrac{k_1^2k_2}{m}(|\delta_2|+|\delta_3|)",
+        ),
+        _judge_thrust_by_errors,
+    ),
+    statement(
+        "T by L",
+        "bound of the thrust by the level",
+        Words(
+            "m g - (k1² k2/m) √(2L) < T < m g + (k1² k2/m) √(2L)",
+            r"mg - \tfrac{k_1^2k_2}{m}\sqrt{2\mathcal{L}} < T < "
+            r"mg + \tfrac{k_1^2k_2}{m}\sqrt{2\mathcal{L}}",
+        ),
+        _judge_thrust_by_level,
+    ),
+    statement(
+        "T0",
+        "bound of the thrust at the start",
+        Words(
+            "2 (k1² k2/m) |q*| < m g - (k1² k2/m) √(2L0) < T0 < m g + (k1² k2/m) √(2L0)",
+            r"2\tfrac{k_1^2k_2}{m}|q^*| < mg - \tfrac{k_1^2k_2}{m}\sqrt{2\mathcal{L}_0} < T_0 < "
+            r"mg + \tfrac{k_1^2k_2}{m}\sqrt{2\mathcal{L}_0}",
+        ),
+        _judge_start_thrust,
+    ),
+    statement(
+        "theorem",
+        "L is exponentially decreasing",
+        Words(
+            "under the conditions on k1…k4 and (33), L is exponentially decreasing",
+            r"\mathcal{L}(t) \le e^{-rt}\mathcal{L}(0)",
+        ),
+        _judge_exponential,
+    ),
+    statement(
+        "units of gains",
+        "units of the gains in the example",
+        Words(
+            "k1 = 0.2 kg m/s, k2 = 10 kg⁻¹, k3 = 30.5 kg/s, k4 = 3 kg/s",
+            r"k_2 = 10\ \mathrm{kg}^{-1}",
+        ),
+        _judge_gain_units,
+    ),
+    statement(
+        "gains",
+        "these gains satisfy the conditions of the theorem",
+        Words(
+            "k1 = 0.2, k2 = 10, k3 = 30.5, k4 = 3 satisfy the conditions",
+            r"k_1 = 0.2,\ k_2 = 10,\ k_3 = 30.5,\ k_4 = 3",
+        ),
+        _judge_paper_gains,
+    ),
+    statement(
+        "start",
+        "the eigenvalue bounds hold at the start",
+        Words(
+            "0.01 < λᵢ(Q) < 5 at ξ0 = (5, 2.5, -4) m",
+            r"0.01 < \lambda_i(Q) < 5 \text{ at } \xi_0 = (5, 2.5, -4)",
+        ),
+        _judge_start_eigenvalues,
+    ),
+]

@@ -1,0 +1,78 @@
+"""The ledger: every claim of the paper in its order, judged."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from hoverproof.errors import InputError
+from hoverproof.paper.claims import CLAIMS
+from hoverproof.paper.equations import EQUATIONS
+from hoverproof.paper.judge import Claim, Judgement, Verdict
+
+ORDER = (
+    *("1", "2", "3", "4", "5", "point", "point motion", "6", "7", "8", "9", "Q > 0", "10", "11"),
+    *("|δ1|²", "skew", "J", "no depth", "12", "13", "14", "15", "16", "17", "18", "19", "20"),
+    *("21", "22", "23", "24", "25", "26", "27", "28", "29", "30", "31", "32", "f(T)", "k1"),
+    *("conditions", "33", "theorem", "Ω̇", "π sk π", "π δ4", "34", "35", "L̇ with A", "A", "Σ"),
+    *("minors", "‖AAᵀ‖^½", "T by errors", "T by L", "T0", "36", "37", "38", "39", "start"),
+    *("units of gains", "gains"),
+)
+"""The identifiers of all claims, in the order of the paper."""
+
+
+def ledger() -> list[Claim]:
+    """Return every claim of the paper, in its order."""
+    claims = {claim.id: claim for claim in [*EQUATIONS, *CLAIMS]}
+    return [claims[id] for id in ORDER]
+
+
+def derive(ids: Iterable[str] | None = None) -> list[Judgement]:
+    """Judge the claims of the paper; each verdict is computed when this is called.
+
+    Parameters
+    ----------
+    ids : iterable of str, optional
+        Equation numbers or names of claims; by default all.
+
+    Returns
+    -------
+    list of Judgement
+
+    Raises
+    ------
+    InputError
+        If there is no such claim.
+    """
+    claims = ledger()
+    if ids is not None:
+        known = {claim.id: claim for claim in claims}
+        wanted = list(ids)
+        for id in wanted:
+            if id not in known:
+                raise InputError(
+                    "--equation", "", f"no claim {id!r}; there are: {', '.join(ORDER)}"
+                )
+        claims = [known[id] for id in wanted]
+    return [claim.judge(claim) for claim in claims]
+
+
+def all_proved(judgements: Sequence[Judgement]) -> bool:
+    """Tell whether no claim was left without a proof or a refutation."""
+    return all(j.verdict is not Verdict.UNPROVED for j in judgements)
+
+
+def as_rows(judgements: Sequence[Judgement]) -> list[dict[str, object]]:
+    """Return the judgements as objects for machines."""
+    return [
+        {
+            "id": j.id,
+            "title": j.title,
+            "verdict": str(j.verdict),
+            "reason": j.reason,
+            "printed": j.printed.text(),
+            "derived": j.derived.text(),
+            "difference": j.difference,
+            "counterexample": j.counterexample,
+        }
+        for j in judgements
+    ]
