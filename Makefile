@@ -1,7 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test quick bench lint clean
+.PHONY: demo test quick notebooks bench lint clean
 .DELETE_ON_ERROR:
 
 # Certify the paper's vehicle, check the certificate, and fly it. Everything lands in demo/.
@@ -11,9 +11,10 @@ demo: .venv/installed
 	@$(BIN)/hoverproof check demo/x4-flyer.cert.json
 	@$(BIN)/hoverproof simulate x4-flyer --out demo/x4-flyer.flight.nc
 
-# Everything that CI runs: style, types, all tests.
+# Everything that CI runs: style, types, all tests, and every notebook executed.
 test: lint
 	$(BIN)/pytest -n auto
+	$(BIN)/pytest -n auto --nbmake notebooks
 
 # The fast tests only.
 quick: .venv/installed-dev
@@ -23,6 +24,10 @@ lint: .venv/installed-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+# Make the notebooks anew from derivations/, with their outputs.
+notebooks: .venv/installed-dev
+	$(BIN)/python notebooks/build.py
 
 # Speed, as ratios to peers in the same run; rewrites the tables in benchmarks/README.md.
 bench: .venv/installed-dev
