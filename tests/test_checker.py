@@ -64,8 +64,7 @@ def changed(content, path, new):
 def forge(content, path, new):
     forged = changed(content, path, new)
     forged["mission_sha256"] = checker.digest(forged["mission"])
-    _, judge = checker.KINDS[forged["kind"]]
-    forged["statement"] = judge(forged)
+    forged["statement"] = checker.statement(forged)
     forged["sha256"] = checker.digest({k: v for k, v in forged.items() if k != "sha256"})
     return forged
 
@@ -140,6 +139,8 @@ WORSE = [
     (("mission", "vehicle", "gravity"), 2),
     (("mission", "bounds", "eigenvalues", 0), Fraction(1, 2)),
     (("mission", "bounds", "eigenvalues", 1), 2),
+    (("region", "eigenvalues", 0), Fraction(3, 2)),
+    (("region", "eigenvalues", 1), Fraction(1, 2)),
     (("mission", "bounds", "thrust", 0), Fraction(9, 10)),
     (("mission", "bounds", "thrust", 1), Fraction(11, 10)),
     (("mission", "goal", "height"), 2),
@@ -163,7 +164,7 @@ def test_a_skilful_forgery_is_rejected(proved, path, times):
 @pytest.mark.parametrize(
     ("path", "new"),
     [
-        (("counterexample", "X", 0), "0"),
+        (("counterexample", "X"), ["0"] * 11),
         (("counterexample", "value"), "-100"),
         (("counterexample", "value"), "1"),
         (("counterexample", "f"), "1"),

@@ -14,7 +14,7 @@ from hoverproof import checker, cli
 from hoverproof.algebra.identity import prove_equal
 from hoverproof.errors import InputError
 from hoverproof.mission import load
-from hoverproof.paper import claims, equations, symbols
+from hoverproof.paper import equations, symbols, theorem
 from hoverproof.paper.judge import Verdict, identity, proof_of
 from hoverproof.paper.ledger import ORDER, all_proved, derive, ledger
 from hoverproof.paper.notation import (
@@ -117,18 +117,18 @@ def test_each_fault_of_the_printed_torque_is_a_fault_of_its_own():
 
 
 def test_the_counterexample_to_the_theorem_is_one_for_the_checker_too():
-    gains = dict(zip(("k1", "k2", "k3", "k4"), claims.GAINS, strict=True))
-    Q = [[claims.BETWEEN if i == j else Fraction(0) for j in range(3)] for i in range(3)]
-    weight = claims.MASS * claims.GRAVITY
-    f = checker.factor(claims.MASS, gains, weight, claims.GOAL[2])
-    sigma = checker.sigma(gains, [Fraction(1)] * 4, Q, f, claims.GOAL)
-    x = claims.STATE
+    gains = dict(zip(("k1", "k2", "k3", "k4"), theorem.GAINS, strict=True))
+    Q = [[theorem.BETWEEN if i == j else Fraction(0) for j in range(3)] for i in range(3)]
+    weight = theorem.MASS * theorem.GRAVITY
+    f = checker.factor(theorem.MASS, gains, weight, theorem.GOAL[2])
+    sigma = checker.sigma(gains, [Fraction(1)] * 4, Q, f, theorem.GOAL)
+    x = theorem.STATE
     value = sum(x[i] * sigma[i][j] * x[j] for i in range(11) for j in range(11))
     assert value < 0
-    a, b, c, d = map(float, claims.GAINS)
-    low, high, q3 = float(claims.LOW), float(claims.HIGH), 1.0
-    stiffness = a * a * b / float(claims.MASS)
-    f_min = a * b * (a * b + c) / (float(claims.MASS) * stiffness * q3)
+    a, b, c, d = map(float, theorem.GAINS)
+    low, high, q3 = float(theorem.LOW), float(theorem.HIGH), 1.0
+    stiffness = a * a * b / float(theorem.MASS)
+    f_min = a * b * (a * b + c) / (float(theorem.MASS) * stiffness * q3)
     assert b > high
     assert a < np.sqrt(2 * float(weight) * q3 / b)
     assert c > (b + high) * (high + f_min * q3) ** 2 / (low * (b - high))

@@ -21,8 +21,18 @@ For L = ½ Σ wi|δi|² the terms in Ω drop out and -m L' = XᵀΣX, X = (δ1, 
 
     uᵀQv ≥ λ uᵀv - ϱ|u||v| ≥ λ uᵀv - (ϱ/2)(τ|v|² + |u|²/τ),
 
-so Σ ≻ t I follows from  M = Σ(λI) - (k1 ϱ/2)(τ vᵀv + uᵀu/τ) - t I ≻ 0,  which is decided by an
-exact LDLᵀ. M is affine in f and in each component of q*: the corners of a box around them suffice.
+so Σ ≻ t W follows from  M = Σ(λI) - (k1 ϱ/2)(τ vᵀv + uᵀu/τ) - t W ≻ 0,  which is decided by an
+exact LDLᵀ, W = diag(w1 I, w2 I, w3 I, w4 I). M is affine in f and in each component of q*: the
+corners of a box around them suffice. Then L' <= -(2 t/m) L.
+
+Eigenvalues of Q over a box of positions c + δ, |δ| <= ρ: with ri the distance of point Pi from
+c + δ, di that from c, and any θ > 0, wi = 1/(di + ρ)³ <= 1/ri³, s = Σ wi (Pi - c),
+
+    xᵀQx = Σ |x × (Pi - c - δ)|²/ri³ >= Σ wi |x × (Pi - c)|² - 2 (x × s)·(x × δ) + Σ wi |x × δ|²
+         >= Σ wi |x × (Pi - c)|² - θ|x × s|² - (1/θ - Σ wi) ρ²|x|²    (where 1/θ >= Σ wi).
+
+From above: the derivative of (I - pipiᵀ)/ri along a unit vector has norm at most (2/√3)/ri², so
+Q(c + δ) ⪯ Q(c) + Σ 1.155 ρ/(di - ρ)² I. A box that this does not decide is halved.
 """
 
 import hashlib
@@ -32,7 +42,7 @@ import math
 import re
 import sys
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -41,7 +51,7 @@ Matrix = list[list[Fraction]]
 Gains = dict[str, Fraction]
 
 MAX_BYTES = 1_000_000
-BITS = 128  # of the enclosures made here
+MAX_BOXES = 5000
 
 
 class Question(NamedTuple):
@@ -53,6 +63,8 @@ class Question(NamedTuple):
     w: list[Fraction]  # weights of L
     thrust: list[Fraction]  # lowest and highest, N
     eigenvalues: list[Fraction]  # of Q, lowest and highest, 1/m
+    box: list[list[Fraction]] | None  # positions over which the eigenvalues are to be shown, m
+    points: Matrix  # target, world frame, m
     centroid: list[tuple[Fraction, Fraction]]  # q*
     factor: tuple[Fraction, Fraction]  # holds every f(T), 1/m
     attained: tuple[Fraction, Fraction]  # every value in it is an f(T), 1/m
@@ -85,12 +97,12 @@ def positive_definite(matrix: Matrix) -> bool:
     return True
 
 
-def square_root(s: Fraction) -> tuple[Fraction, Fraction]:
-    """Return rationals low <= √s <= high."""
-    n = (s.numerator << 2 * BITS) // s.denominator
+def square_root(s: Fraction, bits: int = 128) -> tuple[Fraction, Fraction]:
+    """Return rationals low <= √s <= high, at most 2^-bits apart."""
+    n = (s.numerator << 2 * bits) // s.denominator
     r = math.isqrt(n)
-    exact = r * r == n and n * s.denominator == s.numerator << 2 * BITS
-    return Fraction(r, 1 << BITS), Fraction(r if exact else r + 1, 1 << BITS)
+    exact = r * r == n and n * s.denominator == s.numerator << 2 * bits
+    return Fraction(r, 1 << bits), Fraction(r if exact else r + 1, 1 << bits)
 
 
 def within(inner: Sequence[Fraction], outer: Sequence[Fraction]) -> bool:
@@ -152,22 +164,96 @@ def closed_loop(g: Gains, Q: Matrix, f: Fraction, q: Row) -> Matrix:
     return rows
 
 
+def diagonal(w: Row) -> list[Fraction]:
+    """Return the diagonal of W, (11,)."""
+    return [w[0]] * 3 + [w[1]] * 3 + [w[2]] * 3 + [w[3]] * 2
+
+
 def sigma(g: Gains, w: Row, Q: Matrix, f: Fraction, q: Row) -> Matrix:
     """Return Σ = -sym(W B) for L = ½ XᵀWX."""
-    weight = [w[0]] * 3 + [w[1]] * 3 + [w[2]] * 3 + [w[3]] * 2
+    weight = diagonal(w)
     b = closed_loop(g, Q, f, q)
     n = range(11)
     return [[-(weight[i] * b[i][j] + weight[j] * b[j][i]) / 2 for j in n] for i in n]
 
 
+def eigenvalues_hold(
+    points: Matrix, box: Matrix, low: Fraction, high: Fraction, most: int = MAX_BOXES
+) -> bool:
+    """Tell whether low I ≺ Q ≺ high I is shown for every position in a box."""
+    boxes = [box]
+    for _ in range(most):
+        if not boxes:
+            return True
+        sides = boxes.pop()
+        if not eigenvalues_hold_near(points, sides, low, high):
+            center = [[(a + b) / 2] * 2 for a, b in sides]
+            if not eigenvalues_hold_near(points, center, low, high):
+                return False  # not even there
+            longest = max(range(3), key=lambda i: sides[i][1] - sides[i][0])
+            start, end = sides[longest]
+            for half in ([start, (start + end) / 2], [(start + end) / 2, end]):
+                boxes.append([half if i == longest else side for i, side in enumerate(sides)])
+    return False
+
+
+def eigenvalues_hold_near(points: Matrix, box: Matrix, low: Fraction, high: Fraction) -> bool:
+    """Show it for a whole box at once, without halving; see the top of this file."""
+    zero = Fraction(0)
+    center = [(a + b) / 2 for a, b in box]
+    square = sum(((b - a) ** 2 / 4 for a, b in box), zero)
+    radius = square_root(square, 32)[1]
+    rays = [[x - c for x, c in zip(point, center, strict=True)] for point in points]
+    ends = [square_root(sum((x * x for x in ray), zero), 32) for ray in rays]
+    if min(near for near, _ in ends) <= radius:
+        return False
+    if sum(1 / (near - radius) for near, _ in ends) >= high:  # else Q ⪯ Σ 1/ri is enough
+        above = scaled_identity(-high)
+        for ray, (near, _) in zip(rays, ends, strict=True):
+            add_turn(above, short(1 / near**3, up=True), ray)
+            steepness = Fraction(1155, 1000) * radius / (near - radius) ** 2
+            for i in range(3):
+                above[i][i] += short(steepness, up=True)
+        if not positive_definite([[-x for x in row] for row in above]):
+            return False
+    weights = [short(1 / (far + radius) ** 3, up=False) for _, far in ends]
+    total = sum(weights, zero)
+    s = [sum((w * ray[i] for w, ray in zip(weights, rays, strict=True)), zero) for i in range(3)]
+    for power in (1, 2, 4, 6):  # θ Σ wi is between 2^-power and half of that
+        theta = Fraction(2) ** -(power + math.frexp(float(total))[1]) if square else zero
+        below = scaled_identity(-low - ((1 / theta - total) * square if square else 0))
+        for w, ray in zip(weights, rays, strict=True):
+            add_turn(below, w, ray)
+        add_turn(below, -theta, s)
+        if positive_definite(below):
+            return True
+    return False
+
+
+def short(x: Fraction, *, up: bool) -> Fraction:
+    """Round a positive number to 64 binary digits after the point, up or down."""
+    return Fraction(int(x * 2**64) + up, 2**64)
+
+
+def scaled_identity(factor: Fraction) -> Matrix:
+    """Return factor I, (3, 3)."""
+    return [[factor if i == j else Fraction(0) for j in range(3)] for i in range(3)]
+
+
+def add_turn(matrix: Matrix, factor: Fraction, d: Row) -> None:
+    """Add factor (|d|² I - d dᵀ), the matrix of factor |x × d|², to a matrix."""
+    length = sum((x * x for x in d), Fraction(0))
+    for i, j in itertools.product(range(3), repeat=2):
+        matrix[i][j] += factor * ((length if i == j else 0) - d[i] * d[j])
+
+
 def bound(
     g: Gains, w: Row, eigenvalues: Row, f: Fraction, q: Row, tau: Fraction, t: Fraction
 ) -> Matrix:
-    """Return M = Σ(λI) - (k1 ϱ/2)(τ vᵀv + uᵀu/τ) - t I."""
+    """Return M = Σ(λI) - (k1 ϱ/2)(τ vᵀv + uᵀu/τ) - t W."""
     low, high = eigenvalues
     middle, spread = (low + high) / 2, (high - low) / 2
-    Q = [[middle if i == j else Fraction(0) for j in range(3)] for i in range(3)]
-    M = sigma(g, w, Q, f, q)
+    M = sigma(g, w, scaled_identity(middle), f, q)
     loss = g["k1"] * spread / 2
     for axis in range(3):  # u and v on each axis, as rows of length 11
         u, v = [Fraction(0)] * 11, [Fraction(0)] * 11
@@ -177,8 +263,8 @@ def bound(
             u[9 + axis] = -w[3]
         for i, j in itertools.product(range(11), repeat=2):
             M[i][j] -= loss * (tau * v[i] * v[j] + u[i] * u[j] / tau)
-    for i in range(11):
-        M[i][i] -= t
+    for i, weight in enumerate(diagonal(w)):
+        M[i][i] -= t * weight
     return M
 
 
@@ -223,10 +309,11 @@ def digest(value: Any) -> str:
     return hashlib.sha256(text.encode("ascii")).hexdigest()
 
 
-COMMON = ("format", "version", "kind", "mission", "mission_sha256", "model_sha256", "tools")
-PROOF = ("goal_position", "weights", "enclosures", "vertices", "claim", "statement", "sha256")
+COMMON = (
+    *("format", "version", "kind", "statement", "mission", "mission_sha256", "model_sha256"),
+    *("tools", "goal_position", "weights", "region", "sha256"),
+)
 GAINS = ("k1", "k2", "k3", "k4", "k_yaw")
-WITNESS = ("goal_position", "weights", "counterexample", "statement", "sha256")
 
 
 def read_mission(c: Any) -> Question:
@@ -259,8 +346,16 @@ def read_mission(c: Any) -> Question:
         require(level > 0, "the level must be positive")
         reach = stiffness * square_root(2 * level * (1 / w[1] + 1 / w[2]))[1]
         thrust = [m * gravity - reach, m * gravity + reach]
-    eigenvalues = numbers(bounds["eigenvalues"], 2)
+    numbers(bounds["eigenvalues"], 2)
+    region = keys(c["region"], ("box", "eigenvalues"), "region")
+    eigenvalues, box = numbers(region["eigenvalues"], 2), None
     require(0 < eigenvalues[0] < eigenvalues[1], "the eigenvalue bounds are not in order")
+    if region["box"] is None:
+        assumed = region["eigenvalues"] == bounds["eigenvalues"]
+        require(assumed, "without a box, the eigenvalue bounds are those of the mission")
+    else:
+        box = numbers(region["box"], 3, 2)
+        require(all(a <= b for a, b in box), "the box is not in order")
 
     points = numbers(keys(mission["target"], ("points",), "target")["points"], None, 3)
     require(len(points) >= 2, "a target has two points or more")
@@ -290,57 +385,82 @@ def read_mission(c: Any) -> Question:
         w=w,
         thrust=thrust,
         eigenvalues=eigenvalues,
+        box=box,
+        points=points,
         centroid=centroid,
         factor=(f(high, q_low), f(low, q_high)),
         attained=(f(high, q_high), f(low, q_low)),
     )
 
 
-def check_gains(c: Any) -> str:
-    """Verify a proof of Σ ≻ margin·I and of the decay of L; return the theorem in words."""
-    p = read_mission(c)
+def verify_gains(c: Any, p: Question) -> None:
+    """Verify a proof of Σ ≻ margin·W, hence of the decay of L."""
     keys(c["enclosures"], ("centroid", "factor"), "enclosures")
     box = numbers(c["enclosures"]["centroid"], 3, 2)
     span = numbers(c["enclosures"]["factor"], 2)
     for mine, given in zip(p.centroid, box, strict=True):
         require(within(mine, given), "the box around q* does not hold q*")
     require(within(p.factor, span), "the interval of f does not hold f(T)")
-
     require(isinstance(c["vertices"], list) and len(c["vertices"]) == 2, "two vertices are needed")
-    claim = keys(c["claim"], ("margin", "decay_rate"), "claim")
-    margin, rate = number(claim["margin"]), number(claim["decay_rate"])
+    margin, rate = (number(c["claim"][k]) for k in ("margin", "decay_rate"))
     require(margin > 0, "a margin of zero or less proves nothing")
-    scale = 2 / (p.m * max(p.w))
-    require(rate == scale * margin, "the decay rate does not follow from the margin")
+    require(rate == 2 * margin / p.m, "the decay rate does not follow from the margin")
     margins = []
     for f, vertex in zip(span, c["vertices"], strict=True):
         keys(vertex, ("factor", "multiplier", "margin", "decay_rate"), "vertex")
         require(number(vertex["factor"]) == f, "a vertex is not at an end of the interval of f")
         tau, t = number(vertex["multiplier"]), number(vertex["margin"])
         require(tau > 0, "a multiplier must be positive")
-        require(number(vertex["decay_rate"]) == scale * t, "a decay rate is not that of its margin")
+        require(number(vertex["decay_rate"]) == 2 * t / p.m, "a rate is not that of its margin")
         for q in itertools.product(*(sorted(set(ends)) for ends in box)):
             M = bound(p.g, p.w, p.eigenvalues, f, q, tau, t)
-            require(positive_definite(M), "Σ - margin·I is not shown to be positive definite")
+            require(positive_definite(M), "Σ - margin·W is not shown to be positive definite")
         margins.append(t)
     require(margin == min(margins), "the margin is not the smallest of the vertices")
-    return theorem_of_gains(p, margin, rate)
+    verify_region(c, p)
 
 
-def theorem_of_gains(p: Question, margin: Fraction, rate: Fraction) -> str:
-    """Say in words what was proved."""
+def theorem_of_gains(c: Any, p: Question) -> str:
+    """Say in words what is proved."""
+    claim = keys(c["claim"], ("margin", "decay_rate"), "claim")
+    margin, rate = about(number(claim["margin"])), about(number(claim["decay_rate"]))
+    weights = ", ".join(map(str, p.w))
+    stays = "Q and T stay in these intervals"
+    region = ""
+    if p.box is not None:
+        stays, region = (
+            "the vehicle stays in that box and T in its interval",
+            theorem_of_region(c, p) + " ",
+        )
     return (
-        f"F{setting(p)[1:]}, the matrix Σ(Q, T) is positive definite, with every eigenvalue above "
-        f"{about(margin)} kg/s. Hence, while Q and T stay in these intervals and Ω3 = 0, the "
-        f"Lyapunov function L = ½ Σ wi|δi|² with w = ({', '.join(map(str, p.w))}) falls at least "
-        f"as fast as exp(-r t) with r = {about(rate)} 1/s."
+        f"For {setting(p)}, the matrix Σ(Q, T) is positive definite: XᵀΣX > {margin} kg/s times "
+        f"Σ wi|δi|² for all X ≠ 0, w = ({weights}). {region}Hence, while {stays} and Ω3 = 0, the "
+        f"Lyapunov function L = ½ Σ wi|δi|² falls at least as fast as exp(-r t), r = {rate} 1/s."
     )
 
 
-def check_counterexample(c: Any) -> str:
+def verify_region(c: Any, p: Question) -> None:
+    """Verify the eigenvalue bounds over the box, if one is claimed."""
+    if p.box is not None:
+        shown = eigenvalues_hold(p.points, p.box, p.eigenvalues[0], p.eigenvalues[1])
+        require(shown, "the eigenvalue bounds are not shown to hold over the box")
+
+
+def theorem_of_region(c: Any, p: Question) -> str:
+    """Say in words over which box the eigenvalue bounds hold."""
+    require(p.box is not None, "a claim about a region has a box")
+    sides = " x ".join(f"[{about(a)}, {about(b)}]" for a, b in p.box or [])
+    low, high = map(about, p.eigenvalues)
+    return (
+        f"For the target of the mission {p.name} and every position in the box {sides} m, the "
+        f"eigenvalues of Q lie between {low} and {high} 1/m."
+    )
+
+
+def verify_counterexample(c: Any, p: Question) -> None:
     """Verify that Σ(Q, f) is not positive semidefinite at one admissible point."""
-    p = read_mission(c)
-    point = keys(c["counterexample"], ("Q", "f", "X", "value"), "counterexample")
+    require(p.box is None, "a counterexample is not about a box")
+    point = c["counterexample"]
     Q, X = numbers(point["Q"], 3, 3), numbers(point["X"], 11)
     f, value = number(point["f"]), number(point["value"])
     n = range(3)
@@ -356,15 +476,15 @@ def check_counterexample(c: Any) -> str:
         S = sigma(p.g, p.w, Q, f, q)
         values.append(sum(X[i] * S[i][j] * X[j] for i in range(11) for j in range(11)))
     require(max(values) <= value < 0, "XᵀΣX is not as negative as claimed")
-    return theorem_of_counterexample(p, f, value)
 
 
-def theorem_of_counterexample(p: Question, f: Fraction, value: Fraction) -> str:
-    """Say in words what was refuted."""
+def theorem_of_counterexample(c: Any, p: Question) -> str:
+    """Say in words what is refuted."""
+    point = keys(c["counterexample"], ("Q", "f", "X", "value"), "counterexample")
     return (
-        f"It is not true that, {setting(p)}, the matrix Σ(Q, T) is positive definite: for the "
-        f"given rational Q and X, and the thrust with f(T) = {about(f)} 1/m, "
-        f"XᵀΣX <= {about(value)} < 0."
+        f"It is not true that, for {setting(p)}, the matrix Σ(Q, T) is positive definite: for the "
+        f"given rational Q and X, and the thrust with f(T) = {about(number(point['f']))} 1/m, "
+        f"XᵀΣX <= {about(number(point['value']))} < 0."
     )
 
 
@@ -374,7 +494,7 @@ def setting(p: Question) -> str:
     q = ", ".join(f"{float((a + b) / 2):.12g}" for a, b in p.centroid)
     (a, b), (t, u) = p.eigenvalues, p.thrust
     return (
-        f"for the mission {p.name} (m = {p.m} kg, {gains}, q* = ({q}) to 12 digits), every "
+        f"the mission {p.name} (m = {p.m} kg, {gains}, q* = ({q}) to 12 digits), every "
         f"symmetric Q with eigenvalues in [{a}, {b}] 1/m and every thrust T in "
         f"[{about(t)}, {about(u)}] N"
     )
@@ -385,7 +505,24 @@ def about(x: Fraction) -> str:
     return str(x) if len(str(x)) < 6 else f"{x} (about {float(x):.6g})"
 
 
-KINDS = {"gains": (PROOF, check_gains), "counterexample": (WITNESS, check_counterexample)}
+class Kind(NamedTuple):
+    """A kind of certificate: its own keys, what it says, and how that is verified."""
+
+    keys: tuple[str, ...]
+    theorem: Callable[[Any, Question], str]
+    verify: Callable[[Any, Question], None]
+
+
+KINDS = {
+    "gains": Kind(("enclosures", "vertices", "claim"), theorem_of_gains, verify_gains),
+    "counterexample": Kind(("counterexample",), theorem_of_counterexample, verify_counterexample),
+    "region": Kind((), theorem_of_region, verify_region),
+}
+
+
+def statement(certificate: Any) -> str:
+    """Return the theorem that a certificate claims, in words."""
+    return KINDS[certificate["kind"]].theorem(certificate, read_mission(certificate))
 
 
 def check(certificate: Any) -> str:
@@ -396,14 +533,14 @@ def check(certificate: Any) -> str:
     require(isinstance(certificate, dict), "the certificate is not an object")
     kind = certificate.get("kind")
     require(isinstance(kind, str) and kind in KINDS, "unknown kind of certificate")
-    wanted, judge = KINDS[kind]
-    keys(certificate, COMMON + wanted, "certificate")
+    keys(certificate, COMMON + KINDS[kind].keys, "certificate")
     head = (certificate["format"], certificate["version"])
     require(head == ("hoverproof certificate", 1), "not version 1 of the format")
     rest = {k: v for k, v in certificate.items() if k != "sha256"}
     require(certificate["sha256"] == digest(rest), "the file was changed after it was written")
-    theorem = judge(certificate)
+    theorem = statement(certificate)
     require(certificate["statement"] == theorem, f"the statement is not what is proved: {theorem}")
+    KINDS[kind].verify(certificate, read_mission(certificate))
     return theorem
 
 

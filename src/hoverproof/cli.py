@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 
@@ -33,6 +35,10 @@ Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSO
 Set = Annotated[
     list[str] | None,
     Parameter(name="--set", negative="", help="Put a value in place: gains.k4=0.1 (repeatable)."),
+]
+Box = Annotated[
+    str | None,
+    Parameter(help="Positions x0,x1,y0,y1,z0,z1 in m; by default around start and goal."),
 ]
 EXIT = {"proved": 0, "refuted": 1, "undecided": 3}
 
@@ -80,6 +86,15 @@ def certify(
     mission: MissionName,
     *,
     out: Annotated[Path | None, Parameter(help="Certificate file to write.")] = None,
+    over_box: Annotated[
+        bool,
+        Parameter(negative="", help="Use eigenvalue bounds proved over a box (see `region`)."),
+    ] = False,
+    box: Box = None,
+    weights: Annotated[
+        str | None,
+        Parameter(help="Weights of L: four numbers w1,w2,w3,w4, or `search` for the best ones."),
+    ] = None,
     set_: Set = None,
     json_: Json = False,
 ) -> int:
@@ -92,9 +107,11 @@ def certify(
     """
     from hoverproof.certification.gains import Proved, Refuted, Undecided, as_json
     from hoverproof.certification.gains import certify as decide
+    from hoverproof.certification.region import enclose
 
     loaded = _load(mission, set_)
-    verdict = decide(loaded)
+    region = enclose(loaded, _box(loaded, box)) if over_box or box else None
+    verdict = decide(loaded, weights=_weights(loaded, weights, region), region=region)
     path = None
     if not isinstance(verdict, Undecided):
         ending = "cert" if isinstance(verdict, Proved) else "refutation"
@@ -111,9 +128,14 @@ def certify(
         f"  Σ(Q, T) ≻ 0 for every symmetric Q with eigenvalues in [{_n(low)}, {_n(high)}] 1/m\n"
         f"  and every thrust T in [{_n(weakest)}, {_n(strongest)}] N?"
     )
+    if problem.box is not None:
+        print(f"  (bounds of the eigenvalues proved over the box {_sides(problem.box)} m)")
+    if weights is not None:
+        print(f"  weights of L            {', '.join(map(_n, problem.weights))}")
     if isinstance(verdict, Proved):
         gap = float(verdict.margin_above / verdict.margin - 1)
-        print(f"  worst eigenvalue of Σ   {_n(verdict.margin)} kg/s, proved (tight to {gap:.0e})")
+        what = "worst eigenvalue of Σ  " if weights is None else "margin, Σ ⪰ margin·W   "
+        print(f"  {what} {_n(verdict.margin)} kg/s, proved (tight to {gap:.0e})")
         print(f"  decay rate of L         {_n(verdict.decay_rate)} 1/s, proved")
         print(f"  certificate             {path}")
         print(f"Next: hoverproof check {path}")
@@ -131,6 +153,76 @@ def certify(
         if verdict.margin_above is not None:
             print(f"  worst eigenvalue of Σ   {_n(verdict.margin_above)} kg/s or less, proved")
     return EXIT[verdict.status]
+
+
+@app.command
+def region(
+    mission: MissionName,
+    *,
+    box: Box = None,
+    out: Annotated[Path | None, Parameter(help="Certificate file to write.")] = None,
+    figure: Annotated[bool, Parameter(help="Draw the region beside the file.")] = True,
+    set_: Set = None,
+    json_: Json = False,
+) -> int:
+    """Prove or refute that the eigenvalue bounds of Q hold for the real target over a box.
+
+    Encloses the eigenvalues over the box, and draws where the bounds hold in a cross-section.
+
+    Example: `hoverproof region x4-flyer --box=-1,5,-1,3,-4.5,-2.5`
+    """
+    from hoverproof.certification.certificate import seal
+    from hoverproof.certification.problem import gain_problem
+    from hoverproof.certification.region import Region, enclose, holds_over, outside
+    from hoverproof.show.region import save_region_figure
+
+    loaded = _load(mission, set_)
+    sides = _box(loaded, box)
+    enclosed = enclose(loaded, sides)
+    wanted = loaded.bounds.eigenvalues
+    inside = wanted[0] <= enclosed.eigenvalues[0] and enclosed.eigenvalues[1] <= wanted[1]
+    witness = None if inside else outside(loaded, sides, wanted)
+    proved = inside or (witness is None and holds_over(loaded, sides, wanted))
+    verdict = "proved" if proved else "undecided" if witness is None else "refuted"
+    shown = Region(sides, wanted, enclosed.attained) if proved else enclosed
+    path = out or Path(f"{loaded.name}.region.cert.json")
+    seal(gain_problem(loaded, region=shown), "region", {}).save(path)
+    picture = path.with_name(f"{path.name.removesuffix('.cert.json')}.png")
+    if figure:
+        save_region_figure(loaded, enclosed, picture)
+
+    if json_:
+        _print_json(
+            {
+                "mission": loaded.name,
+                "verdict": verdict,
+                "box": [[float(end) for end in side] for side in sides],
+                "bounds": [float(x) for x in wanted],
+                "enclosure": [float(x) for x in enclosed.eigenvalues],
+                "attained": list(enclosed.attained),
+                "witness": None
+                if witness is None
+                else {"position": [str(c) for c in witness[0]], "eigenvalue": witness[1]},
+                "certificate": str(path),
+                "figure": str(picture) if figure else None,
+            }
+        )
+        return EXIT[verdict]
+    low, high = map(_n, enclosed.eigenvalues)
+    print(f"{loaded.name}: {verdict}")
+    print(f"  bounds [{_n(wanted[0])}, {_n(wanted[1])}] 1/m of the eigenvalues of Q")
+    print(f"  for every position in the box {_sides(sides)} m")
+    print(f"  proved there            [{low}, {high}] 1/m")
+    print(f"  found there             [{_n(enclosed.attained[0])}, {_n(enclosed.attained[1])}] 1/m")
+    if witness is not None:
+        print(f"  out of bounds           {_n(witness[1])} 1/m at {_position(witness[0])}")
+    print(
+        f"  certificate             {path} ({'the bounds' if proved else 'what is proved there'})"
+    )
+    if figure:
+        print(f"  figure                  {picture}")
+    print(f"Next: hoverproof certify {mission} --over-box")
+    return EXIT[verdict]
 
 
 @app.command
@@ -307,6 +399,31 @@ def _load(mission: str, settings: list[str] | None) -> Mission:
     return load(mission, overrides)
 
 
+def _box(mission: Mission, text: str | None) -> Any:
+    from hoverproof.certification.region import default_box, parse_box
+
+    return default_box(mission) if text is None else parse_box(text)
+
+
+def _weights(mission: Mission, text: str | None, region: Any) -> tuple[Fraction, ...]:
+    from hoverproof.certification.gains import search_weights
+    from hoverproof.certification.problem import ONES
+
+    if text is None:
+        return ONES
+    if text == "search":
+        return search_weights(mission, region=region)
+    try:
+        weights = tuple(Fraction(part.strip()) for part in text[:400].split(","))
+    except (ValueError, ZeroDivisionError):
+        weights = ()
+    if len(weights) != 4 or not all(0 < w <= 10**9 for w in weights):
+        raise InputError(
+            "--weights", "", f"must be `search` or four positive numbers w1,w2,w3,w4, not {text!r}"
+        )
+    return weights
+
+
 def _print_json(value: dict[str, Any]) -> None:
     print(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
 
@@ -319,5 +436,9 @@ def _matrix(rows: list[list[Any]]) -> str:
     return "[" + "; ".join(", ".join(map(str, row)) for row in rows) + "]"
 
 
-def _position(p: list[float]) -> str:
-    return "(" + ", ".join(f"{round(c, 4) + 0.0:g}" for c in p) + ") m"
+def _sides(box: Any) -> str:
+    return " x ".join(f"[{_n(a)}, {_n(b)}]" for a, b in box)
+
+
+def _position(p: Sequence[float | Fraction]) -> str:
+    return "(" + ", ".join(f"{round(float(c), 4) + 0.0:g}" for c in p) + ") m"

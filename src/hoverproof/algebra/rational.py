@@ -269,6 +269,18 @@ class Rational:
         )
         return _value(terms(self.numerator), x) / below
 
+    def polynomial(self) -> Terms:
+        """Return the terms of an element that is a polynomial.
+
+        Raises
+        ------
+        ValueError
+            If it has a denominator.
+        """
+        if self.denominator:
+            raise ValueError(f"not a polynomial: {self}")
+        return self.field.polynomials.terms(self.numerator)
+
     def __str__(self) -> str:
         return f"({self.numerator})" + "".join(f"/({f})^{k}" for f, k in self.denominator)
 

@@ -3,19 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, ClassVar
 
 import numpy as np
 
+from hoverproof.algebra.decimals import decimal_below
 from hoverproof.algebra.definite import is_positive_definite, quadratic_form
 from hoverproof.certification.certificate import Certificate, seal
-from hoverproof.certification.lmi import Array, Vertex, best_multiplier, worst_direction
-from hoverproof.certification.problem import GainProblem, Rows, gain_problem
+from hoverproof.certification.lmi import (
+    Array,
+    Vertex,
+    best_multiplier,
+    best_weights,
+    worst_direction,
+)
+from hoverproof.certification.problem import (
+    ONES,
+    GainProblem,
+    Rows,
+    gain_problem,
+    sigma_function,
+)
+from hoverproof.certification.region import Region
 from hoverproof.mission import Mission
+from hoverproof.servo.error_chain import Design
 
 WITNESS_BITS = 40
+DIGITS = 10
 
 
 @dataclass(frozen=True)
@@ -25,7 +41,7 @@ class Proved:
     Attributes
     ----------
     margin : Fraction
-        Proved lower bound of every eigenvalue of Σ, kg/s.
+        Proved: Σ ⪰ margin·W, kg/s; with all weights 1 a lower bound of every eigenvalue of Σ.
     margin_above : Fraction
         Proved upper bound of the worst eigenvalue (from an extremal Q), kg/s.
     decay_rate : Fraction
@@ -109,19 +125,22 @@ class _Vertex:
 
 @dataclass(frozen=True)
 class _Worst:
-    """An exact point of the region, and its Rayleigh quotient as a bound of the margin."""
+    """An exact point of the region, with XᵀΣX and XᵀWX: their quotient bounds the margin."""
 
     Q: Rows
     f: Fraction
     X: list[Fraction]
     value: Fraction
+    weight: Fraction
 
     @property
     def quotient(self) -> Fraction:
-        return self.value / sum(x * x for x in self.X)
+        return self.value / self.weight
 
 
-def certify(mission: Mission) -> Verdict:
+def certify(
+    mission: Mission, *, weights: tuple[Fraction, ...] = ONES, region: Region | None = None
+) -> Verdict:
     """Decide whether Σ ≻ 0 for every Q and every thrust that the mission allows.
 
     Solvers suggest a multiplier and a worst case for each end of the interval of f(T); the verdict
@@ -130,6 +149,10 @@ def certify(mission: Mission) -> Verdict:
     Parameters
     ----------
     mission : Mission
+    weights : (4,) Fractions
+        w of L = ½ Σ wᵢ|δᵢ|²; `search_weights` finds those with the largest decay rate.
+    region : Region, optional
+        A box with proved eigenvalue bounds, to take the place of those that the mission assumes.
 
     Returns
     -------
@@ -141,25 +164,48 @@ def certify(mission: Mission) -> Verdict:
         If the mission poses no question: its goal cannot be seen, or its thrust interval reaches
         the singularity of the controller.
     """
-    problem = gain_problem(mission)
-    vertices, worst = [], []
+    problem = gain_problem(mission, weights, region)
+    vertices, candidates = [], []
     for f, attained in zip(problem.factor, problem.factor_attained, strict=True):
         vertex = _vertex(problem, f)
         try:
             tau = _short_multiplier(best_multiplier(vertex))
         except RuntimeError as error:
             return Undecided(None, str(error), problem)
-        direction = worst_direction(vertex, float(tau))
-        worst.append((_worst_case(problem, direction, attained, WITNESS_BITS), direction))
-        margin = _proved_margin(problem, f, tau, vertex.margin(float(tau)))
-        vertices.append(_Vertex(f, tau, margin))
+        estimate = vertex.margin(float(tau))
+        candidates.append((estimate, attained, worst_direction(vertex, float(tau))))
+        vertices.append(_Vertex(f, tau, _proved_margin(problem, f, tau, estimate)))
+    _, attained, direction = min(candidates, key=lambda candidate: candidate[0])
+    worst = _worst_case(problem, direction, attained, WITNESS_BITS)
     low, high = problem.factor_attained
-    lowest, direction = min(worst, key=lambda pair: pair[0].quotient)
-    if lowest.value < 0 and low <= lowest.f <= high:
-        return _refuted(problem, _shortest_witness(problem, direction, lowest), lowest.quotient)
+    if worst.value < 0 and low <= worst.f <= high:
+        return _refuted(problem, _shortest_witness(problem, direction, worst), worst.quotient)
     if any(v.margin <= 0 for v in vertices):
-        return Undecided(lowest.quotient, "the worst eigenvalue of Σ is too near zero", problem)
-    return _proved(problem, vertices, lowest.quotient)
+        return Undecided(worst.quotient, "the worst eigenvalue of Σ is too near zero", problem)
+    return _proved(problem, vertices, worst.quotient)
+
+
+def search_weights(mission: Mission, *, region: Region | None = None) -> tuple[Fraction, ...]:
+    """Return short weights with (nearly) the largest certified decay rate, w1 = 1.
+
+    Parameters
+    ----------
+    mission : Mission
+    region : Region, optional
+        See `certify`.
+
+    Raises
+    ------
+    InputError
+        See `certify`.
+    """
+    families = []
+    units = [tuple(Fraction(int(i == j)) for j in range(4)) for i in range(4)]
+    base = gain_problem(mission, ONES, region)
+    for f in base.factor:
+        families.append([_vertex(replace(base, weights=unit), f) for unit in units])
+    found = best_weights(families)
+    return tuple(decimal_below(float(w), 4) for w in found)
 
 
 def _proved(problem: GainProblem, vertices: list[_Vertex], margin_above: Fraction) -> Proved:
@@ -182,22 +228,26 @@ def _proved(problem: GainProblem, vertices: list[_Vertex], margin_above: Fractio
 
 
 def _refuted(problem: GainProblem, worst: _Worst, margin_above: Fraction) -> Refuted:
-    value = -_decimal_below(-worst.value)
+    value = -decimal_below(-worst.value, DIGITS)
     point = {"Q": worst.Q, "f": worst.f, "X": worst.X, "value": value}
     certificate = seal(problem, "counterexample", {"counterexample": point})
     return Refuted(worst.Q, worst.f, worst.X, value, margin_above, problem, certificate)
 
 
 def _vertex(problem: GainProblem, f: Fraction) -> Vertex:
-    """Round one end of the interval of f to floating point, q* in the middle of its box."""
-    middle, spread = _middle_and_spread(problem)
-    q = tuple((low + high) / 2 for low, high in problem.centroid)
-    sigma, u, v = (_floats(m) for m in problem.matrices(_identity(middle), f, q))
-    return Vertex(sigma, u, v, float(problem.mission.gains.k1 * spread / 2))
+    """Take one end of the interval of f in floating point, q* in the middle of its box."""
+    middle, spread = (float(x) for x in _middle_and_spread(problem))
+    q = [(low + high) / 2 for low, high in problem.centroid]
+    design = [float(x) for x in Design.values(problem.mission, q)]
+    weights = [float(w) for w in problem.weights]
+    lower = [middle, 0, 0, middle, 0, middle]
+    sigma, u, v = (np.array(x) for x in sigma_function()(design, weights, lower, float(f)))
+    diagonal = np.array([float(w) for w in problem.weight_diagonal])
+    return Vertex(sigma, u, v, float(problem.mission.gains.k1) * spread / 2, diagonal)
 
 
 def _proved_margin(problem: GainProblem, f: Fraction, tau: Fraction, estimate: float) -> Fraction:
-    """Return a short t, near the estimate, with M(τ) ≻ t I exactly at all corners of q*.
+    """Return a short t, near the estimate, with M(τ) ≻ t W exactly at all corners of q*.
 
     Zero if none is found above it.
     """
@@ -206,21 +256,18 @@ def _proved_margin(problem: GainProblem, f: Fraction, tau: Fraction, estimate: f
     bounds = []
     for q in problem.corners():
         sigma, u, v = problem.matrices(_identity(middle), f, q)
-        n = range(len(sigma))
-        bounds.append(
-            [
-                [
-                    sigma[i][j]
-                    - loss
-                    * sum(tau * b[i] * b[j] + a[i] * a[j] / tau for a, b in zip(u, v, strict=True))
-                    for j in n
-                ]
-                for i in n
-            ]
-        )
+        for a, b in zip(u, v, strict=True):  # rows of u and v: few entries of them are not zero
+            for matrix_row, factor in ((b, loss * tau), (a, loss / tau)):
+                held = [(i, x) for i, x in enumerate(matrix_row) if x]
+                for i, x in held:
+                    for j, y in held:
+                        sigma[i][j] -= factor * x * y
+        bounds.append(sigma)
     for slack in (1e-9, 1e-7, 1e-5, 1e-3):
-        t = _decimal_below(estimate * (1 - slack))
-        if t > 0 and all(is_positive_definite(_shifted(m, t)) for m in bounds):
+        t = decimal_below(estimate * (1 - slack), DIGITS)
+        if t > 0 and all(
+            is_positive_definite(_shifted(m, t, problem.weight_diagonal)) for m in bounds
+        ):
             return t
     return Fraction(0)
 
@@ -243,7 +290,8 @@ def _worst_case(
         for j in range(3):
             Q[i][j] -= 2 * spread * axis[i] * axis[j] / square if square else Fraction(0)
     value = max(quadratic_form(problem.matrices(Q, f, q)[0], X) for q in problem.corners())
-    return _Worst(Q, f, X, value)
+    weight = sum((w * x * x for w, x in zip(problem.weight_diagonal, X, strict=True)), Fraction(0))
+    return _Worst(Q, f, X, value, weight)
 
 
 def _shortest_witness(
@@ -270,12 +318,11 @@ def _identity(scale: Fraction) -> Rows:
     return [[scale if i == j else Fraction(0) for j in range(3)] for i in range(3)]
 
 
-def _shifted(matrix: Rows, t: Fraction) -> Rows:
-    return [[a - t if i == j else a for j, a in enumerate(row)] for i, row in enumerate(matrix)]
-
-
-def _floats(matrix: Rows) -> Array:
-    return np.array([[float(entry) for entry in row] for row in matrix])
+def _shifted(matrix: Rows, t: Fraction, weights: Sequence[Fraction]) -> Rows:
+    return [
+        [a - t * weights[i] if i == j else a for j, a in enumerate(row)]
+        for i, row in enumerate(matrix)
+    ]
 
 
 def _short_multiplier(tau: float) -> Fraction:
@@ -286,15 +333,6 @@ def _short_multiplier(tau: float) -> Fraction:
 def _rounded(value: float, bits: int) -> Fraction:
     """Round to so many binary digits after the point."""
     return Fraction(round(Fraction(value) * (1 << bits)), 1 << bits)
-
-
-def _decimal_below(value: float | Fraction, digits: int = 10) -> Fraction:
-    """Return the largest decimal of so many significant digits that is not above a value."""
-    if value == 0:
-        return Fraction(0)
-    places = digits - 1 - int(np.floor(np.log10(abs(float(value)))))
-    scale = Fraction(10) ** places
-    return Fraction(value) * scale // 1 / scale
 
 
 def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
@@ -320,6 +358,7 @@ def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
         "thrust": _numbers(problem.thrust),
         "goal_centroid": _numbers(problem.goal.centroid_midpoint),
         "weights": _numbers(problem.weights),
+        "box": None if problem.box is None else [_numbers(side) for side in problem.box],
         "counterexample": refuted.certificate.content["counterexample"] if refuted else None,
         "reason": verdict.reason if isinstance(verdict, Undecided) else None,
         "statement": None if isinstance(verdict, Undecided) else verdict.certificate.statement,

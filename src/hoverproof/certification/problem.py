@@ -8,22 +8,26 @@ q*, so the corners of a box around them suffice; Q enters through one bilinear f
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 
 import casadi as ca
 
 from hoverproof.algebra.graph import evaluate
+from hoverproof.algebra.identity import normal_form
 from hoverproof.algebra.surd import sqrt_enclosure
+from hoverproof.certification.region import Box, Region
 from hoverproof.errors import InputError
 from hoverproof.mission import Mission
 from hoverproof.plant.goal import HoverGoal, Interval, hover_goal
 from hoverproof.servo.error_chain import Design
-from hoverproof.servo.lyapunov import derive_lyapunov_form, thrust_factor
+from hoverproof.servo.lyapunov import ERROR_SIZE, derive_lyapunov_form, thrust_factor
 
 Rows = list[list[Fraction]]
+Terms = list[tuple[Fraction, list[int]]]
 BITS = 64
 
 
@@ -31,6 +35,33 @@ BITS = 64
 def sigma_function() -> ca.Function:
     """Return (design, weights, Q, f) ↦ (Σ, u, v) of the derived closed loop."""
     return derive_lyapunov_form().function()
+
+
+@cache
+def _sigma_polynomials() -> list[tuple[int, int, int, Terms]]:
+    """Return the nonzero entries of Σ, u and v as polynomials: (matrix, row, column, terms).
+
+    A term is a coefficient with the positions of its factors among the inputs of `sigma_function`.
+    """
+    form = derive_lyapunov_form()
+    inputs = ca.vertcat(form.design.vector(), form.weights, form.Q_lower, form.f)
+    stacked = ca.vertcat(form.Sigma, form.flow_weight, form.scaled_velocity)
+    used = ca.symvar(ca.vec(stacked))
+    position = {symbol: i for i, symbol in enumerate(ca.vertsplit(inputs))}
+    entries = []
+    for i, row in enumerate(normal_form(stacked)):
+        matrix, row_of_it = (0, i) if i < ERROR_SIZE else divmod(i - ERROR_SIZE + 3, 3)
+        for column, value in enumerate(row):
+            terms = [
+                (
+                    coefficient,
+                    [position[s] for s, n in zip(used, powers, strict=True) for _ in range(n)],
+                )
+                for powers, coefficient in value.polynomial().items()
+            ]
+            if terms:
+                entries.append((matrix, row_of_it, column, terms))
+    return entries
 
 
 @cache
@@ -59,6 +90,10 @@ class GainProblem:
         Interval that holds f(T) for all of them, 1/m.
     factor_attained : (low, high)
         Interval of values that f(T) does take, 1/m; empty if low > high.
+    eigenvalues : (low, high)
+        Interval of the eigenvalues of Q, 1/m.
+    box : (3,) of (low, high), or None
+        Positions over which that interval was proved, m; None if it is the mission's assumption.
     """
 
     mission: Mission
@@ -68,11 +103,8 @@ class GainProblem:
     thrust: Interval
     factor: Interval
     factor_attained: Interval
-
-    @property
-    def eigenvalues(self) -> Interval:
-        """Interval of the eigenvalues of Q, 1/m."""
-        return self.mission.bounds.eigenvalues
+    eigenvalues: Interval
+    box: Box | None
 
     def corners(self) -> Iterator[tuple[Fraction, ...]]:
         """Yield the corners of the box around q*."""
@@ -88,17 +120,62 @@ class GainProblem:
         q : (3,) corner of the box around q*
         """
         lower = [Q[i][j] for j in range(3) for i in range(j, 3)]
-        design = Design.values(self.mission, q)
-        sigma, u, v = evaluate(sigma_function(), [design, list(self.weights), lower, [f]])
+        inputs = [*Design.values(self.mission, q), *self.weights, *lower, f]
+        zero = Fraction(0)
+        sigma = [[zero] * ERROR_SIZE for _ in range(ERROR_SIZE)]
+        u, v = ([[zero] * ERROR_SIZE for _ in range(3)] for _ in range(2))
+        for matrix, i, j, terms in self._entries:
+            value = zero
+            for coefficient, factors in terms:
+                for k in factors:
+                    coefficient *= inputs[k]
+                value += coefficient
+            (sigma, u, v)[matrix][i][j] = value
         return sigma, u, v
 
+    @cached_property
+    def _entries(self) -> list[tuple[int, int, int, Terms]]:
+        """Σ, u and v with the numbers of this mission put in, but q*, Q and f left."""
+        held = [*Design.values(self.mission, (Fraction(1),) * 3), *self.weights]
+        free = {10, 11, 12, *range(len(held), len(held) + 7)}
+        entries = []
+        for matrix, i, j, terms in _sigma_polynomials():
+            short = [
+                (
+                    math.prod((held[k] for k in factors if k not in free), start=coefficient),
+                    [k for k in factors if k in free],
+                )
+                for coefficient, factors in terms
+            ]
+            entries.append((matrix, i, j, short))
+        return entries
+
+    @property
+    def weight_diagonal(self) -> list[Fraction]:
+        """Diagonal of W, (11,): L = ½ XᵀWX."""
+        w1, w2, w3, w4 = self.weights
+        return [w1] * 3 + [w2] * 3 + [w3] * 3 + [w4] * 2
+
     def decay_rate(self, margin: Fraction) -> Fraction:
-        """Return the rate of L, 1/s, that follows from Σ ⪰ margin·I: L' ≤ -rate·L."""
-        return 2 * margin / (self.mission.vehicle.mass * max(self.weights))
+        """Return the rate of L, 1/s, that follows from Σ ⪰ margin·W: L' ≤ -rate·L."""
+        return 2 * margin / self.mission.vehicle.mass
 
 
-def gain_problem(mission: Mission) -> GainProblem:
+ONES = (Fraction(1),) * 4
+
+
+def gain_problem(
+    mission: Mission, weights: tuple[Fraction, ...] = ONES, region: Region | None = None
+) -> GainProblem:
     """Pose the question for a mission.
+
+    Parameters
+    ----------
+    mission : Mission
+    weights : (4,) Fractions
+        w of L = ½ Σ wᵢ|δᵢ|².
+    region : Region, optional
+        A box with proved eigenvalue bounds, to take the place of those in the mission.
 
     Raises
     ------
@@ -107,7 +184,6 @@ def gain_problem(mission: Mission) -> GainProblem:
     """
     goal = hover_goal(mission)
     box = tuple((_down(low), _up(high)) for low, high in goal.centroid)
-    weights = (Fraction(1),) * 4
 
     def force(thrust: Fraction, q3: Fraction) -> list[Fraction]:
         q = [box[0][0], box[1][0], q3]
@@ -141,6 +217,8 @@ def gain_problem(mission: Mission) -> GainProblem:
         thrust=(low, high),
         factor=(_down(force(high, bottom)[2]), _up(force(low, top)[2])),
         factor_attained=(_up(force(high, top)[2]), _down(force(low, bottom)[2])),
+        eigenvalues=mission.bounds.eigenvalues if region is None else region.eigenvalues,
+        box=None if region is None else region.box,
     )
 
 

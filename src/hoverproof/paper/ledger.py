@@ -8,6 +8,7 @@ from hoverproof.errors import InputError
 from hoverproof.paper.claims import CLAIMS
 from hoverproof.paper.equations import EQUATIONS
 from hoverproof.paper.judge import Claim, Judgement, Verdict
+from hoverproof.paper.theorem import THEOREM
 
 ORDER = (
     *("1", "2", "3", "4", "5", "point", "point motion", "6", "7", "8", "9", "Q > 0", "10", "11"),
@@ -22,7 +23,7 @@ ORDER = (
 
 def ledger() -> list[Claim]:
     """Return every claim of the paper, in its order."""
-    claims = {claim.id: claim for claim in [*EQUATIONS, *CLAIMS]}
+    claims = {claim.id: claim for claim in [*EQUATIONS, *CLAIMS, *THEOREM]}
     return [claims[id] for id in ORDER]
 
 

@@ -1,0 +1,95 @@
+"""The region of positions in which the eigenvalues of Q keep to their bounds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from hoverproof.certification.region import Box, Region, eigenvalues
+from hoverproof.files import replacing
+from hoverproof.mission import Mission
+from hoverproof.plant.goal import hover_goal
+from hoverproof.show.figures import COLOURS
+
+CELLS = 400
+
+
+def region_figure(mission: Mission, region: Region) -> Figure:
+    """Draw the cross-section through the goal in the (x, z) plane, computed in floating point.
+
+    Parameters
+    ----------
+    mission : Mission
+    region : Region
+        A box with proved bounds; its outline is drawn.
+    """
+    points = np.array([[float(c) for c in p] for p in mission.target.points])
+    goal = np.array([float(c) for c in hover_goal(mission).position])
+    start = np.array([float(c) for c in mission.start.position])
+    low, high = (float(x) for x in mission.bounds.eigenvalues)
+    x, z = _window(points, goal, start, region.box)
+    grid_x, grid_z = np.meshgrid(np.linspace(*x, CELLS), np.linspace(*z, CELLS))
+    places = np.stack([grid_x, np.full_like(grid_x, goal[1]), grid_z], axis=-1).reshape(-1, 3)
+    values = eigenvalues(points, places)
+    lowest, highest = values[:, 0].reshape(grid_x.shape), values[:, 2].reshape(grid_x.shape)
+    inside = (lowest > low) & (highest < high)
+
+    figure = Figure(figsize=(7.5, 6.5), layout="constrained")
+    axes = figure.subplots()
+    axes.contourf(grid_x, grid_z, inside, levels=[0.5, 1.5], colors=["#56B4E9"], alpha=0.45)
+    for level, data, colour in ((low, lowest, COLOURS[0]), (high, highest, COLOURS[1])):
+        if data.min() < level < data.max():
+            axes.contour(grid_x, grid_z, data, levels=[level], colors=[colour], linewidths=1.5)
+            which = "lowest" if data is lowest else "highest"
+            axes.plot([], [], color=colour, label=f"{which} eigenvalue = {level:g} 1/m")
+    (x0, x1), _, (z0, z1) = [[float(end) for end in side] for side in region.box]
+    outline = Rectangle((x0, z0), x1 - x0, z1 - z0, fill=False, linestyle="--", linewidth=1.5)
+    outline.set_label("box with proved bounds")
+    axes.add_patch(outline)
+    axes.plot(points[:, 0], points[:, 2], "s", color="black", label="target points")
+    axes.plot(goal[0], goal[2], "*", color=COLOURS[2], markersize=13, label="goal")
+    axes.plot(start[0], start[2], "o", color=COLOURS[3], label="start (its x and z)")
+    axes.set_title(f"{mission.name}: where the bounds of Q hold (shaded), at y = {goal[1]:g} m")
+    axes.set_xlabel("x (m)")
+    axes.set_ylabel("z (m), down")
+    axes.set_aspect("equal")
+    axes.invert_yaxis()
+    axes.grid(alpha=0.3)
+    figure.legend(loc="outside lower center", ncols=3)
+    return figure
+
+
+def save_region_figure(mission: Mission, region: Region, path: Path) -> None:
+    """Write the figure as PNG.
+
+    Parameters
+    ----------
+    mission, region
+        See `region_figure`.
+    path : Path
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    with replacing(path) as beside:
+        region_figure(mission, region).savefig(beside, dpi=130, format="png")
+
+
+Range = tuple[float, float]
+
+
+def _window(
+    points: np.ndarray, goal: np.ndarray, start: np.ndarray, box: Box
+) -> tuple[Range, Range]:
+    """Return the ranges of x and z that hold target, goal, start and box, with room around."""
+    x = [*points[:, 0], goal[0], start[0], *(float(end) for end in box[0])]
+    z = [*points[:, 2], goal[2], start[2], *(float(end) for end in box[2])]
+    middle, reach = float(goal[0]), max(max(x) - goal[0], goal[0] - min(x))
+    depth = max(z) - min(z)
+    room = 0.75 * max(reach, depth)
+    return (middle - reach - room, middle + reach + room), (min(z) - 1.5 * room, max(z) + room)

@@ -1,0 +1,161 @@
+"""Eigenvalue bounds of a real target over a box, and certificates that rest on them."""
+
+from __future__ import annotations
+
+import copy
+import json
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hoverproof import checker, cli
+from hoverproof.certification.gains import Proved, certify, search_weights
+from hoverproof.certification.region import (
+    default_box,
+    eigenvalues,
+    enclose,
+    holds_over,
+    outside,
+    parse_box,
+)
+from hoverproof.errors import InputError
+from hoverproof.mission import load
+
+F = Fraction
+SMALL = ((F(4), F(5)), (F(2), F(5, 2)), (F(-4), F(-3)))
+
+
+@pytest.fixture(scope="module")
+def mission():
+    return load("x4-flyer")
+
+
+@pytest.fixture(scope="module")
+def region(mission):
+    return enclose(mission, default_box(mission))
+
+
+def points(mission):
+    return np.array(mission.target.points, float)
+
+
+def sampled(mission, box, count, seed=0):
+    low, high = np.array(box, float).T
+    places = low + (high - low) * np.random.default_rng(seed).random((count, 3))
+    return eigenvalues(points(mission), places)
+
+
+def test_the_eigenvalues_are_those_of_the_matrix_summed_by_hand(mission):
+    place = np.array([5, 2.5, -4.0])
+    Q = np.zeros((3, 3))
+    for point in points(mission):
+        r = np.linalg.norm(point - place)
+        p = (point - place) / r
+        Q += (np.eye(3) - np.outer(p, p)) / r
+    assert np.allclose(eigenvalues(points(mission), place[None])[0], np.linalg.eigvalsh(Q))
+
+
+@pytest.mark.slow
+def test_the_enclosure_holds_a_million_sampled_eigenvalues(mission, region):
+    low, high = map(float, region.eigenvalues)
+    for seed in range(10):
+        values = sampled(mission, region.box, 100_000, seed)
+        assert low < values.min()
+        assert values.max() < high
+
+
+def test_the_enclosure_is_tight(region):
+    low, high = map(float, region.eigenvalues)
+    assert low < region.attained[0] <= 1.1 * low
+    assert 0.9 * high <= region.attained[1] < high
+
+
+def test_the_mission_s_bounds_hold_around_start_and_goal(mission, region):
+    assert holds_over(mission, region.box, mission.bounds.eigenvalues)
+    assert outside(mission, region.box, mission.bounds.eigenvalues) is None
+
+
+def test_bounds_that_are_broken_are_not_proved_but_refuted(mission):
+    wide = ((F(-1), F(6)), (F(-1), F(4)), (F(-5), F(-2)))
+    assert not holds_over(mission, wide, mission.bounds.eigenvalues, most=50)
+    place, value = outside(mission, wide, mission.bounds.eigenvalues)
+    assert value < 0.01
+    exact = eigenvalues(points(mission), np.array([[float(c) for c in place]]))[0]
+    assert exact[0] == pytest.approx(value)
+
+
+@pytest.mark.parametrize("side", [0, 1])
+def test_no_bound_inside_the_attained_values_is_ever_shown(mission, side):
+    values = sampled(mission, SMALL, 2000)
+    low, high = F(values.min()), F(values.max())
+    bounds = (low * F(101, 100), high * 2) if side == 0 else (low / 2, high * F(99, 100))
+    assert not holds_over(mission, SMALL, bounds, most=60)
+
+
+def test_certifying_over_a_box_uses_what_is_proved_there(mission, region):
+    verdict = certify(mission, region=region)
+    assert isinstance(verdict, Proved)
+    assert verdict.problem.eigenvalues == region.eigenvalues
+    theorem = checker.check(verdict.certificate.content)
+    assert "every position in the box" in theorem
+    forged = copy.deepcopy(verdict.certificate.content)
+    forged["region"]["box"][0][1] = "9"
+    forged["statement"] = checker.statement(forged)
+    forged["sha256"] = checker.digest({k: v for k, v in forged.items() if k != "sha256"})
+    with pytest.raises(checker.Rejected, match="over the box"):
+        checker.check(forged)
+
+
+def test_searched_weights_certify_a_faster_decay(mission):
+    plain, best = certify(mission), search_weights(mission)
+    verdict = certify(mission, weights=best)
+    assert isinstance(verdict, Proved)
+    assert verdict.decay_rate > plain.decay_rate * F(11, 10)
+    checker.check(verdict.certificate.content)
+    rng = np.random.default_rng(0)
+    for _ in range(10):
+        factors = np.exp(rng.normal(size=4) * 0.1)
+        other = tuple(
+            F(float(w) * f).limit_denominator(1000) for w, f in zip(best, factors, strict=True)
+        )
+        nearby = certify(mission, weights=other)
+        if isinstance(nearby, Proved):
+            assert nearby.decay_rate < verdict.decay_rate * F(1001, 1000)
+
+
+@pytest.mark.parametrize(
+    "text", ["1,2,3", "a,b,c,d,e,f", "1,0,0,1,0,1", "0,1,0,1,0,1e9", "1/0,1,0,1,0,1"]
+)
+def test_a_box_that_is_none_is_refused(text):
+    with pytest.raises(InputError, match="--box"):
+        parse_box(text)
+
+
+def test_a_box_with_a_target_point_in_it_is_refused(mission):
+    with pytest.raises(InputError, match="holds a target point"):
+        enclose(mission, ((F(-2), F(2)), (F(-2), F(2)), (F(-3), F(1))))
+
+
+def test_the_command_proves_draws_and_certifies(capsys):
+    with pytest.raises(SystemExit) as exit_:
+        cli.main(["region", "x4-flyer", "--box=4,5,2,2.5,-4,-3", "--json"])
+    answer = json.loads(capsys.readouterr().out)
+    assert exit_.value.code == 0
+    assert answer["verdict"] == "proved"
+    assert Path(answer["figure"]).read_bytes().startswith(b"\x89PNG")
+    assert "every position in the box" in checker.check_file(answer["certificate"])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main(["region", "x4-flyer", "--box=5,6,3,4,-5,-4", "--json", "--no-figure"])
+    answer = json.loads(capsys.readouterr().out)
+    assert exit_.value.code == 1
+    assert answer["witness"]["eigenvalue"] < 0.01
+
+
+@pytest.mark.parametrize("weights", ["1,2,3", "1,1,1,0", "best", "1,1,1,-1"])
+def test_weights_that_are_none_are_refused(weights, capsys):
+    with pytest.raises(SystemExit) as exit_:
+        cli.main(["certify", "x4-flyer", f"--weights={weights}"])
+    assert exit_.value.code == 2
+    assert capsys.readouterr().err.count("\n") == 1
