@@ -1,7 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test quick notebooks bench lint clean
+.PHONY: demo test quick notebooks proofs bench lint clean
 .DELETE_ON_ERROR:
 
 # Certify the paper's vehicle, check the certificate, and fly it. Everything lands in demo/.
@@ -28,6 +28,10 @@ lint: .venv/installed-dev
 # Make the notebooks anew from derivations/, with their outputs.
 notebooks: .venv/installed-dev
 	$(BIN)/python notebooks/build.py
+
+# Make the certificates in proofs/ anew.
+proofs: .venv/installed-dev
+	$(BIN)/python proofs/make.py
 
 # Speed, as ratios to peers in the same run; rewrites the tables in benchmarks/README.md.
 bench: .venv/installed-dev

@@ -17,11 +17,11 @@ from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.errors import InputError
 from hoverproof.mission import load
+from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.simulation import compiled
 from hoverproof.simulation.flight import (
     default_duration,
     euler_angles,
-    rotation_matrix,
     save,
     simulate,
     slowest_rate,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import sys
+import textwrap
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -108,6 +109,7 @@ def certify(
     from hoverproof.certification.gains import Proved, Refuted, Undecided, as_json
     from hoverproof.certification.gains import certify as decide
     from hoverproof.certification.region import enclose
+    from hoverproof.paper.conditions import printed_demands
 
     loaded = _load(mission, set_)
     region = enclose(loaded, _box(loaded, box)) if over_box or box else None
@@ -117,8 +119,11 @@ def certify(
         ending = "cert" if isinstance(verdict, Proved) else "refutation"
         path = out or Path(f"{loaded.name}.{ending}.json")
         verdict.certificate.save(path)
+    demands = printed_demands(loaded)
     if json_:
-        _print_json(as_json(verdict, None if path is None else str(path)))
+        paper = [{"condition": d.text(), "met": d.met} for d in demands]
+        answer = as_json(verdict, None if path is None else str(path))
+        _print_json({**answer, "paper_conditions": paper})
         return EXIT[verdict.status]
 
     problem = verdict.problem
@@ -138,7 +143,6 @@ def certify(
         print(f"  {what} {_n(verdict.margin)} kg/s, proved (tight to {gap:.0e})")
         print(f"  decay rate of L         {_n(verdict.decay_rate)} 1/s, proved")
         print(f"  certificate             {path}")
-        print(f"Next: hoverproof check {path}")
     elif isinstance(verdict, Refuted):
         print(f"  worst eigenvalue of Σ   {_n(verdict.margin_above)} kg/s or less, proved")
         print("  counterexample, exact:")
@@ -147,11 +151,15 @@ def certify(
         print(f"    X = ({', '.join(map(str, verdict.X))})")
         print(f"    XᵀΣX <= {verdict.value} (about {_n(verdict.value)}) < 0")
         print(f"  written to              {path}")
-        print(f"Next: hoverproof check {path}")
     else:
         print(f"  {verdict.reason}")
         if verdict.margin_above is not None:
             print(f"  worst eigenvalue of Σ   {_n(verdict.margin_above)} kg/s or less, proved")
+    print("The printed theorem asks for (its conditions prove nothing, see `hoverproof derive`):")
+    for line in textwrap.wrap("; ".join(d.text() for d in demands), 76):
+        print(f"  {line}")
+    if path is not None:
+        print(f"Next: hoverproof check {path}")
     return EXIT[verdict.status]
 
 

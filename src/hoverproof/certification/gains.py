@@ -186,7 +186,9 @@ def certify(
 
 
 def search_weights(mission: Mission, *, region: Region | None = None) -> tuple[Fraction, ...]:
-    """Return short weights with (nearly) the largest certified decay rate, w1 = 1.
+    """Return short weights with (nearly) the largest decay rate that can be certified, w1 = 1.
+
+    Where the mission gives a level, the thrust interval is that of weights 1 during the search.
 
     Parameters
     ----------
@@ -205,7 +207,7 @@ def search_weights(mission: Mission, *, region: Region | None = None) -> tuple[F
     for f in base.factor:
         families.append([_vertex(replace(base, weights=unit), f) for unit in units])
     found = best_weights(families)
-    return tuple(decimal_below(float(w), 4) for w in found)
+    return (Fraction(1), *(decimal_below(float(w / found[0]), 4) for w in found[1:]))
 
 
 def _proved(problem: GainProblem, vertices: list[_Vertex], margin_above: Fraction) -> Proved:

@@ -11,6 +11,7 @@ worth is decided elsewhere, exactly.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -186,10 +187,12 @@ def best_weights(families: Sequence[Sequence[Vertex]]) -> Array:
 
     def feasible(value: float) -> Array | None:
         margin.value = value
-        try:
-            problem.solve(solver=cp.CLARABEL)
-        except cp.SolverError:
-            return None
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # inaccurate weights cost decay, never soundness
+            try:
+                problem.solve(solver=cp.CLARABEL)
+            except cp.SolverError:
+                return None
         good = slack.value is not None and slack.value > 0 and weights.value.min() > 0
         return np.array(weights.value) if good else None
 

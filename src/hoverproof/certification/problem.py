@@ -136,8 +136,10 @@ class GainProblem:
     @cached_property
     def _entries(self) -> list[tuple[int, int, int, Terms]]:
         """Σ, u and v with the numbers of this mission put in, but q*, Q and f left."""
-        held = [*Design.values(self.mission, (Fraction(1),) * 3), *self.weights]
-        free = {10, 11, 12, *range(len(held), len(held) + 7)}
+        design = Design.values(self.mission, (Fraction(1),) * 3)  # ends with q*
+        held = [*design, *self.weights]
+        q_star, after = range(len(design) - 3, len(design)), range(len(held), len(held) + 7)
+        free = {*q_star, *after}  # after the weights come the six entries of Q, and f
         entries = []
         for matrix, i, j, terms in _sigma_polynomials():
             short = [

@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
 from hoverproof.algebra.linear import solve_affine
 
@@ -137,4 +139,16 @@ def state_rate(
         rotation=state.rotation @ skew(state.rate),
         rate=solve_affine(torque_balance(state.rate, alpha, inertia, torque), alpha),
         thrust=thrust_rate,
+    )
+
+
+def rotation_matrix(roll: float, pitch: float, yaw: float) -> NDArray[np.float64]:
+    """Return R = Rz(yaw) Ry(pitch) Rx(roll), (3, 3), from angles in rad."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
     )

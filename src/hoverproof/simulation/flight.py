@@ -23,7 +23,7 @@ from hoverproof.files import replacing
 from hoverproof.mission import Mission
 from hoverproof.plant.camera import body_points, depth_matrix
 from hoverproof.plant.goal import hover_goal
-from hoverproof.plant.rigid_body import STATE_SIZE
+from hoverproof.plant.rigid_body import STATE_SIZE, rotation_matrix
 from hoverproof.plant.rotors import ROTORS
 from hoverproof.servo.error_chain import Design
 from hoverproof.servo.lyapunov import linearised_loop, thrust_factor
@@ -224,18 +224,6 @@ def save(flight: xr.Dataset, path: str | Path) -> None:
     """
     with replacing(path) as beside:
         flight.to_netcdf(beside, engine="h5netcdf")
-
-
-def rotation_matrix(roll: float, pitch: float, yaw: float) -> Array:
-    """Return R = Rz(yaw) Ry(pitch) Rx(roll), (3, 3), from angles in rad."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
 
 
 def euler_angles(rotation: Array) -> Array:

@@ -1,0 +1,99 @@
+"""What the printed theorem demands of a mission, beside what the mission has."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from hoverproof.mission import Mission
+from hoverproof.plant import camera
+from hoverproof.plant.goal import hover_goal
+from hoverproof.plant.rigid_body import rotation_matrix
+from hoverproof.servo.error_chain import Design, Measurement, errors
+from hoverproof.servo.lyapunov import lyapunov
+
+
+@dataclass(frozen=True)
+class Demand:
+    """A condition of the theorem, numbers as printed and without regard to units.
+
+    Attributes
+    ----------
+    name : str
+        What is demanded to be above or below the limit.
+    value, limit : float
+        What the mission has, and the limit, in floating point.
+    above : bool
+        Whether the value must be above the limit.
+    """
+
+    name: str
+    value: float
+    limit: float
+    above: bool
+
+    @property
+    def met(self) -> bool:
+        """Whether the mission meets the condition."""
+        return self.value > self.limit if self.above else self.value < self.limit
+
+    def text(self) -> str:
+        """Return the condition with its numbers and whether it is met."""
+        sign, met = (">" if self.above else "<"), ("met" if self.met else "not met")
+        return f"{self.name} {sign} {self.limit:.3g} ({self.value:.3g}: {met})"
+
+
+def printed_demands(mission: Mission) -> list[Demand]:
+    """Return the conditions of the printed theorem (on k1…k4, and eq. 33) for a mission.
+
+    Parameters
+    ----------
+    mission : Mission
+
+    Raises
+    ------
+    InputError
+        If the goal of the mission cannot be seen.
+    """
+    k1, k2, k3, k4 = (float(getattr(mission.gains, k)) for k in ("k1", "k2", "k3", "k4"))
+    low, high = (float(x) for x in mission.bounds.eigenvalues)
+    q = [float(c) for c in hover_goal(mission).centroid_midpoint]
+    weight, length = float(mission.vehicle.weight), math.hypot(*q)
+    f_min = (k1 * k2 + k3) / (k1 * q[2])  # f at Tmin = 2 (k1² k2/m) q3*
+    wide = k2 - high
+    k3_limit = (k2 + high) * (high + f_min * length) ** 2 / (low * wide) if wide > 0 else math.inf
+    level_root = max(weight / (k1**2 * k2) - 2 * q[2], 0.0)
+    return [
+        Demand("k2", k2, high, above=True),
+        Demand("k1", k1, math.sqrt(2 * weight * q[2] / k2), above=False),
+        Demand("k3", k3, k3_limit, above=True),
+        Demand("k4", k4, 0.0, above=True),
+        Demand("L(0)", start_level(mission), level_root**2 / 2, above=False),
+    ]
+
+
+def start_level(mission: Mission) -> float:
+    """Return L at the start of a mission, with all weights 1.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    start = mission.start
+    rotation = rotation_matrix(*map(float, start.rotation))
+    points = ca.SX(np.array([[float(c) for c in p] for p in mission.target.points]).T)
+    seen = camera.body_points(points, ca.SX([float(c) for c in start.position]), ca.SX(rotation))
+    z, d = Measurement.symbols(), Design.symbols()
+    level = ca.Function("level", [z.vector(), d.vector()], [lyapunov(errors(z, d), ca.SX.ones(4))])
+    measured = ca.vertcat(
+        ca.DM(camera.centroid(camera.spherical(camera.pinhole(seen)))),
+        ca.DM([float(v) for v in start.velocity]),
+        ca.DM(rotation.T @ [0, 0, 1]),
+        ca.DM([float(v) for v in start.rates]),
+        float(mission.vehicle.weight),
+    )
+    design = [float(x) for x in Design.values(mission, hover_goal(mission).centroid_midpoint)]
+    return float(level(measured, design))

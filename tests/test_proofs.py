@@ -1,0 +1,55 @@
+"""The shipped certificates: accepted, and the same as what the presets give today."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hoverproof import checker
+from hoverproof.mission import presets
+from hoverproof.paper.conditions import printed_demands
+from hoverproof.simulation.flight import simulate
+
+PROOFS = Path(__file__).parents[1] / "proofs"
+ENDINGS = ("cert", "region.cert", "over-box.cert")
+FILES = sorted(PROOFS.glob("*.json"))
+
+
+def test_every_preset_has_its_proofs():
+    assert {f.name for f in FILES} == {f"{n}.{e}.json" for n in presets() for e in ENDINGS}
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
+def test_a_shipped_certificate_is_accepted(path):
+    done = subprocess.run(
+        [sys.executable, "-I", "-S", checker.__file__, path], capture_output=True, check=False
+    )
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.slow
+def test_the_proofs_made_today_are_the_shipped_ones():
+    subprocess.run([sys.executable, PROOFS / "make.py", "."], check=True)
+    for path in FILES:
+        old, new = (json.loads(p.read_text()) for p in (path, Path(path.name)))
+        for key in ("kind", "mission", "mission_sha256", "goal_position", "weights", "region"):
+            assert new[key] == old[key], (path.name, key)
+        if "claim" in old:
+            margins = [Fraction(c["claim"]["margin"]) for c in (old, new)]
+            assert abs(margins[0] - margins[1]) < margins[0] / 10**6
+
+
+def test_the_printed_conditions_are_reported_with_their_numbers(x4):
+    demands = {d.name: d for d in printed_demands(x4)}
+    assert demands["k3"].limit == pytest.approx(8416875)
+    assert [name for name, d in demands.items() if not d.met] == ["k3"]
+    start = simulate(x4, duration=1)["lyapunov"].values[0]
+    assert demands["L(0)"].value == pytest.approx(start)
+    assert demands["k1"].limit == pytest.approx(np.sqrt(2 * 94.08 * 12 / np.sqrt(11) / 10))
+    assert "not met" in demands["k3"].text()
