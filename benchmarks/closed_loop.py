@@ -9,7 +9,6 @@ import os
 import platform
 import shlex
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable
@@ -23,9 +22,9 @@ from numpy.typing import NDArray
 from hoverproof.mission import load
 from hoverproof.simulation import compiled
 from hoverproof.simulation.flight import FlightNumbers
+from tables import report
 
 HERE = Path(__file__).parent
-MARKERS = "<!-- closed_loop -->", "<!-- /closed_loop -->"
 
 Array = NDArray[np.float64]
 Run = Callable[[Array, Array, Array, float, int, int], tuple[Array, bool]]
@@ -201,14 +200,7 @@ def main() -> None:
             "numpy": Peer(numpy_run, 15, 20),
         }
         measure(list(peers.values()), by_hand)
-    text = table(peers, by_hand)
-    print(text)
-    if "--write" in sys.argv[1:]:
-        readme = HERE / "README.md"
-        before, rest = readme.read_text(encoding="utf-8").split(MARKERS[0])
-        after = rest.split(MARKERS[1])[1]
-        new = f"{before}{MARKERS[0]}\n\n{text}\n\n{MARKERS[1]}{after}"
-        readme.write_text(new, encoding="utf-8")
+    report("closed_loop", table(peers, by_hand))
 
 
 if __name__ == "__main__":
