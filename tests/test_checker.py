@@ -252,3 +252,37 @@ def _bears_no_claim(path):
     return path[:2] == ("mission", "start") or path[:3] in {
         ("mission", "vehicle", key) for key in ("inertia", "arm", "drag_ratio")
     }
+
+
+def rehashed(content):
+    """Return a copy with hashes made anew; the statement is left, as it may not be sayable."""
+    forged = copy.deepcopy(content)
+    forged["mission_sha256"] = checker.digest(forged["mission"])
+    forged["sha256"] = checker.digest({k: v for k, v in forged.items() if k != "sha256"})
+    return forged
+
+
+def test_numbers_out_of_any_reason_are_rejected(proved):
+    huge, tiny = copy.deepcopy(proved), copy.deepcopy(proved)
+    del huge["mission"]["bounds"]["thrust"]
+    huge["mission"]["bounds"]["level"] = "1"
+    huge["mission"]["vehicle"] |= {"mass": "9" * 300, "gravity": "9" * 300}
+    e = "1/1" + "0" * 40
+    tiny["mission"]["target"]["points"] = [[e, "0", "0"], ["-" + e, "0", "0"]]
+    tiny["mission"]["goal"] = {"height": e}
+    tiny["goal_position"] = ["0", "0", "-" + e]
+    crowd = copy.deepcopy(proved)
+    crowd["mission"]["target"]["points"] = [[str(i), "0", "0"] for i in range(65)]
+    for forged in (huge, tiny, crowd):
+        with pytest.raises(checker.Rejected):
+            checker.check(rehashed(forged))
+
+
+@pytest.mark.slow
+def test_nesting_at_the_edge_of_what_python_bears_gives_no_traceback(proved):
+    text = json.dumps(proved)
+    for depth in range(980, 1000):
+        nested = text.replace('"tools": {', '"tools": {"deep": ' + "[" * depth + "]" * depth + ", ")
+        done = run(nested)
+        assert done.returncode in (1, 2), depth
+        assert "Traceback" not in done.stderr, depth

@@ -108,7 +108,11 @@ def _stacked(matrix: Array) -> Array:
 def _polish(vertex: Vertex, tau: float) -> float:
     """Sharpen τ by golden-section search: the margin is a concave function of τ."""
     golden = (np.sqrt(5) - 1) / 2
-    low, high = tau * (1 - 1e-3), tau * (1 + 1e-3)
+    low, high, middle = tau / 1.05, tau * 1.05, vertex.margin(tau)
+    while low > 1e-12 and vertex.margin(low) >= middle:  # the solver may be off by some percent
+        low /= 2
+    while high < 1e12 and vertex.margin(high) >= middle:
+        high *= 2
     a, b = high - golden * (high - low), low + golden * (high - low)
     at_a, at_b = vertex.margin(a), vertex.margin(b)
     for _ in range(40):

@@ -1,0 +1,398 @@
+"""Thousands of hostile certificates: the checker rejects each, or what it accepts is true."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import json
+import time
+from collections import Counter
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hoverproof import checker
+from hoverproof.certification.certificate import seal
+from hoverproof.certification.gains import certify
+from hoverproof.certification.problem import gain_problem
+from hoverproof.certification.region import enclose
+from hoverproof.mission import load
+
+F = Fraction
+SMALL = ((F(4), F(5)), (F(2), F(5, 2)), (F(-4), F(-3)))
+HASHES = ("sha256", "mission_sha256")
+ROUNDING = 1e-9
+SLOWEST = 2.0  # s
+DROPPED, DOUBLED = object(), object()
+TOTAL = Counter()
+
+
+def weakened(content):
+    """Return the same certificate with margins a tenth lower, so that many mutants stay true."""
+    weaker = copy.deepcopy(content)
+    for part in [weaker["claim"], *weaker["vertices"]]:
+        part["margin"] = str(F(part["margin"]) * F(9, 10))
+    return remade(weaker, cunning=True)
+
+
+@pytest.fixture(scope="module")
+def certificates():
+    mission = load("x4-flyer")
+    region = enclose(mission, SMALL)
+    level = {"bounds": "{eigenvalues = [0.01, 5], level = 10}"}
+    tilted = {"goal": "{centroid = [0.3, 0.2, 3.5]}"}
+    plain = certify(mission).certificate.content
+    return {
+        "gains": plain,
+        "gains, weaker": weakened(plain),
+        "gains, level": weakened(certify(load("x4-flyer", level)).certificate.content),
+        "gains, general q*": weakened(certify(load("x4-flyer", tilted)).certificate.content),
+        "counterexample": certify(load("x4-flyer", {"gains.k4": "0.1"})).certificate.content,
+        "region": seal(gain_problem(mission, region=region), "region", {}).content,
+        "gains over box": weakened(certify(mission, region=region).certificate.content),
+    }
+
+
+# --- the mutants --------------------------------------------------------------------------------
+
+
+def nodes(value, path=()):
+    """Yield the path of every leaf and node below a value."""
+    children = value.items() if isinstance(value, dict) else enumerate(value)
+    for key, entry in children:
+        yield (*path, key)
+        if isinstance(entry, dict | list):
+            yield from nodes(entry, (*path, key))
+
+
+def at(content, path):
+    for key in path:
+        content = content[key]
+    return content
+
+
+def put(content, path, new):
+    """Return a copy with one entry replaced, dropped or doubled."""
+    mutant = copy.deepcopy(content)
+    *above, last = path
+    spot = at(mutant, above)
+    if new is DROPPED:
+        del spot[last]
+    elif new is DOUBLED:
+        if isinstance(spot, list):
+            spot.insert(last, copy.deepcopy(spot[last]))
+        else:
+            spot[f"{last}_"] = copy.deepcopy(spot[last])
+    else:
+        spot[last] = new
+    return mutant
+
+
+def nested(value, depth):
+    for _ in range(depth):
+        value = [value]
+    return value
+
+
+def replacements(content, path):
+    """Yield what to put in place of the entry at a path."""
+    value = at(content, path)
+    yield from (
+        DROPPED,
+        DOUBLED,
+        None,
+        True,
+        1,
+        0.5,
+        "",
+        "junk \ud800\x00'",
+        [],
+        {},
+        nested(value, 60),
+    )
+    if isinstance(value, dict):
+        yield value | {"extra": "1"}
+    elif isinstance(value, list):
+        yield from ([*value, "1"], value[::-1], [value] * 3)
+    try:
+        x = F(value) if isinstance(value, str) else None
+    except ValueError:
+        x = None
+    if x is None:
+        return
+    for factor in (F(1, 10**12), F(1, 1000), F(1, 4)):
+        yield from (str(x * (1 + factor)), str(x * (1 - factor)))
+    yield from (
+        str(-x),
+        str(x + 1),
+        str(x - 1),
+        "0",
+        "9" * 300,
+        "9" * 301,
+        "1/0",
+        f"{x}/1",
+        f" {x}",
+    )
+    yield from ("1/" + "9" * 300, "-" + "9" * 300 + "/7", "1/1" + "0" * 40)
+    siblings = at(content, path[:-1])
+    keys = list(siblings) if isinstance(siblings, dict) else range(len(siblings))
+    other = siblings[keys[(list(keys).index(path[-1]) + 1) % len(keys)]]
+    yield copy.deepcopy(other)
+
+
+def swaps(content):
+    """Yield copies with two neighbours exchanged."""
+    for path in nodes(content):
+        siblings = at(content, path[:-1])
+        if isinstance(siblings, list) and path[-1] + 1 < len(siblings):
+            mutant = copy.deepcopy(content)
+            here, i = at(mutant, path[:-1]), path[-1]
+            if here[i] != here[i + 1]:
+                here[i], here[i + 1] = here[i + 1], here[i]
+                yield mutant
+
+
+def idle(path):
+    """Tell whether an entry bears no claim: its mutants are all accepted, so a few will do."""
+    return path[0] in ("tools", "model_sha256") or path[:2] == ("mission", "start")
+
+
+def mutants(content):
+    """Yield every replacement of every leaf and node, and every swap, with their number."""
+    count = itertools.count()
+    for path in nodes(content):
+        for new in replacements(content, path):
+            number = next(count)
+            if not (idle(path) and number % 10):
+                mutant = put(content, path, new)
+                if mutant != content:
+                    yield number, mutant
+    yield from zip(itertools.count(0, 3), swaps(content), strict=False)
+
+
+def remade(mutant, *, cunning=False):
+    """Return a copy with hashes and statement made anew; cunning: and all that follows from else.
+
+    Where the checker itself has no statement for it, the old one stays.
+    """
+    forged = copy.deepcopy(mutant)
+    if cunning:
+        try:
+            if forged["region"]["box"] is None:
+                forged["region"]["eigenvalues"] = forged["mission"]["bounds"]["eigenvalues"]
+            mass = F(forged["mission"]["vehicle"]["mass"])
+            for vertex, f in zip(forged["vertices"], forged["enclosures"]["factor"], strict=True):
+                vertex["factor"] = f
+            lowest = min((v["margin"] for v in forged["vertices"]), key=F)
+            forged["claim"]["margin"] = lowest
+            for part in [forged["claim"], *forged["vertices"]]:
+                part["decay_rate"] = str(2 * F(part["margin"]) / mass)
+        except (KeyError, ValueError, TypeError, ZeroDivisionError):
+            pass
+    try:
+        forged["mission_sha256"] = checker.digest(forged["mission"])
+        forged["statement"] = checker.statement(forged)
+    except (checker.Rejected, KeyError, TypeError):
+        pass
+    forged["sha256"] = checker.digest({k: v for k, v in forged.items() if k != "sha256"})
+    return forged
+
+
+# --- what is true -------------------------------------------------------------------------------
+
+
+def floats(values):
+    if isinstance(values, list):
+        return np.array([floats(v) for v in values])
+    return float(F(values))
+
+
+class Truth:
+    """The mission of an accepted certificate in floating point, read without the checker."""
+
+    def __init__(self, content):
+        self.content = content
+        mission = content["mission"]
+        self.gains = [floats(mission["gains"][k]) for k in ("k1", "k2", "k3", "k4")]
+        k1, k2, k3, _ = self.gains
+        self.m = floats(mission["vehicle"]["mass"])
+        self.w = floats(content["weights"])
+        self.points = floats(mission["target"]["points"])
+        if "height" in mission["goal"]:
+            rays = self.points - floats(content["goal_position"])
+            self.q = (rays / np.linalg.norm(rays, axis=1)[:, None]).sum(axis=0)
+        else:
+            self.q = floats(mission["goal"]["centroid"])
+        weight, bounds = self.m * floats(mission["vehicle"]["gravity"]), mission["bounds"]
+        if "thrust" in bounds:
+            thrust = floats(bounds["thrust"])
+        else:
+            spread = np.sqrt(2 * floats(bounds["level"]) * (1 / self.w[1] + 1 / self.w[2]))
+            thrust = weight + np.array([-1, 1]) * k1**2 * k2 / self.m * spread
+        assert thrust[0] <= weight * (1 + ROUNDING)
+        assert weight <= thrust[1] * (1 + ROUNDING)
+        singular = k1**2 * k2 / self.m * self.q[2]
+        assert thrust[0] > singular
+        self.f = k1 * k2 * (k1 * k2 + k3) / (self.m * (thrust[::-1] - singular))
+        self.eigenvalues = floats(content["region"]["eigenvalues"])
+
+    def sigma(self, f, Q):
+        """Return Σ, from the equations of the δs."""
+        k1, k2, k3, k4 = self.gains
+        d1, d2, d3, d4 = np.eye(12)[:, :11].reshape(4, 3, 11)
+        A = self.q[2] * np.eye(3) - np.outer([0, 0, 1], self.q)
+        flow, turn = k1 * Q @ (d1 + d2), k1 * f * A @ (d4 - d3)
+        rows = [
+            -flow + turn,
+            flow - k1 * k2 * d2 + k1 * k2 * d3 - turn,
+            flow - k1 * k2 * d2 + (k1 * k2 + k3) * d4 - k3 * d3,
+            (flow - (k1 * k2 + k3) * d3 - k4 * d4)[:2],
+        ]
+        B = np.repeat(self.w, [3, 3, 3, 2])[:, None] * np.concatenate(rows)
+        return -(B + B.T) / 2
+
+    def worst(self, turns=12):
+        """Return the lowest eigenvalue of W^(-½) Σ W^(-½) found, and the size of that matrix."""
+        root = np.sqrt(np.repeat(self.w, [3, 3, 3, 2]))
+        (low, high), rng = self.eigenvalues, np.random.default_rng(0)
+        lowest, size = np.inf, 0.0
+        for f, _ in itertools.product(self.f, range(2)):
+            w = rng.normal(size=3)
+            for _ in range(turns):
+                w /= np.linalg.norm(w) + 1e-300
+                Q = high * np.eye(3) - (high - low) * np.outer(w, w)
+                values, vectors = np.linalg.eigh(self.sigma(f, Q) / np.outer(root, root))
+                lowest, size = min(lowest, values[0]), max(size, np.abs(values).max())
+                d1, d2, d3 = (vectors[:9, 0] / root[:9]).reshape(3, 3)
+                d4 = np.append(vectors[9:, 0] / root[9:], 0)
+                u, v = self.w @ np.array([d1, -d2, -d3, -d4]), d1 + d2
+                w = u / (np.linalg.norm(u) + 1e-300) + v / (np.linalg.norm(v) + 1e-300)
+        return lowest, size
+
+    def gains_hold(self):
+        margin = floats(self.content["claim"]["margin"])
+        worst, size = self.worst()
+        assert 0 < margin <= worst + 1e-13 * size
+        rate = floats(self.content["claim"]["decay_rate"])
+        assert rate == pytest.approx(2 * margin / self.m)
+        if self.content["region"]["box"] is None:
+            bounds = self.content["mission"]["bounds"]
+            assert self.content["region"]["eigenvalues"] == bounds["eigenvalues"]
+        else:
+            self.region_holds()
+
+    def region_holds(self):
+        low, high = floats(self.content["region"]["box"]).T
+        assert (low <= high).all()
+        share = np.random.default_rng(0).random((500, 3))
+        share[:8] = list(itertools.product((0, 1), repeat=3))
+        rays = self.points - (low + (high - low) * share)[:, None]
+        r = np.linalg.norm(rays, axis=2)[..., None, None]
+        p = rays[..., None] / r
+        values = np.linalg.eigvalsh(((np.eye(3) - p * p.swapaxes(2, 3)) / r).sum(axis=1))
+        assert self.eigenvalues[0] <= values.min() * (1 + ROUNDING)
+        assert values.max() <= self.eigenvalues[1] * (1 + ROUNDING)
+
+    def counterexample_holds(self):
+        point = self.content["counterexample"]
+        Q, X, f, value = (floats(point[k]) for k in ("Q", "X", "f", "value"))
+        assert (Q == Q.T).all()
+        values = np.linalg.eigvalsh(Q)
+        assert self.eigenvalues[0] <= values[0] + ROUNDING * values[2]
+        assert values[2] <= self.eigenvalues[1] * (1 + ROUNDING)
+        assert self.f[0] * (1 - ROUNDING) <= f <= self.f[1] * (1 + ROUNDING)
+        scale = np.abs(X) @ np.abs(self.sigma(f, Q)) @ np.abs(X)
+        assert X @ self.sigma(f, Q) @ X <= value + 1e-13 * scale
+        assert value < 0
+
+    def holds(self):
+        holds = {
+            "gains": self.gains_hold,
+            "region": self.region_holds,
+            "counterexample": self.counterexample_holds,
+        }
+        holds[self.content["kind"]]()
+
+
+# --- the trial ----------------------------------------------------------------------------------
+
+
+def tried(mutant, tally):
+    """Check one mutant; whatever is accepted must be true, and nothing else may be raised."""
+    began = time.perf_counter()
+    try:
+        theorem = checker.check(mutant)
+    except (checker.Rejected, checker.Unreadable):
+        theorem = None
+    took = time.perf_counter() - began
+    tally["mutants"] += 1
+    tally["slowest, ms"] = max(tally["slowest, ms"], int(1000 * took))
+    assert took < SLOWEST
+    if theorem is not None:
+        tally["accepted"] += 1
+        assert theorem == mutant["statement"]
+        Truth(mutant).holds()
+
+
+NAMES = (
+    *("gains", "gains, weaker", "gains, level", "gains, general q*"),
+    *("counterexample", "region", "gains over box"),
+)
+STEP = 11  # of so many mutants one gets its hashes made anew: reading it takes far longer
+STEP_OVER_BOX = 43  # and to search a box takes longer still
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_certificate_itself_is_accepted_and_true(certificates, name):
+    tally = Counter()
+    tried(certificates[name], tally)
+    assert tally["accepted"] == 1
+
+
+@pytest.mark.parametrize(
+    ("worse", "name"),
+    [
+        (("claim", "margin", "1/10"), "gains"),
+        (("region", "eigenvalues", ["1/10", "5"]), "region"),
+        (("region", "eigenvalues", ["1/1000", "1/10"]), "gains over box"),
+        (("counterexample", "value", "-1000"), "counterexample"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else value[1],
+)
+def test_the_truth_of_this_file_tells_a_false_claim(certificates, worse, name):
+    with pytest.raises(AssertionError):
+        Truth(put(certificates[name], worse[:2], worse[2])).holds()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_no_mutant_is_accepted_unless_true(certificates, name):
+    content, tally, began = certificates[name], Counter(), time.perf_counter()
+    step = STEP if content["region"]["box"] is None else STEP_OVER_BOX
+    for number, mutant in mutants(content):
+        if number % 3 == 0 or number % step == 0:
+            tried(mutant, tally)
+        if number % step:
+            continue
+        skilful = remade(mutant)
+        tried(skilful, tally)
+        cunning = remade(mutant, cunning=True)
+        if cunning != skilful:
+            tried(cunning, tally)
+    print(f"{name}:", dict(tally), f"{time.perf_counter() - began:.0f} s")
+    TOTAL.update(mutants=tally["mutants"], accepted=tally["accepted"], kinds=1)
+    assert tally["mutants"] > 500
+    if TOTAL["kinds"] == len(NAMES):
+        print("altogether:", dict(TOTAL))
+        assert TOTAL["mutants"] >= 5000
+
+
+@pytest.mark.parametrize("depth", [10, 900, 1100, 100_000])
+@pytest.mark.parametrize("key", ["tools", "mission", "weights", "kind", "sha256"])
+def test_a_file_nested_deep_is_refused(certificates, key, depth):
+    text = json.dumps({**certificates["gains"], key: "@"})
+    Path("deep.json").write_text(text.replace('"@"', "[" * depth + "]" * depth))
+    with pytest.raises((checker.Rejected, checker.Unreadable)):
+        checker.check_file("deep.json")
