@@ -108,6 +108,19 @@ def test_certifying_over_a_box_uses_what_is_proved_there(mission, region):
         checker.check(forged)
 
 
+def test_a_refutation_over_a_box_is_confirmed_with_the_box(mission, region):
+    weak = load("x4-flyer", {"gains.k4": "0.01"})
+    verdict = certify(weak, region=region)
+    assert verdict.status == "refuted"
+    assert "It is not true" in checker.check(verdict.certificate.content)
+    forged = copy.deepcopy(verdict.certificate.content)
+    forged["region"]["box"][0][1] = "9"
+    forged["statement"] = checker.statement(forged)
+    forged["sha256"] = checker.digest({k: v for k, v in forged.items() if k != "sha256"})
+    with pytest.raises(checker.Rejected, match="over the box"):
+        checker.check(forged)
+
+
 def test_searched_weights_certify_a_faster_decay(mission):
     plain, best = certify(mission), search_weights(mission)
     verdict = certify(mission, weights=best)

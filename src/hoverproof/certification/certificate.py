@@ -56,7 +56,7 @@ def seal(problem: GainProblem, kind: str, parts: dict[str, Any]) -> Certificate:
     ----------
     problem : GainProblem
     kind : str
-        ``"gains"`` or ``"counterexample"``.
+        One of `checker.KINDS`.
     parts : dict
         What belongs to this kind; Fractions become exact strings.
     """

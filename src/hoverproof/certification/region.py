@@ -79,10 +79,15 @@ def eigenvalues(points: Array, positions: Array) -> Array:
     points : (k, 3), target, world frame, m
     positions : (n, 3), world frame, m
     """
+    return np.asarray(np.linalg.eigvalsh(_depth_matrices(points, positions)), np.float64)
+
+
+def _depth_matrices(points: Array, positions: Array) -> Array:
+    """Return Q at each position, (n, 3, 3), 1/m."""
     rays = points[None] - positions[:, None]
     distance = np.linalg.norm(rays, axis=2)[..., None, None]
     p = rays[..., None] / distance
-    return np.linalg.eigvalsh(((np.eye(3) - p * p.swapaxes(2, 3)) / distance).sum(axis=1))
+    return np.asarray(((np.eye(3) - p * p.swapaxes(2, 3)) / distance).sum(axis=1))
 
 
 def enclose(mission: Mission, box: Box) -> Region:
@@ -138,8 +143,8 @@ def outside(mission: Mission, box: Box, bounds: Interval) -> tuple[list[Fraction
 
 def _is_outside(mission: Mission, place: list[Fraction], bound: Fraction, sign: int) -> bool:
     """Decide exactly whether some x has sign·(xᵀQx - bound xᵀx) < 0 at a position."""
-    points = np.array([[float(c) for c in p] for p in mission.target.points])
-    _, vectors = np.linalg.eigh(_matrix(points, np.array([float(c) for c in place])))
+    (matrix,) = _depth_matrices(_points(mission), np.array([place], float))
+    _, vectors = np.linalg.eigh(matrix)
     x = [Fraction(float(c)).limit_denominator(10**6) for c in vectors[:, 0 if sign > 0 else 2]]
     total = Fraction(0)
     for point in mission.target.points:
@@ -150,13 +155,6 @@ def _is_outside(mission: Mission, place: list[Fraction], bound: Fraction, sign: 
         below, above = sqrt_enclosure(square)
         total += part / (below if sign > 0 else above)
     return sign * (total - bound * sum((c * c for c in x), Fraction(0))) < 0
-
-
-def _matrix(points: Array, place: Array) -> Array:
-    rays = points - place
-    distance = np.linalg.norm(rays, axis=1)
-    p = rays / distance[:, None]
-    return np.asarray((np.eye(3) / distance[:, None, None]).sum(0) - (p.T / distance) @ p)
 
 
 def _extremes(mission: Mission, box: Box) -> tuple[float, float]:
@@ -189,7 +187,7 @@ def _samples(box: Box) -> Array:
 
 
 def _points(mission: Mission) -> Array:
-    return np.array([[float(c) for c in p] for p in mission.target.points])
+    return np.array(mission.target.points, float)
 
 
 def _check_box(mission: Mission, box: Box) -> None:

@@ -28,7 +28,7 @@ from hoverproof.paper.symbols import (
     k2,
     m,
 )
-from hoverproof.paper.theorem import printed_conditions
+from hoverproof.paper.theorem import k3_limit, printed_conditions
 from hoverproof.plant import camera
 
 Point = Sequence[Fraction]
@@ -186,7 +186,7 @@ def _judge_paper_gains(claim: Claim) -> Judgement:
     v, k, (low, high) = mission.vehicle, mission.gains, mission.bounds.eigenvalues
     gains = [k.k1, k.k2, k.k3, k.k4]
     met = printed_conditions(v.mass, v.gravity, gains, Fraction(1), low, high)
-    needed = (k.k2 + high) * (high + (k.k1 * k.k2 + k.k3) / k.k1) ** 2 / (low * (k.k2 - high))
+    needed = k3_limit(k.k1, k.k2, k.k3, Fraction(1), Fraction(1), low, high)
     if met["k3"] or not k.k3 < needed:
         return claim.judged(Verdict.UNPROVED, "the condition on k3 holds")
     return claim.judged(

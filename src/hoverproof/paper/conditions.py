@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 
 from hoverproof.mission import Mission
+from hoverproof.paper.theorem import k3_limit
 from hoverproof.plant import camera
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import rotation_matrix
@@ -62,14 +63,12 @@ def printed_demands(mission: Mission) -> list[Demand]:
     low, high = (float(x) for x in mission.bounds.eigenvalues)
     q = [float(c) for c in hover_goal(mission).centroid_midpoint]
     weight, length = float(mission.vehicle.weight), math.hypot(*q)
-    f_min = (k1 * k2 + k3) / (k1 * q[2])  # f at Tmin = 2 (k1² k2/m) q3*
-    wide = k2 - high
-    k3_limit = (k2 + high) * (high + f_min * length) ** 2 / (low * wide) if wide > 0 else math.inf
+    wanted_k3 = k3_limit(k1, k2, k3, q[2], length, low, high) if k2 > high else math.inf
     level_root = max(weight / (k1**2 * k2) - 2 * q[2], 0.0)
     return [
         Demand("k2", k2, high, above=True),
         Demand("k1", k1, math.sqrt(2 * weight * q[2] / k2), above=False),
-        Demand("k3", k3, k3_limit, above=True),
+        Demand("k3", k3, wanted_k3, above=True),
         Demand("k4", k4, 0.0, above=True),
         Demand("L(0)", start_level(mission), level_root**2 / 2, above=False),
     ]
@@ -84,7 +83,7 @@ def start_level(mission: Mission) -> float:
     """
     start = mission.start
     rotation = rotation_matrix(*map(float, start.rotation))
-    points = ca.SX(np.array([[float(c) for c in p] for p in mission.target.points]).T)
+    points = ca.SX(np.array(mission.target.points, float).T)
     seen = camera.body_points(points, ca.SX([float(c) for c in start.position]), ca.SX(rotation))
     z, d = Measurement.symbols(), Design.symbols()
     level = ca.Function("level", [z.vector(), d.vector()], [lyapunov(errors(z, d), ca.SX.ones(4))])

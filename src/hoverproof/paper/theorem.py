@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from typing import TypeVar
 
 from hoverproof.algebra.definite import quadratic_form
 from hoverproof.algebra.graph import evaluate
@@ -51,14 +52,24 @@ def printed_conditions(
 ) -> dict[str, bool]:
     """Tell which conditions of the theorem are met, for q* along e3; units are not looked at."""
     a, b, k_3, k_4 = gains
-    T_min = 2 * a**2 * b / mass * q3
-    f_min = a * b * (a * b + k_3) / (mass * (T_min - a**2 * b / mass * q3))
     return {
         "k2": b > high,
         "k1": a**2 < 2 * mass * gravity * q3 / b,
-        "k3": k_3 > (b + high) * (high + f_min * q3) ** 2 / (low * (b - high)),
+        "k3": k_3 > k3_limit(a, b, k_3, q3, q3, low, high),
         "k4": k_4 > 0,
     }
+
+
+Real = TypeVar("Real", Fraction, float)
+
+
+def k3_limit(a: Real, b: Real, k_3: Real, q3: Real, length: Real, low: Real, high: Real) -> Real:
+    """Return what the theorem asks k3 to be above, for gains a = k1, b = k2 above high = λmax.
+
+    f(Tmin) = (k1 k2 + k3)/(k1 q3*) at Tmin = 2 (k1² k2/m) q3*; length is |q*|, low is λmin.
+    """
+    f_min = (a * b + k_3) / (a * q3)
+    return (b + high) * (high + f_min * length) ** 2 / (low * (b - high))
 
 
 def _growing() -> tuple[bool, Fraction, dict[str, str]]:
@@ -85,33 +96,32 @@ def _growing() -> tuple[bool, Fraction, dict[str, str]]:
     return allowed, value, point
 
 
-def _judge_conditions(claim: Claim) -> Judgement:
+def _refuted_by_growth(claim: Claim, reason: str, derived: Words) -> Judgement:
     allowed, value, point = _growing()
     if not allowed or value >= 0:
         return claim.judged(Verdict.UNPROVED, "the counterexample fails")
-    return claim.judged(
-        Verdict.FALSE,
+    return claim.judged(Verdict.FALSE, reason, derived, counterexample=point)
+
+
+def _judge_conditions(claim: Claim) -> Judgement:
+    return _refuted_by_growth(
+        claim,
         "gains that meet all of them, with k4 = 1/1000, have XᵀΣX < 0 (k4 > 0 is not enough)",
         Words(
             "no such conditions: decide Σ over the whole region, as `certify` does", r"\Sigma > 0"
         ),
-        counterexample=point,
     )
 
 
 def _judge_exponential(claim: Claim) -> Judgement:
-    allowed, value, point = _growing()
-    if not allowed or value >= 0:
-        return claim.judged(Verdict.UNPROVED, "the counterexample fails")
-    return claim.judged(
-        Verdict.FALSE,
+    return _refuted_by_growth(
+        claim,
         "at a state that meets every condition, (33) included, m L̇ = -XᵀΣX > 0; "
         "true where Σ is certified and while Q stays in its bounds",
         Words(
             "if Σ ⪰ t I over the region: L̇ ≤ -(2t/m) L while Q and T stay in it",
             r"\dot{\mathcal{L}} \le -\tfrac{2t}{m}\mathcal{L}",
         ),
-        counterexample=point,
     )
 
 
@@ -159,8 +169,8 @@ def _level_counterexample() -> dict[str, str]:
     product = Fraction(1)  # k1² k2
     stiffness = product / mass
     printed = level < (mass * gravity / product - 2 * goal) ** 2 / 2
-    root_above = sqrt_enclosure(2 * level)[0]
-    broken = mass * gravity - stiffness * root_above < 2 * stiffness * goal
+    root_below, _ = sqrt_enclosure(2 * level)
+    broken = mass * gravity - stiffness * root_below < 2 * stiffness * goal
     assert printed and broken
     return exact_point(m=mass, g=gravity, k1=1, k2=1, q_star=[0, 0, goal], level=level)
 

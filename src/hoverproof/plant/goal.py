@@ -118,7 +118,7 @@ def _solve(
     q = -∇Φ of the convex Φ(ξ) = Σ|P'ᵢ - ξ| with Hessian Q, so the place sought is the minimum of
     Φ(ξ) + wantedᵀξ, and halving a step until that falls makes Newton converge.
     """
-    points = np.array([[float(c) for c in p] for p in mission.target.points])
+    points = np.array(mission.target.points, float)
     look = _level_centroid(len(points))
     highest = points[:, 2].min()
 

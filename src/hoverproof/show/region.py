@@ -26,7 +26,7 @@ def region_figure(mission: Mission, region: Region) -> Figure:
     region : Region
         A box with proved bounds; its outline is drawn.
     """
-    points = np.array([[float(c) for c in p] for p in mission.target.points])
+    points = np.array(mission.target.points, float)
     goal = np.array([float(c) for c in hover_goal(mission).position])
     start = np.array([float(c) for c in mission.start.position])
     low, high = (float(x) for x in mission.bounds.eigenvalues)

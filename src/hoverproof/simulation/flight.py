@@ -73,7 +73,7 @@ class FlightNumbers:
         ]
         return cls(
             design=_floats(Design.values(mission, goal.centroid_midpoint)),
-            points=np.array([_floats(p) for p in mission.target.points]).T,
+            points=np.array(mission.target.points, float).T,
             goal=_floats(goal.position),
             start=_floats(state),
         )
