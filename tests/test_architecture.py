@@ -17,7 +17,7 @@ FLOORS = [
     {"mission", "algebra"},
     {"plant"},
     {"servo"},
-    {"certification", "simulation", "paper"},
+    {"certification", "simulation", "export", "paper"},
     {"show"},
     {"cli"},
     {"__main__"},

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+import hoverproof
 from hoverproof import checker, cli
 from hoverproof.mission import presets
 
@@ -167,7 +168,7 @@ def test_the_module_runs_as_a_program():
         text=True,
         check=True,
     )
-    assert done.stdout.strip() == cli.__version__
+    assert done.stdout.strip() == hoverproof.__version__
 
 
 def test_the_verbs_are_importable():

@@ -1,0 +1,229 @@
+"""The commands `certify`, `region` and `check`: proofs, and how to check them."""
+
+from __future__ import annotations
+
+import textwrap
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from hoverproof.cli.console import (
+    EXIT,
+    Box,
+    Json,
+    MissionName,
+    Set,
+    app,
+    box_sides,
+    interval,
+    load_mission,
+    number,
+    position_text,
+    print_json,
+    sides_text,
+)
+from hoverproof.errors import InputError
+
+if TYPE_CHECKING:
+    from hoverproof.mission import Mission
+
+
+@app.command
+def certify(
+    mission: MissionName,
+    *,
+    out: Annotated[Path | None, Parameter(help="Certificate file to write.")] = None,
+    over_box: Annotated[
+        bool,
+        Parameter(negative="", help="Use eigenvalue bounds proved over a box (see `region`)."),
+    ] = False,
+    box: Box = None,
+    weights: Annotated[
+        str | None,
+        Parameter(help="Weights of L: four numbers w1,w2,w3,w4, or `search` for the best ones."),
+    ] = None,
+    set_: Set = None,
+    json_: Json = False,
+) -> int:
+    """Prove or refute that the gains work for every Q and thrust in the mission's bounds.
+
+    Writes a certificate (NAME.cert.json), or a counterexample (NAME.refutation.json), that `check`
+    verifies without trusting this program.
+
+    Example: `hoverproof certify x4-flyer --set gains.k4=0.1`
+    """
+    from hoverproof.certification.gains import Proved, Refuted, Undecided, as_json
+    from hoverproof.certification.gains import certify as decide
+    from hoverproof.certification.region import enclose
+    from hoverproof.paper.conditions import printed_demands
+
+    loaded = load_mission(mission, set_)
+    region = enclose(loaded, box_sides(loaded, box)) if over_box or box else None
+    verdict = decide(loaded, weights=parse_weights(loaded, weights, region), region=region)
+    path = None
+    if not isinstance(verdict, Undecided):
+        ending = "cert" if isinstance(verdict, Proved) else "refutation"
+        path = out or Path(f"{loaded.name}.{ending}.json")
+        verdict.certificate.save(path)
+    demands = printed_demands(loaded)
+    if json_:
+        paper = [{"condition": d.text(), "met": d.met} for d in demands]
+        answer = as_json(verdict, None if path is None else str(path))
+        print_json({**answer, "paper_conditions": paper})
+        return EXIT[verdict.status]
+
+    problem = verdict.problem
+    print(f"{loaded.name}: {verdict.status}")
+    print("  Σ(Q, T) ≻ 0 for every symmetric Q with eigenvalues in")
+    print(
+        f"  {interval(problem.eigenvalues)} 1/m and every thrust T in {interval(problem.thrust)} N?"
+    )
+    if problem.box is not None:
+        print(f"  (bounds of the eigenvalues proved over the box {sides_text(problem.box)} m)")
+    if weights is not None:
+        print(f"  weights of L            {', '.join(map(number, problem.weights))}")
+    if isinstance(verdict, Proved):
+        gap = float(verdict.margin_above / verdict.margin - 1)
+        what = "worst eigenvalue of Σ  " if weights is None else "margin, Σ ⪰ margin·W   "
+        print(f"  {what} {number(verdict.margin)} kg/s, proved (tight to {gap:.0e})")
+        print(f"  decay rate of L         {number(verdict.decay_rate)} 1/s, proved")
+        print(f"  certificate             {path}")
+    elif isinstance(verdict, Refuted):
+        print(f"  worst eigenvalue of Σ   {number(verdict.margin_above)} kg/s or less, proved")
+        print("  counterexample, exact:")
+        print(f"    Q = {matrix(verdict.Q)} 1/m")
+        print(f"    f = {verdict.f} 1/m")
+        print(f"    X = ({', '.join(map(str, verdict.X))})")
+        print(f"    XᵀΣX <= {verdict.value} (about {number(verdict.value)}) < 0")
+        print(f"  written to              {path}")
+    else:
+        print(f"  {verdict.reason}")
+        if verdict.margin_above is not None:
+            print(f"  worst eigenvalue of Σ   {number(verdict.margin_above)} kg/s or less, proved")
+    print("The printed theorem asks for (its conditions prove nothing, see `hoverproof derive`):")
+    for line in textwrap.wrap("; ".join(d.text() for d in demands), 76):
+        print(f"  {line}")
+    if path is not None:
+        print(f"Next: hoverproof check {path}")
+    return EXIT[verdict.status]
+
+
+@app.command
+def region(
+    mission: MissionName,
+    *,
+    box: Box = None,
+    out: Annotated[Path | None, Parameter(help="Certificate file to write.")] = None,
+    figure: Annotated[bool, Parameter(help="Draw the region beside the file.")] = True,
+    set_: Set = None,
+    json_: Json = False,
+) -> int:
+    """Prove or refute that the eigenvalue bounds of Q hold for the real target over a box.
+
+    Encloses the eigenvalues over the box, and draws where the bounds hold in a cross-section.
+
+    Example: `hoverproof region x4-flyer --box=-1,5,-1,3,-4.5,-2.5`
+    """
+    from hoverproof.certification.certificate import seal
+    from hoverproof.certification.problem import gain_problem
+    from hoverproof.certification.region import Region, enclose, holds_over, outside
+    from hoverproof.show.region import save_region_figure
+
+    loaded = load_mission(mission, set_)
+    sides = box_sides(loaded, box)
+    enclosed = enclose(loaded, sides)
+    wanted = loaded.bounds.eigenvalues
+    inside = wanted[0] <= enclosed.eigenvalues[0] and enclosed.eigenvalues[1] <= wanted[1]
+    witness = None if inside else outside(loaded, sides, wanted)
+    proved = inside or (witness is None and holds_over(loaded, sides, wanted))
+    verdict = "proved" if proved else "undecided" if witness is None else "refuted"
+    shown = Region(sides, wanted, enclosed.attained) if proved else enclosed
+    path = out or Path(f"{loaded.name}.region.cert.json")
+    seal(gain_problem(loaded, region=shown), "region", {}).save(path)
+    picture = path.with_name(f"{path.name.removesuffix('.cert.json')}.png")
+    if figure:
+        save_region_figure(loaded, enclosed, picture)
+
+    if json_:
+        print_json(
+            {
+                "mission": loaded.name,
+                "verdict": verdict,
+                "box": [[float(end) for end in side] for side in sides],
+                "bounds": [float(x) for x in wanted],
+                "enclosure": [float(x) for x in enclosed.eigenvalues],
+                "attained": list(enclosed.attained),
+                "witness": None
+                if witness is None
+                else {"position": [str(c) for c in witness[0]], "eigenvalue": witness[1]},
+                "certificate": str(path),
+                "figure": str(picture) if figure else None,
+            }
+        )
+        return EXIT[verdict]
+    print(f"{loaded.name}: {verdict}")
+    print(f"  bounds {interval(wanted)} 1/m of the eigenvalues of Q")
+    print(f"  for every position in the box {sides_text(sides)} m")
+    print(f"  proved there            {interval(enclosed.eigenvalues)} 1/m")
+    print(f"  found there             {interval(enclosed.attained)} 1/m")
+    if witness is not None:
+        print(f"  out of bounds           {number(witness[1])} 1/m at {position_text(witness[0])}")
+    print(
+        f"  certificate             {path} ({'the bounds' if proved else 'what is proved there'})"
+    )
+    if figure:
+        print(f"  figure                  {picture}")
+    print(f"Next: hoverproof certify {mission} --over-box")
+    return EXIT[verdict]
+
+
+@app.command
+def check(
+    certificate: Annotated[Path, Parameter(help="Certificate file.")], *, json_: Json = False
+) -> int:
+    """Verify a certificate in exact arithmetic, with the standard library alone.
+
+    The same as `python -I -S checker.py FILE`, which needs no installation.
+
+    Example: `hoverproof check x4-flyer.cert.json`
+    """
+    from hoverproof import checker
+
+    if not json_:
+        return checker.main([str(certificate)])
+    try:
+        theorem = checker.check_file(certificate)
+    except checker.Unreadable as error:
+        raise InputError(str(certificate), "", str(error)) from None
+    except checker.Rejected as error:
+        print_json({"certificate": str(certificate), "accepted": False, "reason": str(error)})
+        return 1
+    print_json({"certificate": str(certificate), "accepted": True, "statement": theorem})
+    return 0
+
+
+def parse_weights(mission: Mission, text: str | None, region: Any) -> tuple[Fraction, ...]:
+    """Read --weights: four numbers, or the best ones; by default ones."""
+    from hoverproof.certification.gains import search_weights
+    from hoverproof.certification.problem import ONES
+
+    if text is None:
+        return ONES
+    if text == "search":
+        return search_weights(mission, region=region)
+    try:
+        weights = tuple(Fraction(part.strip()) for part in text[:400].split(","))
+    except (ValueError, ZeroDivisionError):
+        weights = ()
+    if len(weights) != 4 or not all(0 < w <= 10**9 for w in weights):
+        raise InputError(
+            "--weights", "", f"must be `search` or four positive numbers w1,w2,w3,w4, not {text!r}"
+        )
+    return weights
+
+
+def matrix(rows: list[list[Any]]) -> str:
+    """Write a matrix, row by row."""
+    return "[" + "; ".join(", ".join(map(str, row)) for row in rows) + "]"
