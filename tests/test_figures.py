@@ -142,6 +142,13 @@ def test_the_line_ends_where_the_flight_leaves_the_bounds(flight, proved):
     assert f"until {decay.until:g} s" in line.get_label()
 
 
+def test_nothing_is_certified_of_what_was_added_to_the_model(flight, proved):
+    scattered = flight.assign_attrs(conditions='{"scatter": {"position": ["1", "1", "1"]}}')
+    assert decay_along(scattered, proved) is not None
+    windy = flight.assign_attrs(conditions='{"wind": {"mean": ["1", "0", "0"]}}')
+    assert decay_along(windy, proved) is None
+
+
 def test_weights_other_than_one_belong_to_another_L(flight, proved):
     problem = replace(proved.problem, weights=(Fraction(2),) * 4)
     assert decay_along(flight, replace(proved, problem=problem)) is None

@@ -5,6 +5,7 @@ Nothing is proved here: the rate is that of a verdict.
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -54,12 +55,14 @@ def decay_along(flight: xr.Dataset, verdict: Proved) -> Decay | None:
     Parameters
     ----------
     flight : Dataset
-        From `hoverproof.simulate`, of the mission that was certified.
+        From `hoverproof.simulate`, of the mission that was certified. Its attribute ``conditions``
+        (JSON), if there is one, names what was added to the model, of which nothing is proved.
     verdict : Proved
         With weights 1, so that its L is the one recorded.
     """
     problem = verdict.problem
-    if any(w != 1 for w in problem.weights):
+    added = set(json.loads(flight.attrs.get("conditions", "{}"))) - {"scatter"}
+    if added or any(w != 1 for w in problem.weights):
         return None
     values = eigenvalues(Scene.of(flight).points, flight["position"].values)
     thrust = flight["thrust"].values
