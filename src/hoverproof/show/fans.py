@@ -32,7 +32,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatter
+from matplotlib.ticker import StrMethodFormatter
 
 from hoverproof.show.panels import DEGREES
 from hoverproof.show.scene import Array, Scene
@@ -324,9 +324,11 @@ def _rotors(axes: Axes, batch: xr.Dataset) -> None:
 
 
 def _plain_numbers(axis: Axis) -> None:
-    """Write 6 and 0.01 along a logarithmic axis, not their powers of ten."""
-    for set_formatter in (axis.set_major_formatter, axis.set_minor_formatter):
-        set_formatter(LogFormatter(minor_thresholds=(1.5, 0.5)))
+    """Write 6 and 0.01 along a logarithmic axis, not powers of ten; label parts of a short one."""
+    low, high = axis.get_view_interval()
+    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    labelled = ("2", "3", "5") if high < 100 * low else ()
+    axis.set_minor_formatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in labelled else "")
 
 
 def _start(batch: xr.Dataset) -> Array:
