@@ -154,6 +154,7 @@ def test_presets_are_listed_and_printed(capsys):
         ["simulate", "x4-flyer", "--duration", "-3"],
         ["simulate", "x4-flyer", "--figures", "sketch"],
         ["simulate", "x4-flyer", "--animate", "a.avi"],
+        ["simulate", "x4-flyer", "--speed-up", "3"],
         ["simulate", "x4-flyer", "--animate", "a.gif", "--speed-up", "0"],
         ["check", "nothing.json"],
         ["new", "no/such/folder/my.toml"],

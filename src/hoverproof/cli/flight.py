@@ -17,6 +17,7 @@ from hoverproof.cli.console import (
     print_json,
     progress,
 )
+from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,6 +69,8 @@ def simulate(
         from hoverproof.show.animation import check_request
 
         check_request(animate, speed_up)
+    elif speed_up is not None:
+        raise InputError("--speed-up", "", "is for --animate")
     flight = fly(loaded, duration=duration, step=step, every=every)
     path = out or Path(f"{loaded.name}.flight.nc")
     save(flight, path)
@@ -118,7 +121,6 @@ def simulate(
 def _certified_decay(mission: Mission, flight: xr.Dataset) -> Decay | None:
     """Return the decay that is proved for a flight of a mission; None if none is."""
     from hoverproof.certification.gains import Proved, certify
-    from hoverproof.errors import InputError
     from hoverproof.show.decay import decay_along
 
     try:

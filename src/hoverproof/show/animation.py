@@ -25,6 +25,7 @@ DPI = 100
 LENGTH = 12.0
 MOST_PICTURES = 800
 HOLD = 1.0
+SECONDS_TO_TENTHS = 10
 ROTOR_RADIUS = 0.6
 DRAWN_SPAN = 0.24
 NICE = (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)
@@ -120,9 +121,8 @@ class Stage:
         self.rotors = self.size * self.scene.rotor_places()
         self._set_space(space)
         self._set_plane(plane, float(flight["euler_angles"].sel(angle="yaw").values[-1]))
-        self.clock = self.figure.suptitle("", family="monospace")
+        self.clock = self.figure.suptitle("t", family="monospace")
         self.pace = f"{speed_up:g} × real time"
-        self.clock.set_text("t")  # so that the layout leaves room for it
         self.moving = (
             *(*self.rays, self.flown, *self.arms, *self.discs, *self.tracks, *self.dots),
             self.clock,
@@ -156,8 +156,9 @@ class Stage:
         for i, (track, dot) in enumerate(zip(self.tracks, self.dots, strict=True)):
             track.set_data(*self.image[: k + 1, i].T)
             dot.set_data(*self.image[k : k + 1, i].T)
-        width = len(f"{self.times[-1]:.1f}")
-        self.clock.set_text(f"{self.scene.name}   t = {time:{width}.1f} s   {self.pace}")
+        digits = 1 if self.times[-1] >= SECONDS_TO_TENTHS else 2
+        width = len(f"{self.times[-1]:.{digits}f}")
+        self.clock.set_text(f"{self.scene.name}   t = {time:{width}.{digits}f} s   {self.pace}")
 
     def _set_space(self, axes: Axes3D) -> None:
         scene, grey = self.scene, {"color": "grey", "linewidth": 0.7}
@@ -169,8 +170,8 @@ class Stage:
         self.arms = [axes.plot([], [], [], color="black", linewidth=2)[0] for _ in range(2)]
         self.discs = [axes.plot([], [], [], color=c, linewidth=1.6)[0] for c in rotor_colours()]
         reach = self.size * scene.arm * (math.sqrt(2) + ROTOR_RADIUS)
-        around = [place + side * reach for place in self.places for side in (-1, 1)]
-        space_axes(axes, np.vstack([around, scene.points, scene.goal[None]]))
+        around = [self.places - reach, self.places + reach]
+        space_axes(axes, np.vstack([*around, scene.points, scene.goal]))
         ring = {"linewidth": 0, "marker": "o", "fillstyle": "none"}
         for colour, label in ((COLOURS[0], "rear rotors"), (COLOURS[4], "front rotors")):
             axes.plot([], [], [], color=colour, label=label, **ring)
