@@ -118,10 +118,24 @@ def readout_function(n: int) -> ca.Function:
     """
     design, points = parameters(n)
     x, arm, drag = ca.SX.sym("x", STATE_SIZE), ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
+    outputs = readout(x, design, points, arm, drag)
+    return ca.Function(
+        "readout",
+        [x, design.vector(), points, arm, drag],
+        list(outputs.values()),
+        ["x", "design", "points", "arm", "drag_ratio"],
+        list(outputs),
+    )
+
+
+def readout(
+    x: ca.SX, design: Design, points: ca.SX, arm: ca.SX, drag_ratio: ca.SX
+) -> dict[str, ca.SX]:
+    """Return the outputs of `readout_function` as expressions of its inputs."""
     measured, image, _ = sense(RigidBodyState.from_vector(x), points)
     e = errors(measured, design)
     _, torque = derive_controller().function()(measured.vector(), design.vector())
-    outputs = {
+    return {
         "image": image,
         "centroid": measured.centroid,
         "delta1": e.d1,
@@ -130,12 +144,5 @@ def readout_function(n: int) -> ca.Function:
         "delta4": e.d4,
         "lyapunov": lyapunov(e, ca.SX.ones(4)),
         "torque": torque,
-        "rotor_thrusts": rotors.rotor_thrusts(measured.thrust, torque, arm, drag),
+        "rotor_thrusts": rotors.rotor_thrusts(measured.thrust, torque, arm, drag_ratio),
     }
-    return ca.Function(
-        "readout",
-        [x, design.vector(), points, arm, drag],
-        list(outputs.values()),
-        ["x", "design", "points", "arm", "drag_ratio"],
-        list(outputs),
-    )
