@@ -1,4 +1,4 @@
-"""The batch kernel: each lane is the scalar run, bit for bit, and noise is counted, not streamed."""
+"""The batch kernel: each lane is the scalar run, bit for bit; noise is counted, not streamed."""
 
 from __future__ import annotations
 
