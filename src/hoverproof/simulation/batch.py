@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import math
-from dataclasses import dataclass
+import threading
+from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -45,8 +46,8 @@ OUTCOMES = (
 STEPS_IN_A_BLOCK = 4_000_000
 BYTES_IN_A_BLOCK = 32_000_000
 UNLIMITED = 1e300
+_PREPARING = threading.Lock()
 
-IDEAL_RECORD = {"state": STATE_SIZE, "lyapunov": 1, "rotor_thrust": 4}
 IMU_BIAS_DRAW, GUST_DRAW, SCATTER_DRAW = 0, 8, 16
 """First channels of what is drawn before a flight."""
 
@@ -83,6 +84,15 @@ class Plan:
     scattered: bool = True
     version: str = hoverproof.__version__
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Travel without what is derived."""
+        return Plan, tuple(getattr(self, f.name) for f in fields(self))
+
+    def prepare(self) -> None:
+        """Derive and compile, one thread at a time: CasADi has settings that all threads share."""
+        with _PREPARING:
+            _ = self.numbers, kernel.source(self.loop, self.schedule)
+
     @cached_property
     def ideal(self) -> bool:
         """Whether it is the paper's loop that flies."""
@@ -118,7 +128,7 @@ class Plan:
     @property
     def record(self) -> dict[str, int]:
         """What a record holds, and the size of each part."""
-        return IDEAL_RECORD if self.ideal else REALISTIC_RECORD
+        return kernel.IDEAL_RECORD if self.ideal else REALISTIC_RECORD
 
     @cached_property
     def schedule(self) -> kernel.Schedule:
@@ -154,7 +164,7 @@ class Plan:
     @property
     def times(self) -> Array:
         """When the records are taken, s."""
-        times: Array = self.step * self.every * np.arange(self.samples + 1)
+        times: Array = self.step * self.every * np.arange(self.samples + 1.0)
         return times
 
     @property
@@ -330,6 +340,7 @@ def fly_raw(
     stop: kernel.Stop | None = None,
 ) -> tuple[Array, Array, NDArray[np.int64]]:
     """Fly runs `first` to ``first + count - 1``; see `kernel.fly` for what is returned."""
+    plan.prepare()
     memory, params = memory_and_parameters(plan, np.arange(first, first + count))
     return kernel.fly(
         plan.loop,

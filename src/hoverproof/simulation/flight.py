@@ -20,7 +20,7 @@ import hoverproof
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.errors import InputError
 from hoverproof.files import replacing
-from hoverproof.mission import Mission
+from hoverproof.mission import CONDITIONS, Mission
 from hoverproof.plant.camera import body_points, depth_matrix
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.plant.rotors import ROTORS, wrench
@@ -198,6 +198,40 @@ def summary(flight: xr.Dataset) -> dict[str, Any]:
         "machine": flight.attrs["machine"],
         "largest_tilt": float(flight["tilt"].max()),
         "rotor_thrust": [float(flight["rotor_thrust"].min()), float(flight["rotor_thrust"].max())],
+        "frames_lost": int(flight.attrs.get("frames_lost", 0)),
+        "left_view_at": flight.attrs.get("left_view_at"),
+    }
+
+
+def without_conditions(mission: Mission, flight: xr.Dataset) -> dict[str, Any]:
+    """Return how far a flight is from the same one without sensors, rotors, wind and errors.
+
+    Parameters
+    ----------
+    mission : Mission
+    flight : Dataset
+        Its flight, from `simulate`.
+
+    Returns
+    -------
+    dict
+        Distances in m, times in s; empty if the mission adds nothing to the model.
+    """
+    if is_ideal(mission):
+        return {}
+    times, step = flight["time"].values, float(flight.attrs["step"])
+    if len(times) < 2:
+        return {}
+    bare = mission.model_copy(update={name: type(getattr(mission, name))() for name in CONDITIONS})
+    every = round(float(times[1]) / step)
+    ideal = simulate(bare, duration=float(times[-1]), step=step, every=every)
+    both = min(len(times), ideal.sizes["time"])
+    apart = flight["position"].values[:both] - ideal["position"].values[:both]
+    distance = np.linalg.norm(apart, axis=1)
+    return {
+        "ideal_settled_at": summary(ideal)["settled_at"],
+        "greatest_distance_from_ideal": float(distance.max()),
+        "final_distance_from_ideal": float(distance[-1]),
     }
 
 

@@ -25,12 +25,15 @@ Array = NDArray[np.float64]
 IDEAL_PARAMETERS = 16
 """The design (13), then step (s), arm and drag ratio (m)."""
 
-IDEAL_RECORD = ("state", "lyapunov", "rotor_thrust")
+IDEAL_RECORD = {"state": STATE_SIZE, "lyapunov": 1, "rotor_thrust": 4}
+"""What a record of the paper's loop holds, and the size of each part."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Loop:
     """What a batch runs: generated functions, and where they find things.
+
+    Two are the same if they are one object, so that what is made of one can be cached.
 
     Attributes
     ----------
@@ -120,13 +123,14 @@ def ideal_loop(n: int) -> Loop:
             "PARAMS": IDEAL_PARAMETERS,
             "STEP": design.vector().numel(),
             "POINTS": 3 * n,
-            "RECORD": STATE_SIZE + 5,
+            "RECORD": sum(IDEAL_RECORD.values()),
         },
     )
 
 
-def source(loop: Loop, schedule: Schedule, *, lanes: int | None = None) -> str:
-    """Return the C text of a loop.
+@cache
+def source(loop: Loop, schedule: Schedule, lanes: int | None = None) -> str:
+    """Return the C text of a loop; made once for each.
 
     Parameters
     ----------
@@ -184,7 +188,7 @@ def fly(
         Number of good records after the start.
     """
     command = find_compiler() if compiler is None else compiler
-    library = vector_library(source(loop, schedule, lanes=lanes), command)
+    library = vector_library(source(loop, schedule, lanes), command)
     count = len(memory)
     records = np.full((count, schedule.samples + 1, loop.constants["RECORD"]), np.nan)
     memory = np.array(memory, np.float64, order="C")
