@@ -118,3 +118,20 @@ def test_the_normal_numbers_are_those_of_box_and_muller():
     a, b = noise.normals(counter, 1)
     assert np.abs(a - np.sqrt(-2 * np.log(u)) * np.cos(2 * np.pi * v)).max() < 1e-11
     assert np.abs(b - np.sqrt(-2 * np.log(u)) * np.sin(2 * np.pi * v)).max() < 1e-11
+
+
+@needs_compiler
+def test_the_rotation_stays_a_rotation_over_a_million_steps(flights):
+    numbers, starts, parameters = flights
+    starts = starts[:4].copy()
+    starts[:, 15:18] = [0.5, -0.3, 1]
+    parameters = parameters[:4].copy()
+    parameters[:, 9] = 1e-9  # no yaw damping: it turns all the time
+    schedule = kernel.Schedule(samples=100, every=10_000)
+    records, _, taken = kernel.fly(
+        kernel.ideal_loop(4), schedule, starts, parameters, numbers.points
+    )
+    assert (taken == 100).all()
+    assert (np.abs(records[:, -1, 17]) > 0.9).all()
+    R = records[..., 6:15].reshape(4, 101, 3, 3)
+    assert np.abs(R @ R.swapaxes(-1, -2) - np.eye(3)).max() < 1e-12

@@ -1,14 +1,20 @@
 """The file of a batch: netCDF-4, laid out whole at the start, filled run by run.
 
-All space is taken when the file is made, so a full disk shows before the first flight, and nothing
-but numbers in their places is written later: whatever stops a batch, the file stays whole and says
-in its attribute ``runs_complete`` how much of it has been flown. It holds no time of day and
-nothing of the machine, so the same batch gives the same bytes.
+All space is taken when the file is made, so a full disk shows before the first flight. Later the
+numbers of a run are written to their places without HDF5, whose metadata a failing disk would tear:
+whatever stops a batch, the file stays whole. A run is complete when its ``outcome`` is not -1; the
+attribute ``runs_complete`` counts them. The file holds no time of day and nothing of the machine,
+so the same batch gives the same bytes.
 """
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import json
+import os
+import shutil
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -54,6 +60,8 @@ OF_A_RUN: dict[str, tuple[str, str, str]] = {
 }
 """What is kept of each run, (run,): type, unit, meaning."""
 
+HEADER_BYTES = 200_000
+SECONDS_BETWEEN_NOTES = 2
 SIZES = {"axis": 3, "body_axis": 3, "angle": 3, "rotor": 4}
 
 
@@ -61,11 +69,12 @@ def batch_size(plan: Plan, runs: int, precision: Precision) -> int:
     """Return about how many bytes the file of a batch takes."""
     numbers = sum(int(np.prod([SIZES[d] for d in dims])) for dims, _, _ in SERIES.values())
     each = numbers * np.dtype(precision).itemsize * (plan.samples + 1)
-    return runs * (each + sum(np.dtype(kind).itemsize for kind, _, _ in OF_A_RUN.values()))
+    of_a_run = 8 + sum(np.dtype(kind).itemsize for kind, _, _ in OF_A_RUN.values())
+    return HEADER_BYTES + 8 * plan.samples + runs * (each + of_a_run)
 
 
 class BatchFile:
-    """An open file of a batch; made by `create` or `reopen`.
+    """A file of a batch that is being filled; made by `create` or `reopen`.
 
     Attributes
     ----------
@@ -74,10 +83,17 @@ class BatchFile:
         How many runs it holds, from the first on.
     """
 
-    def __init__(self, path: Path, handle: h5py.File) -> None:
+    def __init__(self, path: Path) -> None:
         self.path = path
-        self._handle = handle
-        self.runs_complete = _runs_complete(handle)
+        with h5py.File(path, "r", locking=False) as file:
+            self._places = {
+                name: (int(file[name].id.get_offset()), file[name].dtype)
+                for name in (*SERIES, *OF_A_RUN)
+            }
+            missing = file["outcome"][:] < 0
+        self.runs_complete = int(np.argmax(missing)) if missing.any() else len(missing)
+        self._file = path.open("r+b", buffering=0)
+        self._noted = time.monotonic()
 
     def write(self, block: dict[str, NDArray[Any]]) -> None:
         """Put down the next runs.
@@ -94,19 +110,34 @@ class BatchFile:
         """
         first, count = self.runs_complete, len(block["outcome"])
         try:
-            for name, values in block.items():
-                kept = self._handle[name]
-                kept[first : first + count] = values.astype(kept.dtype)
-            self._handle.flush()
-            self._handle.attrs.modify("runs_complete", np.array([first + count], np.int64))
-            self._handle.flush()
-        except (OSError, RuntimeError) as error:
-            raise InputError(
-                str(self.path),
-                "",
-                f"cannot be written: {_reason(error)}; {first} runs are complete",
-            ) from None
+            for name in sorted(block, key="outcome".__eq__):  # the outcome last: it says complete
+                offset, kind = self._places[name]
+                values = np.ascontiguousarray(block[name], kind)
+                self._file.seek(offset + first * values[:1].nbytes)
+                left = values.tobytes()
+                while left:
+                    left = left[self._file.write(left) :]
+        except OSError as error:
+            reason = f"cannot be written: {error.strerror}; {first} runs are complete in it"
+            raise InputError(str(self.path), "", reason) from None
         self.runs_complete = first + count
+        if time.monotonic() > self._noted + SECONDS_BETWEEN_NOTES:
+            self.note()
+
+    def note(self) -> None:
+        """Bring the attribute ``runs_complete`` up to date, if the disk lets us."""
+        count = np.array([self.runs_complete], np.int64)
+        with (
+            contextlib.suppress(OSError, RuntimeError),
+            h5py.File(self.path, "r+", locking=False) as file,
+        ):
+            file.attrs.modify("runs_complete", count)
+        self._noted = time.monotonic()
+
+    def close(self) -> None:
+        """Note how much is complete, and close."""
+        self._file.close()
+        self.note()
 
 
 @contextmanager
@@ -125,19 +156,16 @@ def create(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[
     InputError
         If it cannot be written or there is no room for it; an old file then stays as it was.
     """
-    size = batch_size(plan, runs, precision)
     try:
         with replacing(path) as beside:
+            _reserve(beside, batch_size(plan, runs, precision))
             _skeleton(plan, runs, precision).to_netcdf(beside, engine="h5netcdf")
             with h5netcdf.File(beside, "r+") as file:
                 _lay_out(file, plan, runs, precision)
-    except RuntimeError as error:  # HDF5 may report a full disk so
-        raise InputError(str(path), "", f"cannot be written: {_reason(error)}") from None
-    except InputError as error:
-        reason = f"{error.reason} (it takes {size / 1e6:,.0f} MB for {runs} runs)"
-        raise InputError(error.where, error.key, reason) from None
-    with _opened(path) as file:
-        yield file
+    except RuntimeError as error:  # of HDF5
+        raise InputError(str(path), "", f"cannot be written: {error}") from None
+    with contextlib.closing(BatchFile(path)) as opened:
+        yield opened
 
 
 @contextmanager
@@ -152,10 +180,10 @@ def reopen(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[
     try:
         with h5py.File(path, "r") as file:
             found = json.loads(file.attrs["batch"])
-            _runs_complete(file)
+            assert file["outcome"].ndim == 1
     except FileNotFoundError:
         raise InputError(str(path), "", "no such file to resume") from None
-    except (OSError, KeyError, ValueError, TypeError):
+    except (OSError, KeyError, ValueError, TypeError, AssertionError):
         raise InputError(
             str(path), "", "is not the file of a batch, so not to be resumed"
         ) from None
@@ -166,7 +194,11 @@ def reopen(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[
             if not isinstance(value, dict):
                 reason += f": {found.get(key)} there, {value} here"
             raise InputError(str(path), "", reason)
-    with _opened(path) as opened:
+    try:
+        opened = BatchFile(path)
+    except OSError as error:
+        raise InputError(str(path), "", f"cannot be opened: {error.strerror}") from None
+    with contextlib.closing(opened):
         yield opened
 
 
@@ -186,19 +218,18 @@ def identity(plan: Plan, runs: int, precision: Precision) -> dict[str, Any]:
     }
 
 
-@contextmanager
-def _opened(path: Path) -> Iterator[BatchFile]:
+def _reserve(path: Path, size: int) -> None:
+    """Make sure that there is room for so many bytes, before HDF5 meets the end of it."""
+    room = f"for {size / 1e6:,.0f} MB of results"
     try:
-        handle = h5py.File(path, "r+")
+        with path.open("r+b") as file:
+            if hasattr(os, "posix_fallocate"):
+                os.posix_fallocate(file.fileno(), 0, size)
+            elif shutil.disk_usage(path.parent).free < size:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            file.truncate(0)
     except OSError as error:
-        raise InputError(str(path), "", f"cannot be opened: {_reason(error)}") from None
-    with handle:
-        yield BatchFile(path, handle)
-
-
-def _runs_complete(handle: h5py.File) -> int:
-    (count,) = np.ravel(handle.attrs["runs_complete"])  # netCDF-4 keeps it as an array of one
-    return int(count)
+        raise OSError(error.errno, f"{error.strerror}, no room {room}") from None
 
 
 def _skeleton(plan: Plan, runs: int, precision: Precision) -> xr.Dataset:
@@ -256,11 +287,3 @@ def _lay_out(file: h5netcdf.File, plan: Plan, runs: int, precision: Precision) -
     outcome = file.variables["outcome"]
     outcome.attrs["flag_values"] = np.arange(-1, len(OUTCOMES), dtype=np.int8)
     outcome.attrs["flag_meanings"] = " ".join(["not_flown", *OUTCOMES])
-
-
-def _reason(error: Exception) -> str:
-    """Return what the system says in the long message of HDF5."""
-    text = str(error)
-    if "errno = " in text and "error message = '" in text:
-        return text.split("error message = '")[1].split("'")[0]
-    return getattr(error, "strerror", None) or text
