@@ -85,6 +85,10 @@ class _Plan(ctypes.Structure):
     )
 
 
+class Stopped(Exception):
+    """Flights that were told to end before their time."""
+
+
 @dataclass
 class Stop:
     """A flag that ends compiled flights soon, from any thread."""
@@ -176,7 +180,7 @@ def fly(
     compiler, lanes : optional
         As in `hoverproof.simulation.compiled.runner` and `source`.
     stop : Stop, optional
-        Ends the flights when set; what is returned then is not complete.
+        Ends the flights when set.
 
     Returns
     -------
@@ -186,6 +190,11 @@ def fly(
         The last state of each, good or not.
     taken : (count,)
         Number of good records after the start.
+
+    Raises
+    ------
+    Stopped
+        If `stop` was set meanwhile.
     """
     command = find_compiler() if compiler is None else compiler
     library = vector_library(source(loop, schedule, lanes), command)
@@ -213,6 +222,8 @@ def fly(
         *(ctypes.c_void_p(a.ctypes.data) for a in (memory, *held, records, taken)),
         ctypes.byref(flag),
     )
+    if flag.value:
+        raise Stopped
     return records, memory, taken
 
 
