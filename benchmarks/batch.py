@@ -25,7 +25,7 @@ from hoverproof.simulation.flight import FlightNumbers
 from hoverproof.spread import processors, spread
 from tables import report
 
-ROUNDS = 12
+ROUNDS = 40
 PLAIN_FLAGS = ("-O3", "-march=native", "-fPIC", "-shared", "-w")
 VEHICLES, STEPS = 64, 4000
 """In a block of the batch; a flight of 40 s."""
@@ -178,7 +178,7 @@ def peers(folder: Path) -> dict[str, Peer]:
     }
     for name, make in (
         ("JAX, 512 vehicles", lambda: jax_peer(numbers, 512, 400)),
-        ("RotorPy's own loop, one vehicle", lambda: rotorpy_peer(200)),
+        ("RotorPy's own loop, one vehicle", lambda: rotorpy_peer(50)),
     ):
         try:
             found[name] = make()

@@ -245,6 +245,18 @@ def test_energy_is_kept_in_free_fall():
     assert energy(end) == pytest.approx(energy(begin), rel=1e-12)
 
 
+def test_a_heavier_vehicle_hovers_where_the_image_error_carries_the_difference():
+    """At rest T = m g of the true mass, and δ3 = F/c - δ1 = 0 of the modelled one."""
+    mission = load("x4-flyer", {"model_error.mass": "0.0002", "start.position": "[0, 0, -3]"})
+    flight = simulate(mission, duration=2000)
+    stiffness = 0.2**2 * 10 / 9.6
+    assert flight["delta1"].values[-1] == pytest.approx(
+        [0, 0, -0.0002 * 9.6 * 9.8 / stiffness], abs=1e-6
+    )
+    sunk = simulate(load("x4-flyer", {"model_error.mass": "0.005"}), duration=100)
+    assert "no depth" in sunk.attrs["outcome"]
+
+
 def test_thirty_frames_a_second_fifty_ms_late_with_a_pixel_of_noise_still_settle():
     sensors = "{frame_rate = 30, latency = 0.05, focal_length = 400, pixel_noise = 1}"
     mission = load("x4-flyer", {"sensors": sensors})

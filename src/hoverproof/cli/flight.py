@@ -138,7 +138,7 @@ def _fly_once(
             f"  from that flight at most {result['greatest_distance_from_ideal']:.3g} m away, "
             f"at the end {result['final_distance_from_ideal']:.3g} m"
         )
-    if result["frames_lost"]:
+    if result["frames_lost"] and mission.sensors.width is not None:
         print(
             f"  a target point was out of view in {result['frames_lost']} frames, "
             f"first at {result['left_view_at']:g} s"
