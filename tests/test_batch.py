@@ -67,6 +67,21 @@ def test_without_scatter_each_run_of_a_batch_is_the_single_flight(x4):
         assert many["lyapunov"][0].values == pytest.approx(single["lyapunov"].values, rel=1e-13)
 
 
+def test_a_single_flight_is_not_scattered(x4):
+    scattered = simulate(load("x4-flyer", {"scatter.mass": "0.01"}), duration=2)
+    assert np.array_equal(scattered["position"], simulate(x4, duration=2)["position"])
+
+
+def test_vehicles_differ_as_the_scatter_says():
+    plan = batch.Plan(load("x4-flyer", {"scatter.mass": "0.01"}), 0.01, 1, 1)
+    _, params = batch.memory_and_parameters(plan, np.arange(2000))
+    assert not plan.ideal
+    mass = params[:, 13] / 9.6 - 1
+    assert np.abs(mass).max() == pytest.approx(0.01, rel=0.01)
+    assert mass.std() == pytest.approx(0.01 / 3**0.5, rel=0.05)
+    assert (params[:, 0] == 9.6).all()  # the controller's own
+
+
 def test_the_scatter_is_what_the_mission_says():
     scatter = {"scatter.position": "[1, 2, 0.5]", "scatter.rates": "[0, 0, 0.1]"}
     for kind, deviation in (("uniform", 1 / 3**0.5), ("normal", 1)):
@@ -159,6 +174,11 @@ def test_every_number_that_is_missing_is_marked_and_explained():
         assert "units" in raw["position"].attrs
     told = batch_summary("a.nc")
     assert told["outcomes"]["flown"] + told["outcomes"]["no_depth_left"] == 100
+
+
+def test_a_seed_that_is_no_key_is_refused(x4):
+    with pytest.raises(InputError, match="--seed: must be from 0"):
+        simulate(x4, duration=1, seed=-1)
 
 
 @pytest.mark.parametrize(

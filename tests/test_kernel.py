@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
+
 import numpy as np
 import pytest
 from scipy import stats
 
 from hoverproof.mission import load
 from hoverproof.simulation import compiled, kernel, noise
-from hoverproof.simulation.flight import FlightNumbers
+from hoverproof.simulation.numbers import FlightNumbers
+from hoverproof.simulation.realistic import Features, realistic_loop
 
 needs_compiler = pytest.mark.skipif(not compiled.find_compiler(), reason="no C compiler here")
 TILTED = {"start.rotation": "[0.1, -0.05, 0.4]", "start.rates": "[0.1, -0.1, 0.2]"}
@@ -82,6 +86,42 @@ def test_a_flag_ends_the_flights(flights):
     loop, endless = kernel.ideal_loop(4), kernel.Schedule(samples=1, every=10**12)
     with pytest.raises(kernel.Stopped):
         kernel.fly(loop, endless, starts[:1], parameters[:1], numbers.points, stop=stop)
+
+
+ALL = Features(camera_noise=True, rounded=True, imu_noise=True, gusts=True, abort=True)
+
+
+@needs_compiler
+@pytest.mark.parametrize("n", [2, 3, 7])
+def test_every_loop_compiles_for_any_number_of_points(n):
+    for loop in (kernel.ideal_loop(n), realistic_loop(n, Features()), realistic_loop(n, ALL)):
+        assert kernel.machine(loop, SCHEDULE).startswith("compiled C")
+
+
+@pytest.mark.skipif(not shutil.which("clang"), reason="no second compiler here")
+def test_another_compiler_gives_the_same_bits(flights, flown):
+    numbers, starts, parameters = flights
+    loop = kernel.ideal_loop(4)
+    assert kernel.machine(loop, SCHEDULE, "clang").startswith("compiled C")
+    other = kernel.fly(loop, SCHEDULE, starts, parameters, numbers.points, compiler="clang")
+    for a, b in zip(flown, other, strict=True):
+        assert np.array_equal(a, b, equal_nan=True)
+
+
+@needs_compiler
+@pytest.mark.parametrize("ideal", [True, False])
+def test_the_vector_code_compiles_without_a_warning_of_ours(ideal):
+    loop = kernel.ideal_loop(4) if ideal else realistic_loop(4, ALL)
+    command = [compiled.find_compiler(), "-std=gnu11", "-march=native", "-Wall", "-Wextra"]
+    quiet = ["-Wno-unused-function", "-Wno-unused-parameter", "-Wno-attributes"]
+    done = subprocess.run(
+        [*command, *quiet, "-fsyntax-only", "-x", "c", "-"],
+        input=kernel.source(loop, SCHEDULE),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stderr == ""
 
 
 F = 0xFFFFFFFF

@@ -47,7 +47,7 @@ def spread(
         Must be picklable for a cluster, or for an executor of processes.
     items : iterable
     executor : Executor, optional
-        Where to run; by default `threads` threads.
+        Where to run, and shut down at the end; by default `threads` threads.
     threads : int, optional
         By default as many as there are processors.
     scheduler : str, optional

@@ -52,10 +52,23 @@ IMU_BIAS_DRAW, GUST_DRAW, SCATTER_DRAW = 0, 8, 16
 """First channels of what is drawn before a flight."""
 
 
-def is_ideal(mission: Mission) -> bool:
-    """Tell whether a mission flies as in the paper: no sensors, rotors, wind or errors named."""
-    named = mission.conditions()
-    return not (named.keys() - {"scatter"} or mission.scatter.of_the_vehicle)
+def is_ideal(mission: Mission, *, scattered: bool = False) -> bool:
+    """Tell whether a mission flies as in the paper: no sensors, rotors, wind or errors named.
+
+    Parameters
+    ----------
+    mission : Mission
+    scattered : bool
+        Whether ``[scatter]`` is drawn from: it may make vehicles differ from the model.
+    """
+    named = mission.conditions().keys() - {"scatter"}
+    return not (named or (scattered and mission.scatter.of_the_vehicle))
+
+
+def check_seed(seed: int) -> None:
+    """Refuse a seed that is no key for the noise."""
+    if not 0 <= seed < 2**63:
+        raise InputError("--seed", "", f"must be from 0 to {2**63 - 1}, not {seed}")
 
 
 @dataclass(frozen=True)
@@ -96,7 +109,7 @@ class Plan:
     @cached_property
     def ideal(self) -> bool:
         """Whether it is the paper's loop that flies."""
-        return is_ideal(self.mission)
+        return is_ideal(self.mission, scattered=self.scattered)
 
     @cached_property
     def numbers(self) -> FlightNumbers:
@@ -142,14 +155,14 @@ class Plan:
         s, dt = self.mission.sensors, Fraction(repr(self.step))
 
         def events(key: str, rate: Fraction | None) -> tuple[int, int]:
-            share = Fraction(1) if rate is None else (rate * dt).limit_denominator(10**9)
+            share = Fraction(1) if rate is None else (rate * dt).limit_denominator(10**6)
             if not 0 < share <= 1:
                 fastest = float(1 / dt)
                 raise InputError(
                     self.mission.source,
                     f"sensors.{key}",
                     f"must be at most one in a step (--step {self.step:g} s: {fastest:g} Hz) and "
-                    f"no slower than one in {10**9} steps, not {float(rate or 0):g} Hz",
+                    f"no slower than one in {10**6} steps, not {float(rate or 0):g} Hz",
                 )
             return share.numerator, share.denominator
 

@@ -18,7 +18,7 @@ import xarray as xr
 from hoverproof.errors import InputError
 from hoverproof.mission import Mission
 from hoverproof.simulation import kernel
-from hoverproof.simulation.batch import OUTCOMES, Plan, fly_block
+from hoverproof.simulation.batch import OUTCOMES, Plan, check_seed, fly_block
 from hoverproof.simulation.flight import STEP, steps_and_interval
 from hoverproof.simulation.results import Precision, create, reopen
 from hoverproof.spread import spread
@@ -100,10 +100,9 @@ def simulate_batch(
         If anything asked for is not possible, or the file cannot be written.
     """
     steps, every = steps_and_interval(mission, duration, step, every, SAMPLES)
-    for option, value, most in (("--runs", runs, MAX_RUNS), ("--seed", seed, 2**63 - 1)):
-        least = 1 if option == "--runs" else 0
-        if not least <= value <= most:
-            raise InputError(option, "", f"must be from {least} to {most}, not {value}")
+    check_seed(seed)
+    if not 1 <= runs <= MAX_RUNS:
+        raise InputError("--runs", "", f"must be from 1 to {MAX_RUNS}, not {runs}")
     if threads is not None and not 1 <= threads <= 1024:
         raise InputError("--threads", "", f"must be from 1 to 1024, not {threads}")
     if precision not in ("float32", "float64"):

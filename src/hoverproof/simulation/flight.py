@@ -6,7 +6,6 @@ import json
 import math
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -30,6 +29,7 @@ from hoverproof.simulation import kernel
 from hoverproof.simulation.batch import (
     OUTCOMES,
     Plan,
+    check_seed,
     fly_raw,
     is_ideal,
     outcome_code,
@@ -82,9 +82,11 @@ def simulate(
     InputError
         If the duration, the step or the mission cannot be used.
     """
+    check_seed(seed)
     steps, every = steps_and_interval(mission, duration, step, every, SAMPLES)
     if not is_ideal(mission):
-        return _fly_as_built(mission, Plan(mission, step, steps // every, every, seed), compiler)
+        plan = Plan(mission, step, steps // every, every, seed, scattered=False)
+        return _fly_as_built(plan, compiler)
     numbers = FlightNumbers.of(mission)
     machine = runner(numbers.points.shape[1], compiler=compiler)
     begin = time.perf_counter()
@@ -261,9 +263,9 @@ def _run(
     return np.vstack([start, states]), good
 
 
-def _fly_as_built(mission: Mission, plan: Plan, compiler: str | None) -> xr.Dataset:
+def _fly_as_built(plan: Plan, compiler: str | None) -> xr.Dataset:
     """Fly once with the sensors, rotors, wind and errors that the mission names."""
-    plan = replace(plan, scattered=False)
+    mission = plan.mission
     begin = time.perf_counter()
     records, memory, taken = fly_raw(plan, 0, 1, compiler=compiler)
     seconds = time.perf_counter() - begin
