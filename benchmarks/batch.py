@@ -20,8 +20,9 @@ from scipy.integrate import solve_ivp
 from closed_loop import DT, TILTED, N, hand_written, numpy_run, plain_rate, plain_step
 from hoverproof.mission import load
 from hoverproof.simulation import compiled, kernel
-from hoverproof.simulation.batch import Plan, fly_raw
-from hoverproof.simulation.flight import FlightNumbers
+from hoverproof.simulation.batch import fly_raw
+from hoverproof.simulation.numbers import FlightNumbers
+from hoverproof.simulation.plan import Plan
 from hoverproof.spread import processors, spread
 from tables import report
 

@@ -12,7 +12,7 @@ import pytest
 
 from hoverproof.errors import InputError
 from hoverproof.mission import load
-from hoverproof.simulation import batch
+from hoverproof.simulation import plan
 from hoverproof.simulation.campaign import batch_summary, simulate_batch
 from hoverproof.spread import spread
 
@@ -58,7 +58,7 @@ def cluster():
 
 def test_a_cluster_that_loses_a_worker_gives_the_same_bytes(cluster, monkeypatch):
     address, workers = cluster
-    monkeypatch.setattr(batch, "STEPS_IN_A_BLOCK", 20_000 * 16)
+    monkeypatch.setattr(plan, "STEPS_IN_A_BLOCK", 20_000 * 16)
     mission = load("x4-flyer", MISSION)
     options = {"runs": 400, "seed": 5, "duration": 200, "every": 2000}
 

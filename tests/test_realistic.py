@@ -12,8 +12,10 @@ from scipy.integrate import solve_ivp
 from hoverproof.mission import conditions_text, load, preset_text
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.simulation import compiled
-from hoverproof.simulation.batch import Plan, fly_raw, is_ideal, memory_and_parameters
+from hoverproof.simulation.batch import fly_raw
+from hoverproof.simulation.draws import memory_and_parameters
 from hoverproof.simulation.flight import simulate, summary, without_conditions
+from hoverproof.simulation.plan import Plan, is_ideal
 from hoverproof.simulation.realistic import LAYOUT, place
 
 needs_compiler = pytest.mark.skipif(not compiled.find_compiler(), reason="no C compiler here")

@@ -18,8 +18,9 @@ import xarray as xr
 from hoverproof.errors import InputError
 from hoverproof.mission import Mission
 from hoverproof.simulation import kernel
-from hoverproof.simulation.batch import OUTCOMES, Plan, check_seed, fly_block
+from hoverproof.simulation.batch import OUTCOMES, fly_block
 from hoverproof.simulation.flight import STEP, steps_and_interval
+from hoverproof.simulation.plan import Plan, check_seed
 from hoverproof.simulation.results import Precision, create, reopen
 from hoverproof.spread import spread
 
@@ -71,7 +72,8 @@ def simulate_batch(
     """Fly a mission many times, drawn from its ``[scatter]``, into a netCDF-4 file.
 
     The file depends on mission, `runs`, `seed`, times and `precision` alone, byte for byte: not on
-    threads, scheduler or interruptions.
+    threads, compiler, width of vectors or interruptions. Between different kinds of processors
+    numpy's sines may differ in the last bit, and so may what is made of them.
 
     Parameters
     ----------

@@ -26,17 +26,11 @@ from hoverproof.plant.rotors import ROTORS, wrench
 from hoverproof.servo.error_chain import Design
 from hoverproof.servo.lyapunov import linearised_loop, thrust_factor
 from hoverproof.simulation import kernel
-from hoverproof.simulation.batch import (
-    OUTCOMES,
-    Plan,
-    check_seed,
-    fly_raw,
-    is_ideal,
-    outcome_code,
-)
+from hoverproof.simulation.batch import OUTCOMES, fly_raw, outcome_code
 from hoverproof.simulation.closed_loop import GUARDS, readout_function, step_function
 from hoverproof.simulation.compiled import Runner, has_diverged, runner
 from hoverproof.simulation.numbers import FlightNumbers, euler_angles, settled_index
+from hoverproof.simulation.plan import Plan, check_seed, is_ideal
 from hoverproof.simulation.realistic import LAYOUT, place
 
 Array = NDArray[np.float64]

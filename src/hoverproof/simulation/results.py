@@ -30,7 +30,8 @@ import hoverproof
 from hoverproof.errors import InputError
 from hoverproof.files import replacing
 from hoverproof.plant.rotors import ROTORS
-from hoverproof.simulation.batch import OUTCOMES, Plan
+from hoverproof.simulation.batch import OUTCOMES
+from hoverproof.simulation.plan import Plan
 
 Precision = str
 """``"float32"`` or ``"float64"``: how numbers over time are kept; those of a run are float64."""
@@ -180,10 +181,10 @@ def reopen(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[
     try:
         with h5py.File(path, "r") as file:
             found = json.loads(file.attrs["batch"])
-            assert file["outcome"].ndim == 1
+            (_,) = file["outcome"].shape
     except FileNotFoundError:
         raise InputError(str(path), "", "no such file to resume") from None
-    except (OSError, KeyError, ValueError, TypeError, AssertionError):
+    except (OSError, KeyError, ValueError, TypeError):
         raise InputError(
             str(path), "", "is not the file of a batch, so not to be resumed"
         ) from None
@@ -224,12 +225,23 @@ def _reserve(path: Path, size: int) -> None:
     try:
         with path.open("r+b") as file:
             if hasattr(os, "posix_fallocate"):
-                os.posix_fallocate(file.fileno(), 0, size)
+                with _unless_unknown():
+                    os.posix_fallocate(file.fileno(), 0, size)
             elif shutil.disk_usage(path.parent).free < size:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
             file.truncate(0)
     except OSError as error:
         raise OSError(error.errno, f"{error.strerror}, no room {room}") from None
+
+
+@contextmanager
+def _unless_unknown() -> Iterator[None]:
+    """Go on where a file system cannot reserve."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno not in (errno.EOPNOTSUPP, errno.EINVAL):
+            raise
 
 
 def _skeleton(plan: Plan, runs: int, precision: Precision) -> xr.Dataset:
