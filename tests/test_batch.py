@@ -314,6 +314,7 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_runs():
     few, many = (
         int(run_in_python(GROW, runs).stdout)
