@@ -86,6 +86,16 @@ def test_machine_code_and_virtual_machine_give_the_same_bits_with_everything_on(
         assert np.array_equal(fast[name].values, slow[name].values), name
 
 
+@needs_compiler
+@pytest.mark.parametrize("latency", ["0.01", "0.054", "0.5"])
+@pytest.mark.parametrize("rate", [{}, {"sensors.frame_rate": "29.97"}, {"sensors.frame_rate": "3"}])
+def test_no_frame_on_its_way_is_overwritten(latency, rate):
+    mission = load("x4-flyer", {**TILTED, "sensors.latency": latency, **rate})
+    fast, slow = (simulate(mission, duration=1.5, every=1, compiler=c) for c in (None, ""))
+    assert np.array_equal(fast["centroid_held"], slow["centroid_held"])
+    assert np.unique(fast["centroid_held"][1:, 0]).size > 2
+
+
 def plain_control(mission, q_star, q, V, rho, Omega, T):
     """U and Γ in plain numpy, from the closed forms."""
     v, k = mission.vehicle, mission.gains
