@@ -36,6 +36,7 @@ proofs: .venv/installed-dev
 # Speed, as ratios to peers in the same run; rewrites the tables in benchmarks/README.md.
 bench: .venv/installed-dev
 	$(BIN)/python benchmarks/closed_loop.py --write
+	$(BIN)/python benchmarks/batch.py --write
 	$(BIN)/python benchmarks/verdict.py --write
 
 .venv/installed: pyproject.toml

@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 
 import casadi as ca
 import numpy as np
@@ -73,71 +74,83 @@ def hand_written(flags: Iterable[str], folder: Path) -> Run:
     return compiled._machine_code(N, library).run
 
 
-def skew(a: Array) -> Array:
-    """Return the matrix with ``skew(a) @ b == cross(a, b)``, (3, 3)."""
-    return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
+def plain_rate(xp: ModuleType, x: Array, design: Array, points: Array) -> Array:
+    """Return the time derivative of a packed state as one would write it with numpy, (19,).
+
+    Parameters
+    ----------
+    xp : module
+        numpy, or what looks like it.
+    x : (19,)
+    design : (13,)
+    points : (3, n)
+    """
+    m, g, inertia, (k1, k2, k3, k4, k_yaw) = design[0], design[1], design[2:5], design[5:10]
+    goal, e3 = design[10:], xp.array([0.0, 0.0, 1.0])
+    c = k1**2 * k2 / m
+    beta = m / (c * (k1 * k2 + k3))
+
+    def skew(a: Array) -> Array:
+        return xp.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
+
+    velocity, rotation, omega, thrust = x[3:6], x[6:15].reshape(3, 3).T, x[15:18], x[18]
+    seen = rotation.T @ (points - x[:3, None])
+    rays = xp.vstack([seen[:2] / seen[2], xp.ones(N)])
+    q = (rays / xp.linalg.norm(rays, axis=0)).sum(axis=1)
+
+    turn = skew(omega)
+    force = m * g * rotation[2] - thrust * e3
+    d2 = m / k1 * velocity - (q - goal)
+    d3 = force / c + d2
+    w = thrust * e3 - c * goal
+    lever = -turn @ w
+    d4 = beta * lever + d3
+
+    thrust_rate = lever[2] + d3[2] / beta
+    drift = -turn @ d3 + lever / c + force / k1
+    wanted = -((k1 * k2 + k3) * d3 + k4 * d4) / m
+    rest = (wanted - drift) / beta - thrust_rate * skew(e3) @ omega
+    yaw = -k_yaw / inertia[2] * omega[2]
+    alpha = xp.array([(rest[1] + w[0] * yaw) / w[2], (w[1] * yaw - rest[0]) / w[2], yaw])
+    torque = inertia * alpha + turn @ (inertia * omega)
+
+    return xp.concatenate(
+        [
+            rotation @ velocity,
+            force / m - turn @ velocity,
+            (rotation @ turn).T.ravel(),
+            (torque - turn @ (inertia * omega)) / inertia,
+            xp.array([thrust_rate]),
+        ]
+    )
+
+
+def plain_step(xp: ModuleType, flight: Array, design: Array, points: Array, dt: float) -> Array:
+    """Return a flight state, (21,), after one step, as one would write it with numpy."""
+    x, (depth, margin) = flight[:19], flight[19:]
+    depths = x[6:15].reshape(3, 3)[2] @ (points - x[:3, None])
+    depth = xp.minimum(depth, depths.min())
+    margin = xp.minimum(margin, x[18] - design[5] ** 2 * design[6] / design[0] * design[12])
+    a = plain_rate(xp, x, design, points)
+    b = plain_rate(xp, x + dt / 2 * a, design, points)
+    c = plain_rate(xp, x + dt / 2 * b, design, points)
+    d = plain_rate(xp, x + dt * c, design, points)
+    x = x + dt / 6 * (a + 2 * b + 2 * c + d)
+    rotation = x[6:15].reshape(3, 3).T
+    rotation = (rotation @ (3 * xp.eye(3) - rotation.T @ rotation) / 2).T.ravel()
+    return xp.concatenate([x[:6], rotation, x[15:], xp.array([depth, margin])])
 
 
 def numpy_run(
     start: Array, design: Array, points: Array, dt: float, samples: int, every: int
 ) -> tuple[Array, bool]:
-    """Run the loop as one would write it with numpy, in the manner of `Runner.run`."""
-    m, g, inertia, (k1, k2, k3, k4, k_yaw) = design[0], design[1], design[2:5], design[5:10]
-    goal, e3 = design[10:], np.array([0.0, 0.0, 1.0])
-    c = k1**2 * k2 / m
-    beta = m / (c * (k1 * k2 + k3))
-
-    def see(x: Array) -> Array:
-        return x[6:15].reshape(3, 3) @ (points - x[:3, None])  # rows are the columns of R
-
-    def rate(x: Array) -> Array:
-        velocity, rotation, omega, thrust = x[3:6], x[6:15].reshape(3, 3).T, x[15:18], x[18]
-        seen = see(x)
-        rays = np.vstack([seen[:2] / seen[2], np.ones(N)])
-        q = (rays / np.linalg.norm(rays, axis=0)).sum(axis=1)
-
-        turn = skew(omega)
-        force = m * g * rotation[2] - thrust * e3
-        d2 = m / k1 * velocity - (q - goal)
-        d3 = force / c + d2
-        w = thrust * e3 - c * goal
-        lever = -turn @ w
-        d4 = beta * lever + d3
-
-        thrust_rate = lever[2] + d3[2] / beta
-        drift = -turn @ d3 + lever / c + force / k1
-        wanted = -((k1 * k2 + k3) * d3 + k4 * d4) / m
-        rest = (wanted - drift) / beta - thrust_rate * skew(e3) @ omega
-        yaw = -k_yaw / inertia[2] * omega[2]
-        alpha = np.array([(rest[1] + w[0] * yaw) / w[2], (w[1] * yaw - rest[0]) / w[2], yaw])
-        torque = inertia * alpha + turn @ (inertia * omega)
-
-        return np.concatenate(
-            [
-                rotation @ velocity,
-                force / m - turn @ velocity,
-                (rotation @ turn).T.ravel(),
-                (torque - turn @ (inertia * omega)) / inertia,
-                [thrust_rate],
-            ]
-        )
-
-    x, lowest, taken = start[:19], start[19:], []
+    """Run the loop with numpy, in the manner of `Runner.run`."""
+    flight, taken = start, []
     for _ in range(samples):
         for _ in range(every):
-            lowest = np.minimum(lowest, [see(x)[2].min(), x[18] - c * goal[2]])
-            k = rate(x)
-            slope = k.copy()
-            k = rate(x + dt / 2 * k)
-            slope += 2 * k
-            k = rate(x + dt / 2 * k)
-            slope += 2 * k
-            slope += rate(x + dt * k)
-            x = x + dt / 6 * slope
-            rotation = x[6:15].reshape(3, 3).T
-            x[6:15] = (rotation @ (3 * np.eye(3) - rotation.T @ rotation) / 2).T.ravel()
-        taken.append(np.concatenate([x, lowest]))
-        if compiled.has_diverged(taken[-1]) or not (lowest > 0).all():
+            flight = plain_step(np, flight, design, points, dt)
+        taken.append(flight)
+        if compiled.has_diverged(flight) or not (flight[19:] > 0).all():
             return np.array(taken), False
     return np.array(taken), True
 

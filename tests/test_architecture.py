@@ -13,7 +13,8 @@ import hoverproof
 HOUSE = Path(hoverproof.__file__).parent
 FLOORS = [
     {"errors"},
-    {"files"},
+    {"files", "quantities", "spread"},
+    {"conditions"},
     {"mission", "algebra"},
     {"plant"},
     {"servo"},

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from hoverproof.mission import load as load
     from hoverproof.mission import presets as presets
     from hoverproof.paper.ledger import derive as derive
+    from hoverproof.simulation.campaign import simulate_batch as simulate_batch
     from hoverproof.simulation.flight import simulate as simulate
 
 _HOMES = {
@@ -30,9 +31,20 @@ _HOMES = {
     "load": ("hoverproof.mission", "load"),
     "presets": ("hoverproof.mission", "presets"),
     "simulate": ("hoverproof.simulation.flight", "simulate"),
+    "simulate_batch": ("hoverproof.simulation.campaign", "simulate_batch"),
 }
 
-__all__ = ["InputError", "__version__", "certify", "check", "derive", "load", "presets", "simulate"]
+__all__ = [
+    "InputError",
+    "__version__",
+    "certify",
+    "check",
+    "derive",
+    "load",
+    "presets",
+    "simulate",
+    "simulate_batch",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -9,72 +9,31 @@ from __future__ import annotations
 import difflib
 import re
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import (
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     ValidationError,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
 
+from hoverproof.conditions import ModelError, Rotors, Scatter, Sensors, Wind
 from hoverproof.errors import InputError
+from hoverproof.quantities import Section as _Section
+from hoverproof.quantities import array as _array
+from hoverproof.quantities import quantity as _quantity
+from hoverproof.quantities import reject as _reject
+from hoverproof.quantities import shown as _shown
 
 MAX_FILE_BYTES = 1_000_000
 MAX_POINTS = 64
-
-
-def _reject(reason: str, *, key: str = "") -> PydanticCustomError:
-    """Make the refusal of a value, or of the `key` below it."""
-    return PydanticCustomError("mission", "{reason}", {"reason": reason, "key": key})
-
-
-def _shown(value: object) -> str:
-    if isinstance(value, Fraction):
-        return f"{float(value):g}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(_shown, value))}]" if len(value) < 8 else f"{len(value)} entries"
-    if isinstance(value, dict):
-        return "a section"
-    text = repr(value)
-    return text if len(text) <= 40 else text[:37] + "..."
-
-
-def _quantity(unit: str, low: str, high: str, *, open_low: bool = False) -> BeforeValidator:
-    """Accept an exact number in [low, high] (or above low, if open_low)."""
-    lowest, highest = Fraction(low), Fraction(high)
-    suffix = f" {unit}" if unit else ""
-    span = f"above {low} and at most {high}" if open_low else f"from {low} to {high}"
-
-    def exact(value: object) -> Fraction:
-        if isinstance(value, bool) or not isinstance(value, int | Fraction | float):
-            raise _reject(f"must be a number{f' in {unit}' if unit else ''}, not {_shown(value)}")
-        if isinstance(value, float) and not -1e308 < value < 1e308:
-            raise _reject(f"must be a number {span}{suffix}, not {value}")
-        number = Fraction(value)
-        if not lowest <= number <= highest or (open_low and number == lowest):
-            raise _reject(f"must be {span}{suffix}, not {_shown(value)}")
-        return number
-
-    return BeforeValidator(exact)
-
-
-def _array(*names: str) -> Callable[[object], object]:
-    """Return a validator that wants one entry for each name."""
-
-    def check(value: object) -> object:
-        if not isinstance(value, list | tuple) or len(value) != len(names):
-            raise _reject(f"must be a list [{', '.join(names)}], not {_shown(value)}")
-        return tuple(value)
-
-    return check
+CONDITIONS = ("sensors", "rotors", "wind", "model_error", "scatter")
+"""Sections that say what a real flight adds to the model."""
 
 
 _Length = Annotated[Fraction, _quantity("m", "-1e6", "1e6")]
@@ -89,10 +48,6 @@ _Direction = Annotated[Fraction, _quantity("", "-1e3", "1e3")]
 _MassPerTime = Annotated[Fraction, _quantity("kg/s", "0", "1e9", open_low=True)]
 
 Point = Annotated[tuple[_Length, _Length, _Length], BeforeValidator(_array("x", "y", "z"))]
-
-
-class _Section(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
 
 
 class Vehicle(_Section):
@@ -230,6 +185,11 @@ class Mission(_Section):
     gains: Gains
     bounds: Bounds
     start: Start
+    sensors: Annotated[Sensors, Field(exclude=True)] = Sensors()
+    rotors: Annotated[Rotors, Field(exclude=True)] = Rotors()
+    wind: Annotated[Wind, Field(exclude=True)] = Wind()
+    model_error: Annotated[ModelError, Field(exclude=True)] = ModelError()
+    scatter: Annotated[Scatter, Field(exclude=True)] = Scatter()
     source: Annotated[str, Field(exclude=True)] = "mission"
 
     @model_validator(mode="after")
@@ -281,9 +241,20 @@ class Mission(_Section):
         return sum((z for _, _, z in self.target.points), Fraction(0)) / len(self.target.points)
 
     def exact(self) -> dict[str, Any]:
-        """Return the whole mission as nested dicts and lists, each number an exact string."""
+        """Return the mission as nested dicts and lists, each number an exact string.
+
+        Sensors, rotors, wind, model_error and scatter are not in it: see `conditions`.
+        """
         text: dict[str, Any] = _as_text(self.model_dump(exclude_none=True))
         return text
+
+    def conditions(self) -> dict[str, Any]:
+        """Return what the mission adds to the model and how it scatters, in the way of `exact`."""
+        sections = {name: getattr(self, name) for name in CONDITIONS}
+        text: dict[str, Any] = _as_text(
+            {k: v.model_dump(exclude_defaults=True) for k, v in sections.items()}
+        )
+        return {name: keys for name, keys in text.items() if keys}
 
 
 def on_one_line(points: Sequence[Sequence[Fraction]]) -> bool:
@@ -320,6 +291,11 @@ def preset_text(name: str) -> str:
     if name not in presets():
         raise InputError(name, "", f"no such preset; there are: {', '.join(presets())}")
     return (resources.files("hoverproof") / "presets" / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def conditions_text() -> str:
+    """Return a TOML text, all comments, with the keys of sensors, rotors, wind and scatter."""
+    return (resources.files("hoverproof") / "conditions.toml").read_text(encoding="utf-8")
 
 
 def load(source: str | Path, overrides: Mapping[str, object] | None = None) -> Mission:

@@ -1,7 +1,8 @@
-"""The command `simulate`: a mission, flown."""
+"""The command `simulate`: a mission, flown once or many times."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -17,6 +18,7 @@ from hoverproof.cli.console import (
     print_json,
     progress,
 )
+from hoverproof.cli.flights import fly_many
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
@@ -36,12 +38,16 @@ def simulate(
     ] = None,
     step: Annotated[float, Parameter(help="Step of the integrator in s.")] = 0.01,
     every: Annotated[
-        int | None, Parameter(help="Keep every so many steps; by default about 2000 are kept.")
+        int | None,
+        Parameter(help="Keep every so many steps; by default about 2000 are kept, of runs 200."),
     ] = None,
     out: Annotated[Path | None, Parameter(help="Flight file to write, netCDF-4.")] = None,
     figures: Annotated[
         list[Literal["motion", "features", "path"]] | None,
-        Parameter(negative="--no-figures", help="Draw this one (repeatable); by default all."),
+        Parameter(
+            negative="--no-figures",
+            help="Draw this one (repeatable); by default all. Of runs: all or none.",
+        ),
     ] = None,
     animate: Annotated[
         Path | None, Parameter(help="Animation to write: FILE.mp4, FILE.gif or FILE.html.")
@@ -50,6 +56,22 @@ def simulate(
         float | None,
         Parameter(help="Flight seconds in a second of animation; by default about 12 s in all."),
     ] = None,
+    runs: Annotated[
+        int | None, Parameter(help="Fly so often, drawn from [scatter] of the mission.")
+    ] = None,
+    seed: Annotated[int, Parameter(help="Of all that is drawn: noise, wind, scatter.")] = 0,
+    threads: Annotated[
+        int | None, Parameter(help="For runs; by default as many as processors.")
+    ] = None,
+    scheduler: Annotated[
+        str | None, Parameter(help="Fly runs on a Dask cluster: tcp://host:8786 (extra cluster).")
+    ] = None,
+    resume: Annotated[
+        bool, Parameter(negative="", help="Go on with a file of runs that was cut short.")
+    ] = False,
+    precision: Annotated[
+        Literal["float32", "float64"], Parameter(help="Of the numbers kept over time, of runs.")
+    ] = "float32",
     set_: Set = None,
     json_: Json = False,
 ) -> int:
@@ -58,24 +80,65 @@ def simulate(
     Draws the flight beside its file; where the gains are proved for the mission's bounds, and the
     flight keeps to them, with the certified decay of L as a line.
 
+    With --runs, fly it many times: starts and vehicles are drawn from [scatter] of the mission,
+    and the file depends on mission, seed and times alone, not on threads or interruptions.
+    `hoverproof new` writes all that [sensors], [rotors], [wind], [model_error] and [scatter] know.
+
     Example: `hoverproof simulate x4-flyer --duration 1500`
+
+    Example: `hoverproof simulate x4-flyer --runs 1000 --set scatter.position=[1,1,1]`
     """
+    loaded = load_mission(mission, set_)
+    if runs is not None:
+        for option, unfit in (("--animate", animate), ("--speed-up", speed_up)):
+            if unfit is not None:
+                raise InputError(option, "", "is for a single flight, not for --runs")
+        return fly_many(
+            loaded,
+            out or Path(f"{loaded.name}.flights.nc"),
+            json_=json_,
+            draw=figures is None or bool(figures),
+            runs=runs,
+            seed=seed,
+            duration=duration,
+            step=step,
+            every=every,
+            precision=precision,
+            threads=threads,
+            scheduler=scheduler,
+            resume=resume,
+        )
+    for option, given in (("--resume", resume), ("--scheduler", scheduler), ("--threads", threads)):
+        if given:
+            raise InputError(option, "", "is for --runs")
+    timing = {"duration": duration, "step": step, "every": every, "seed": seed}
+    return _fly_once(loaded, out, figures, animate, speed_up, json_, timing)
+
+
+def _fly_once(
+    mission: Mission,
+    out: Path | None,
+    figures: Sequence[str] | None,
+    animate: Path | None,
+    speed_up: float | None,
+    json_: bool,
+    timing: dict[str, Any],
+) -> int:
     from hoverproof.show.figures import FIGURES, save_figures
-    from hoverproof.simulation.flight import save, summary
+    from hoverproof.simulation.flight import save, summary, without_conditions
     from hoverproof.simulation.flight import simulate as fly
 
-    loaded = load_mission(mission, set_)
     if animate is not None:
         from hoverproof.show.animation import check_request
 
         check_request(animate, speed_up)
     elif speed_up is not None:
         raise InputError("--speed-up", "", "is for --animate")
-    flight = fly(loaded, duration=duration, step=step, every=every)
-    path = out or Path(f"{loaded.name}.flight.nc")
+    flight = fly(mission, **timing)
+    path = out or Path(f"{mission.name}.flight.nc")
     save(flight, path)
     which = FIGURES if figures is None else figures
-    decay = _certified_decay(loaded, flight) if "features" in which else None
+    decay = _certified_decay(mission, flight) if "features" in which else None
     pictures = save_figures(flight, path.with_suffix(""), which, decay)
     if animate is not None:
         from hoverproof.show.animation import save_animation
@@ -83,8 +146,9 @@ def simulate(
         with progress("animation") as report:
             save_animation(flight, animate, speed_up=speed_up, report=report)
     result: dict[str, Any] = {
-        "mission": loaded.name,
+        "mission": mission.name,
         **summary(flight),
+        **without_conditions(mission, flight),
         "figures": [str(p) for p in pictures],
         "certified_decay": None if decay is None else {"rate": decay.rate, "until": decay.until},
         "animation": None if animate is None else str(animate),
@@ -96,7 +160,7 @@ def simulate(
         return status
 
     settled = result["settled_at"]
-    print(f"{loaded.name}: {result['outcome']}, {result['duration']:g} s")
+    print(f"{mission.name}: {result['outcome']}, {result['duration']:g} s")
     print(f"  {result['steps']} steps in {result['seconds']:.2f} s: {result['machine']}")
     if result["machine"] != "compiled C":
         print("  (no C compiler works here; with one this is much faster)")
@@ -106,8 +170,18 @@ def simulate(
     print(
         f"  end       {position_text(result['final_position'])}, {result['final_error']:.3g} m away"
     )
-    reached = "not reached" if settled is None else f"from {settled:g} s on"
-    print(f"  within 10 % of the distance at the start: {reached}")
+    print(f"  within 10 % of the distance at the start: {_since(settled)}")
+    if "ideal_settled_at" in result:
+        print(f"  without sensors, rotors, wind and errors: {_since(result['ideal_settled_at'])}")
+        print(
+            f"  from that flight at most {result['greatest_distance_from_ideal']:.3g} m away, "
+            f"at the end {result['final_distance_from_ideal']:.3g} m"
+        )
+    if result["frames_lost"] and mission.sensors.width is not None:
+        print(
+            f"  a target point was out of view in {result['frames_lost']} frames, "
+            f"first at {result['left_view_at']:g} s"
+        )
     print(f"  flight    {path}")
     for picture in pictures:
         print(f"  figure    {picture}")
@@ -128,3 +202,7 @@ def _certified_decay(mission: Mission, flight: xr.Dataset) -> Decay | None:
     except InputError:  # the mission's bounds pose no question: nothing to draw
         return None
     return decay_along(flight, verdict) if isinstance(verdict, Proved) else None
+
+
+def _since(settled: float | None) -> str:
+    return "not reached" if settled is None else f"from {settled:g} s on"

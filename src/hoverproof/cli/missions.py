@@ -55,9 +55,9 @@ def new(
     import re
 
     from hoverproof.files import write_text
-    from hoverproof.mission import preset_text
+    from hoverproof.mission import conditions_text, preset_text
 
-    text = preset_text(preset)
+    text = preset_text(preset) + conditions_text()
     if path.exists() and not force:
         raise InputError(str(path), "", "exists already; --force replaces it")
     name = re.sub(r"[^A-Za-z0-9._-]", "-", path.stem).lstrip("._-")[:64] or "mission"

@@ -116,6 +116,7 @@ def state_rate(
     mass: ca.SX,
     inertia: ca.SX,
     gravity: ca.SX,
+    drag: ca.SX | None = None,
 ) -> RigidBodyState:
     """Return the time derivative of the state (eqs. 1-5 and 21).
 
@@ -130,9 +131,13 @@ def state_rate(
         kg and m/s².
     inertia : SX
         Principal moments, (3, 1), kg m².
+    drag : SX, optional
+        A force beside thrust and weight, (3, 1), body frame, N; the paper has none.
     """
     alpha = ca.SX.sym("alpha", 3)
     exogenous = force(state.thrust, state.gravity_direction, mass, gravity)
+    if drag is not None:
+        exogenous += drag
     return RigidBodyState(
         position=state.rotation @ state.velocity,
         velocity=acceleration(state.velocity, state.rate, exogenous, mass),

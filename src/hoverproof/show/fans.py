@@ -37,7 +37,7 @@ from matplotlib.ticker import StrMethodFormatter
 from hoverproof.show.panels import DEGREES
 from hoverproof.show.scene import Array, Scene
 from hoverproof.show.style import COLOURS, STYLES, legend_above, save_figure
-from hoverproof.simulation.flight import SETTLED
+from hoverproof.simulation.numbers import SETTLED
 
 BATCH_FIGURES = ("fans", "starts")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 
 import casadi as ca
@@ -64,8 +65,30 @@ def guards(state: ca.SX, design: Design, points: ca.SX) -> ca.SX:
     """Return the values named in `GUARDS`, (2, 1)."""
     body = RigidBodyState.from_vector(state)
     _, _, depths = sense(body, points)
-    singular = design.stiffness * design.goal_centroid[2]
-    return ca.vertcat(ca.mmin(depths), body.thrust - singular)
+    return ca.vertcat(ca.mmin(depths), thrust_margin(body.thrust, design))
+
+
+def thrust_margin(thrust: ca.SX, design: Design) -> ca.SX:
+    """Return T - c q3*, (1, 1), N: at zero the controller is singular."""
+    return thrust - design.stiffness * design.goal_centroid[2]
+
+
+def runge_kutta(rate: Callable[[ca.SX, int], ca.SX], x: ca.SX, dt: ca.SX) -> ca.SX:
+    """Return x after one step of the Runge-Kutta method of order 4.
+
+    Parameters
+    ----------
+    rate : callable
+        (x, half) ↦ derivative, `half` half steps (0, 1 or 2) after the beginning.
+    x : SX
+    dt : SX
+        Step, s.
+    """
+    a = rate(x, 0)
+    b = rate(x + dt / 2 * a, 1)
+    c = rate(x + dt / 2 * b, 1)
+    d = rate(x + dt * c, 2)
+    return x + dt / 6 * (a + 2 * b + 2 * c + d)
 
 
 def nearest_rotation(rotation: ca.SX) -> ca.SX:
@@ -90,11 +113,7 @@ def step_function(n: int) -> ca.Function:
     design, points = parameters(n)
     flight, dt = ca.SX.sym("flight", FLIGHT_SIZE), ca.SX.sym("dt")
     x, lowest = flight[:STATE_SIZE], flight[STATE_SIZE:]
-    a = loop_rate(x, design, points)
-    b = loop_rate(x + dt / 2 * a, design, points)
-    c = loop_rate(x + dt / 2 * b, design, points)
-    d = loop_rate(x + dt * c, design, points)
-    body = RigidBodyState.from_vector(x + dt / 6 * (a + 2 * b + 2 * c + d))
+    body = RigidBodyState.from_vector(runge_kutta(lambda x, _: loop_rate(x, design, points), x, dt))
     after = RigidBodyState(
         body.position, body.velocity, nearest_rotation(body.rotation), body.rate, body.thrust
     ).vector()
@@ -118,10 +137,24 @@ def readout_function(n: int) -> ca.Function:
     """
     design, points = parameters(n)
     x, arm, drag = ca.SX.sym("x", STATE_SIZE), ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
+    outputs = readout(x, design, points, arm, drag)
+    return ca.Function(
+        "readout",
+        [x, design.vector(), points, arm, drag],
+        list(outputs.values()),
+        ["x", "design", "points", "arm", "drag_ratio"],
+        list(outputs),
+    )
+
+
+def readout(
+    x: ca.SX, design: Design, points: ca.SX, arm: ca.SX, drag_ratio: ca.SX
+) -> dict[str, ca.SX]:
+    """Return the outputs of `readout_function` as expressions of its inputs."""
     measured, image, _ = sense(RigidBodyState.from_vector(x), points)
     e = errors(measured, design)
     _, torque = derive_controller().function()(measured.vector(), design.vector())
-    outputs = {
+    return {
         "image": image,
         "centroid": measured.centroid,
         "delta1": e.d1,
@@ -130,12 +163,5 @@ def readout_function(n: int) -> ca.Function:
         "delta4": e.d4,
         "lyapunov": lyapunov(e, ca.SX.ones(4)),
         "torque": torque,
-        "rotor_thrusts": rotors.rotor_thrusts(measured.thrust, torque, arm, drag),
+        "rotor_thrusts": rotors.rotor_thrusts(measured.thrust, torque, arm, drag_ratio),
     }
-    return ca.Function(
-        "readout",
-        [x, design.vector(), points, arm, drag],
-        list(outputs.values()),
-        ["x", "design", "points", "arm", "drag_ratio"],
-        list(outputs),
-    )

@@ -14,7 +14,7 @@ import shlex
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -100,30 +100,57 @@ def find_compiler() -> str:
 def c_source(n: int) -> str:
     """Return the C text of the closed loop with n target points: generated step and driver."""
     step = step_function(n)
+    constants = {"FLIGHT": FLIGHT_SIZE, "STATE": STATE_SIZE, "DIVERGED": DIVERGED}
+    constants |= {"DESIGN": step.nnz_in(1), "POINTS": step.nnz_in(2)}
+    defines, driver = define(constants), c_file("loop.c")
+    return f"{PREAMBLE}{defines}{generate([step])}\n{driver}"
+
+
+def define(constants: Mapping[str, int]) -> str:
+    """Return a C definition of each constant, as HP_NAME."""
+    return "".join(f"#define HP_{name} {value}\n" for name, value in constants.items())
+
+
+def c_file(name: str) -> str:
+    """Return the text of a C file of this folder."""
+    return (resources.files("hoverproof.simulation") / name).read_text(encoding="utf-8")
+
+
+def generate(functions: Sequence[ca.Function]) -> str:
+    """Return the C text that CasADi makes of functions, everything in it static."""
     with tempfile.TemporaryDirectory() as folder:
         generator = ca.CodeGenerator("closed_loop.c", {"with_header": False})
-        generator.add(step)
+        for function in functions:
+            generator.add(function)
         generator.generate(folder + os.sep)
         generated = (Path(folder) / "closed_loop.c").read_text(encoding="utf-8")
-    design, points = step.nnz_in(1), step.nnz_in(2)
-    constants = {"FLIGHT": FLIGHT_SIZE, "STATE": STATE_SIZE, "DESIGN": design, "POINTS": points}
-    constants["DIVERGED"] = DIVERGED
-    defines = "".join(f"#define HP_{name} {value}\n" for name, value in constants.items())
-    driver = (resources.files("hoverproof.simulation") / "loop.c").read_text(encoding="utf-8")
-    helpers = re.sub(r"(?m)^casadi_real casadi_", "static casadi_real casadi_", generated)
-    return f"{PREAMBLE}{defines}{helpers}\n{driver}"
+    return re.sub(r"(?m)^casadi_real casadi_", "static casadi_real casadi_", generated)
 
 
 @cache
 def _library(n: int, compiler: str) -> Path | None:
     """Return the compiled closed loop from the cache, made if needed; None if that fails."""
-    source = c_source(n)
+    return build(c_source(n), compiler, "closed-loop")
+
+
+def build(source: str, compiler: str, stem: str) -> Path | None:
+    """Return a shared library from the cache, made if needed; None if that fails.
+
+    Parameters
+    ----------
+    source : str
+        C text.
+    compiler : str
+        Command of the C compiler.
+    stem : str
+        Beginning of the file's name.
+    """
     command = [*shlex.split(compiler), *FLAGS]
     try:
         version = _call([command[0], "--version"]).stdout
         identity = "\0".join([source, *command, version, _processor()])
         digest = hashlib.sha256(identity.encode()).hexdigest()[:32]
-        path = _cache_folder() / f"closed-loop-{digest}.so"
+        path = _cache_folder() / f"{stem}-{digest}.so"
         if not path.exists():
             with tempfile.TemporaryDirectory(dir=path.parent) as folder:
                 made = Path(folder) / path.name

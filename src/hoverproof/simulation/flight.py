@@ -6,7 +6,6 @@ import json
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -20,63 +19,25 @@ import hoverproof
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.errors import InputError
 from hoverproof.files import replacing
-from hoverproof.mission import Mission
+from hoverproof.mission import CONDITIONS, Mission
 from hoverproof.plant.camera import body_points, depth_matrix
-from hoverproof.plant.goal import hover_goal
-from hoverproof.plant.rigid_body import STATE_SIZE, rotation_matrix
-from hoverproof.plant.rotors import ROTORS
+from hoverproof.plant.rigid_body import STATE_SIZE
+from hoverproof.plant.rotors import ROTORS, wrench
 from hoverproof.servo.error_chain import Design
 from hoverproof.servo.lyapunov import linearised_loop, thrust_factor
+from hoverproof.simulation import kernel
+from hoverproof.simulation.batch import OUTCOMES, fly_raw, outcome_code
 from hoverproof.simulation.closed_loop import GUARDS, readout_function, step_function
 from hoverproof.simulation.compiled import Runner, has_diverged, runner
+from hoverproof.simulation.numbers import FlightNumbers, euler_angles, settled_index
+from hoverproof.simulation.plan import Plan, check_seed, is_ideal
+from hoverproof.simulation.realistic import LAYOUT, place
 
 Array = NDArray[np.float64]
 
 STEP = 0.01
 SAMPLES = 2000
 MAX_SAMPLES = 10_000_000
-SETTLED = 0.1
-
-
-@dataclass(frozen=True)
-class FlightNumbers:
-    """The floating-point numbers that a flight runs on.
-
-    Attributes
-    ----------
-    design : (13,)
-        In the order of `Design`.
-    points : (3, n)
-        Target, world frame, m.
-    goal : (3,)
-        ξ*, world frame, m.
-    start : (19,)
-        Packed state.
-    """
-
-    design: Array
-    points: Array
-    goal: Array
-    start: Array
-
-    @classmethod
-    def of(cls, mission: Mission) -> FlightNumbers:
-        """Round the numbers of a mission."""
-        goal = hover_goal(mission)
-        start = mission.start
-        state = [
-            *start.position,
-            *start.velocity,
-            *rotation_matrix(*map(float, start.rotation)).T.ravel(),
-            *start.rates,
-            mission.vehicle.weight,
-        ]
-        return cls(
-            design=_floats(Design.values(mission, goal.centroid_midpoint)),
-            points=np.array(mission.target.points, float).T,
-            goal=_floats(goal.position),
-            start=_floats(state),
-        )
 
 
 def simulate(
@@ -85,6 +46,7 @@ def simulate(
     duration: float | None = None,
     step: float = STEP,
     every: int | None = None,
+    seed: int = 0,
     compiler: str | None = None,
 ) -> xr.Dataset:
     """Fly a mission from its start.
@@ -98,6 +60,8 @@ def simulate(
         Step of the Runge-Kutta method of order 4, s.
     every : int, optional
         Keep every so many steps; by default about 2000 samples are kept.
+    seed : int
+        Of the noise, if the mission names sensors or wind; ``[scatter]`` is for batches.
     compiler : str, optional
         Command of the C compiler (see `hoverproof.simulation.compiled.runner`).
 
@@ -112,22 +76,12 @@ def simulate(
     InputError
         If the duration, the step or the mission cannot be used.
     """
+    check_seed(seed)
+    steps, every = steps_and_interval(mission, duration, step, every, SAMPLES)
+    if not is_ideal(mission):
+        plan = Plan(mission, step, steps // every, every, seed, scattered=False)
+        return _fly_as_built(plan, compiler)
     numbers = FlightNumbers.of(mission)
-    if duration is None:
-        duration = default_duration(mission)
-    if not (math.isfinite(step) and step > 0):
-        raise InputError("--step", "", f"must be a positive time in s, not {step}")
-    if not (math.isfinite(duration) and duration >= step):
-        raise InputError("--duration", "", f"must be at least one step of {step} s, not {duration}")
-    steps = round(duration / step)
-    every = max(1, steps // SAMPLES) if every is None else every
-    if not 1 <= every <= steps:
-        raise InputError("--every", "", f"must be between 1 and the {steps} steps, not {every}")
-    if steps // every > MAX_SAMPLES:
-        raise InputError(
-            "--every", "", f"would keep more than {MAX_SAMPLES} samples; take a larger one"
-        )
-
     machine = runner(numbers.points.shape[1], compiler=compiler)
     begin = time.perf_counter()
     states, good = _run(machine, numbers, step, steps // every, every)
@@ -143,6 +97,41 @@ def simulate(
         "machine": machine.name,
     }
     return flight
+
+
+def steps_and_interval(
+    mission: Mission, duration: float | None, step: float, every: int | None, samples: int
+) -> tuple[int, int]:
+    """Return how many steps a flight has, and how many lie between its samples.
+
+    Parameters
+    ----------
+    mission : Mission
+    duration, step : float
+        s.
+    every : int, optional
+        By default such that about so many `samples` are kept.
+
+    Raises
+    ------
+    InputError
+        If they are not possible.
+    """
+    if duration is None:
+        duration = default_duration(mission)
+    if not (math.isfinite(step) and step > 0):
+        raise InputError("--step", "", f"must be a positive time in s, not {step}")
+    if not (math.isfinite(duration) and duration >= step):
+        raise InputError("--duration", "", f"must be at least one step of {step} s, not {duration}")
+    steps = round(duration / step)
+    every = max(1, steps // samples) if every is None else every
+    if not 1 <= every <= steps:
+        raise InputError("--every", "", f"must be between 1 and the {steps} steps, not {every}")
+    if steps // every > MAX_SAMPLES:
+        raise InputError(
+            "--every", "", f"would keep more than {MAX_SAMPLES} samples; take a larger one"
+        )
+    return steps, every
 
 
 def default_duration(mission: Mission) -> float:
@@ -189,23 +178,56 @@ def summary(flight: xr.Dataset) -> dict[str, Any]:
         From `simulate`.
     """
     error = np.linalg.norm(flight["position"].values - flight.attrs["goal_position"], axis=1)
-    outside = np.nonzero(error > SETTLED * error[0])[0]
     times = flight["time"].values
-    flown = flight.attrs["outcome"] == "flown"
-    settled = flown and outside.size > 0 and outside[-1] + 1 < len(times)
+    index = int(settled_index(error))
+    settled = flight.attrs["outcome"] == "flown" and index < len(times)
     return {
         "outcome": flight.attrs["outcome"],
         "start_position": flight["position"].values[0].tolist(),
         "start_error": float(error[0]),
         "final_position": flight["position"].values[-1].tolist(),
         "final_error": float(error[-1]),
-        "settled_at": float(times[outside[-1] + 1]) if settled else None,
+        "settled_at": float(times[index]) if settled else None,
         "duration": float(times[-1]),
         "steps": int(flight.attrs["steps"]),
         "seconds": float(flight.attrs["seconds"]),
         "machine": flight.attrs["machine"],
         "largest_tilt": float(flight["tilt"].max()),
         "rotor_thrust": [float(flight["rotor_thrust"].min()), float(flight["rotor_thrust"].max())],
+        "frames_lost": int(flight.attrs.get("frames_lost", 0)),
+        "left_view_at": flight.attrs.get("left_view_at"),
+    }
+
+
+def without_conditions(mission: Mission, flight: xr.Dataset) -> dict[str, Any]:
+    """Return how far a flight is from the same one without sensors, rotors, wind and errors.
+
+    Parameters
+    ----------
+    mission : Mission
+    flight : Dataset
+        Its flight, from `simulate`.
+
+    Returns
+    -------
+    dict
+        Distances in m, times in s; empty if the mission adds nothing to the model.
+    """
+    if is_ideal(mission):
+        return {}
+    times, step = flight["time"].values, float(flight.attrs["step"])
+    if len(times) < 2:
+        return {}
+    bare = mission.model_copy(update={name: type(getattr(mission, name))() for name in CONDITIONS})
+    every = round(float(times[1]) / step)
+    ideal = simulate(bare, duration=float(times[-1]), step=step, every=every)
+    both = min(len(times), ideal.sizes["time"])
+    apart = flight["position"].values[:both] - ideal["position"].values[:both]
+    distance = np.linalg.norm(apart, axis=1)
+    return {
+        "ideal_settled_at": summary(ideal)["settled_at"],
+        "greatest_distance_from_ideal": float(distance.max()),
+        "final_distance_from_ideal": float(distance[-1]),
     }
 
 
@@ -226,15 +248,6 @@ def save(flight: xr.Dataset, path: str | Path) -> None:
         flight.to_netcdf(beside, engine="h5netcdf")
 
 
-def euler_angles(rotation: Array) -> Array:
-    """Return roll, pitch, yaw in rad, (..., 3), of rotations (..., 3, 3)."""
-    r = rotation
-    roll = np.arctan2(r[..., 2, 1], r[..., 2, 2])
-    pitch = np.arctan2(-r[..., 2, 0], np.hypot(r[..., 0, 0], r[..., 1, 0]))
-    yaw = np.arctan2(r[..., 1, 0], r[..., 0, 0])
-    return np.stack([roll, pitch, yaw], axis=-1)
-
-
 def _run(
     machine: Runner, numbers: FlightNumbers, step: float, samples: int, every: int
 ) -> tuple[Array, bool]:
@@ -242,6 +255,53 @@ def _run(
     start = np.concatenate([numbers.start, np.full(len(GUARDS), np.finfo(float).max)])
     states, good = machine.run(start, numbers.design, numbers.points, step, samples, every)
     return np.vstack([start, states]), good
+
+
+def _fly_as_built(plan: Plan, compiler: str | None) -> xr.Dataset:
+    """Fly once with the sensors, rotors, wind and errors that the mission names."""
+    mission = plan.mission
+    machine = kernel.machine(plan.loop, plan.schedule, compiler)  # compiled before it is timed
+    begin = time.perf_counter()
+    records, memory, taken = fly_raw(plan, 0, 1, compiler=compiler)
+    seconds = time.perf_counter() - begin
+    kept, last, good = records[0, : taken[0] + 1], memory[0], taken[0]
+    parts = {name: kept[:, place(plan.record, name)] for name in plan.record}
+    interval = plan.step * plan.every
+    flight = _record(mission, plan.numbers, parts["state"], interval)
+    arm, drag = (ca.SX(float(x)) for x in (mission.vehicle.arm, mission.vehicle.drag_ratio))
+    thrusts = ca.SX.sym("thrusts", 4)
+    made = ca.Function("made", [thrusts], [wrench(thrusts, arm, drag)[1:]])
+    flight["rotor_thrust"].values[:] = parts["rotor_thrust"]
+    flight["torque"].values[:] = np.array(made.map(len(kept))(parts["rotor_thrust"].T)).T
+    for name, dims, units, words in (
+        ("thrust_command", ("time",), "N", "thrust that the controller asks for"),
+        ("centroid_held", ("time", "body_axis"), "1", "image centroid that the controller uses"),
+        ("wind", ("time", "axis"), "m/s", "wind, world frame"),
+    ):
+        values = parts[name].reshape(len(kept), *([3] if len(dims) > 1 else []))
+        flight[name] = (dims, values, {"units": units, "long_name": words})
+    code = outcome_code(plan, last, int(good))
+    lost, at = (last[place(LAYOUT, name)][0] for name in ("lost", "lost_at"))
+    flight.attrs |= {
+        "outcome": "flown" if code == 0 else _as_words(code, last, (good + 1) * interval),
+        "step": plan.step,
+        "steps": int(good) * plan.every,
+        "seconds": seconds,
+        "machine": machine.split(",")[0],
+        "model_sha256": plan.model_sha256,
+        "conditions": json.dumps(mission.conditions()),
+        "seed": plan.seed,
+        "frames_lost": int(lost),
+    }
+    if lost:
+        flight.attrs["left_view_at"] = float(at) * plan.step
+    return flight
+
+
+def _as_words(code: int, memory: Array, at: float) -> str:
+    if OUTCOMES[code] == "target_left_the_view":
+        return f"ended before {at:g} s: a target point left the field of view"
+    return _what_happened(memory[: STATE_SIZE + len(GUARDS)], at)
 
 
 def _what_happened(state: Array, at: float) -> str:
@@ -323,7 +383,3 @@ def _columns(
     )
     outputs = mapped(states.T, *held)
     return {names(i): np.array(output).T.reshape(samples, -1) for i, output in enumerate(outputs)}
-
-
-def _floats(values: Any) -> Array:
-    return np.array([float(value) for value in values])

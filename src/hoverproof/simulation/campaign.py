@@ -1,0 +1,190 @@
+"""Fly a mission many times, into a file, here or on a cluster."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from hoverproof.errors import InputError
+from hoverproof.mission import Mission
+from hoverproof.simulation import kernel
+from hoverproof.simulation.batch import OUTCOMES, fly_block
+from hoverproof.simulation.flight import STEP, steps_and_interval
+from hoverproof.simulation.plan import Plan, check_seed
+from hoverproof.simulation.results import Precision, create, reopen
+from hoverproof.spread import spread
+
+SAMPLES = 200
+MAX_RUNS = 2**32 - 1
+
+
+@dataclass(frozen=True)
+class Flown:
+    """What came of a batch.
+
+    Attributes
+    ----------
+    path : Path
+    runs, runs_complete : int
+        Asked for, and in the file.
+    steps : int
+        Vehicle-steps taken now, without those of an earlier part.
+    seconds : float
+    machine : str
+        What flew.
+    interrupted : bool
+    """
+
+    path: Path
+    runs: int
+    runs_complete: int
+    steps: int
+    seconds: float
+    machine: str
+    interrupted: bool
+
+
+def simulate_batch(
+    mission: Mission,
+    path: str | Path,
+    *,
+    runs: int,
+    seed: int = 0,
+    duration: float | None = None,
+    step: float = STEP,
+    every: int | None = None,
+    precision: Precision = "float32",
+    threads: int | None = None,
+    scheduler: str | None = None,
+    resume: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Flown:
+    """Fly a mission many times, drawn from its ``[scatter]``, into a netCDF-4 file.
+
+    The file depends on mission, `runs`, `seed`, times and `precision` alone, byte for byte: not on
+    threads, compiler, width of vectors or interruptions. Between different kinds of processors
+    numpy's sines may differ in the last bit, and so may what is made of them.
+
+    Parameters
+    ----------
+    mission : Mission
+    path : str or Path
+        File to write; see `hoverproof.simulation.results`.
+    runs, seed : int
+    duration, step : float
+        s, as in `hoverproof.simulate`.
+    every : int, optional
+        Keep every so many steps; by default about 200 samples of a run are kept.
+    precision : "float32" or "float64"
+        Of the numbers kept over time.
+    threads : int, optional
+        By default as many as there are processors.
+    scheduler : str, optional
+        Address of a Dask scheduler whose workers fly instead; they need this hoverproof.
+    resume : bool
+        Go on with a file that was cut short.
+    progress : callable, optional
+        Told (runs complete, steps of a run) now and then.
+
+    Raises
+    ------
+    InputError
+        If anything asked for is not possible, or the file cannot be written.
+    """
+    steps, every = steps_and_interval(mission, duration, step, every, SAMPLES)
+    check_seed(seed)
+    if not 1 <= runs <= MAX_RUNS:
+        raise InputError("--runs", "", f"must be from 1 to {MAX_RUNS}, not {runs}")
+    if threads is not None and not 1 <= threads <= 1024:
+        raise InputError("--threads", "", f"must be from 1 to 1024, not {threads}")
+    if precision not in ("float32", "float64"):
+        raise InputError("--precision", "", f"must be float32 or float64, not {precision}")
+    plan = Plan(mission, step, steps // every, every, seed)
+    plan.prepare()
+    machine = kernel.machine(plan.loop, plan.schedule)  # compiled before threads want it
+    begin, path = time.perf_counter(), Path(path)
+    opening = reopen if resume else create
+    stop, interrupted = kernel.Stop(), False
+    with opening(path, plan, runs, precision) as file:
+        earlier = file.runs_complete
+        parts = [(a, min(plan.block, runs - a)) for a in range(earlier, runs, plan.block)]
+        fly = partial(fly_block, plan) if scheduler else partial(fly_block, plan, stop=stop)
+        blocks = spread(fly, parts, threads=threads, scheduler=scheduler, stop=stop.set)
+        try:
+            with contextlib.closing(blocks):
+                for block in blocks:
+                    with _undisturbed():
+                        file.write(block)
+                    if progress is not None:
+                        progress(file.runs_complete, steps)
+        except KeyboardInterrupt:
+            interrupted = True
+        complete = file.runs_complete
+    return Flown(
+        path=path,
+        runs=runs,
+        runs_complete=complete,
+        steps=(complete - earlier) * plan.samples * plan.every,
+        seconds=time.perf_counter() - begin,
+        machine=f"Dask at {scheduler}" if scheduler else machine,
+        interrupted=interrupted,
+    )
+
+
+def batch_summary(path: str | Path) -> dict[str, Any]:
+    """Return what the flights in a batch's file came to: errors in m, times in s.
+
+    Parameters
+    ----------
+    path : str or Path
+    """
+    with xr.open_dataset(path, engine="h5netcdf") as batch:
+        count = int(batch.attrs["runs_complete"])
+        done = batch[["outcome", "start_error", "final_error", "settled_at", "frames_lost"]]
+        done = done.isel(run=slice(count)).load()
+        duration = float(batch["time"][-1])
+    codes = done["outcome"].values
+    good = codes == 0
+    settled = done["settled_at"].values[good]
+    reached = settled[np.isfinite(settled)]
+
+    def quantiles(values: Any) -> list[float] | None:
+        return np.quantile(values, [0.05, 0.5, 0.95]).tolist() if len(values) else None
+
+    return {
+        "runs": int(batch.attrs["runs"]),
+        "runs_complete": count,
+        "duration": duration,
+        "outcomes": {name: int((codes == i).sum()) for i, name in enumerate(OUTCOMES)},
+        "settled": len(reached),
+        "settled_at": quantiles(reached),
+        "start_error": quantiles(done["start_error"].values),
+        "final_error": quantiles(done["final_error"].values[good]),
+        "runs_that_lost_frames": int((done["frames_lost"].values > 0).sum()),
+    }
+
+
+@contextlib.contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Put an interruption off to the end of this block."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    asked: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: asked.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if asked:
+        raise KeyboardInterrupt

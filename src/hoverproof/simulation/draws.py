@@ -1,0 +1,162 @@
+"""What each run of a plan starts and flies with: the mission's numbers, and what is drawn."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.plant.rigid_body import rotation_matrix
+from hoverproof.simulation import noise
+from hoverproof.simulation.closed_loop import GUARDS
+from hoverproof.simulation.plan import Plan
+from hoverproof.simulation.realistic import IMU_NOISE, LAYOUT, Surroundings, place
+
+Array = NDArray[np.float64]
+
+UNLIMITED = 1e300
+IMU_BIAS_DRAW, GUST_DRAW, SCATTER_DRAW = 0, 8, 16
+"""First channels of what is drawn before a flight."""
+
+_FIELDS = tuple(Surroundings.__dataclass_fields__)
+
+
+def memory_and_parameters(plan: Plan, runs: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Return where runs start, (count, MEMORY), and what they fly with, (count, PARAMS).
+
+    Parameters
+    ----------
+    plan : Plan
+    runs : (count,)
+        Their numbers, from 0.
+    """
+    mission, numbers, count = plan.mission, plan.numbers, len(runs)
+    drawn = _scatter(plan, runs)
+    start = np.tile(numbers.start, (count, 1))
+    start[:, :3] += drawn["position"]
+    start[:, 3:6] += drawn["velocity"]
+    if plan.scattered and any(mission.scatter.rotation):
+        pairs = zip(mission.start.rotation, drawn["rotation"].T, strict=True)
+        angles = [float(a) + d for a, d in pairs]
+        start[:, 6:15] = rotation_matrix(*angles).transpose(2, 1, 0).reshape(count, 9)
+    start[:, 15:18] += drawn["rates"]
+    design = np.tile(numbers.design, (count, 1))
+    arm, drag = float(mission.vehicle.arm), float(mission.vehicle.drag_ratio)
+    most = np.finfo(float).max
+    if plan.ideal:
+        memory = np.hstack([start, np.full((count, len(GUARDS)), most)])
+        return memory, np.hstack([design, np.tile([plan.step, arm, drag], (count, 1))])
+
+    around = _surroundings(plan, runs, drawn)
+    params = np.hstack([design, *(around[f].reshape(count, -1) for f in _FIELDS)])
+    memory = np.zeros((count, sum(LAYOUT.values())))
+    low, high = around["rotor_min"][0], around["rotor_max"][0]
+    hover = np.clip(float(mission.vehicle.weight) / 4, low, high)
+    parts = {
+        "state": np.hstack([start[:, :-1], np.full((count, 1), 4 * hover)]),
+        "depth": most,
+        "thrust_margin": most,
+        "view": most,
+        "command": 4 * hover,
+        "rotors": hover,
+        "rotor_commands": hover,
+        "gust": float(mission.wind.gust) * _normals(plan, runs, GUST_DRAW, 3),
+    }
+    for name, values in parts.items():
+        memory[:, place(LAYOUT, name)] = values
+    return memory, params
+
+
+def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) -> dict[str, Array]:
+    """Return the values of `Surroundings` for each run, each (count,) or (count, 3)."""
+    m, count = plan.mission, len(runs)
+    s, r, w, wrong, vehicle = m.sensors, m.rotors, m.wind, m.model_error, m.vehicle
+    tilt = [float(a) + d for a, d in zip(wrong.camera_tilt, drawn["camera_tilt"].T, strict=True)]
+    mounted = rotation_matrix(*tilt)  # (3, 3, count)
+    focal = float(s.focal_length or 1)
+    bias = _normals(plan, runs, IMU_BIAS_DRAW, IMU_NOISE)
+    time_constant = float(r.time_constant)
+    lag = [math.exp(-k * plan.step / time_constant) if time_constant else 0.0 for k in (0, 0.5, 1)]
+    gust, kept = float(w.gust), math.exp(-plan.step / float(w.gust_time))
+    period = plan.step if s.control_rate is None else 1 / float(s.control_rate)
+    inertia = np.array([float(i) for i in vehicle.inertia])
+    inertia_error = np.array([float(e) for e in wrong.inertia]) + drawn["inertia"]
+    values: dict[str, Any] = {
+        "mass": float(vehicle.mass) * (1 + float(wrong.mass) + drawn["mass"][:, 0]),
+        "inertia": inertia * (1 + inertia_error),
+        "camera_x": mounted[:, 0].T,
+        "camera_y": mounted[:, 1].T,
+        "camera_z": mounted[:, 2].T,
+        "wind": np.array([float(c) for c in w.mean]),
+        "gyro_bias": float(s.gyro_bias) * bias[:, :3],
+        "velocity_bias": float(s.velocity_bias) * bias[:, 3:6],
+        "gravity_bias": float(s.gravity_bias) * bias[:, 6:],
+        "arm": float(vehicle.arm),
+        "drag_ratio": float(vehicle.drag_ratio),
+        "air_drag": float(w.drag),
+        "step": plan.step,
+        "period": period,
+        "left_now": lag[0],
+        "left_half": lag[1],
+        "left_whole": lag[2],
+        "gust_kept": kept,
+        "gust_added": gust * math.sqrt(1 - kept * kept),
+        "rotor_min": -UNLIMITED if r.min_thrust is None else float(r.min_thrust),
+        "rotor_max": UNLIMITED if r.max_thrust is None else float(r.max_thrust),
+        "image_noise": float(s.pixel_noise) / focal,
+        "image_resolution": float(s.pixel_resolution) / focal,
+        "half_width": UNLIMITED if s.width is None else float(s.width) / 2 / focal,
+        "half_height": UNLIMITED if s.height is None else float(s.height) / 2 / focal,
+        "gyro_noise": float(s.gyro_noise),
+        "velocity_noise": float(s.velocity_noise),
+        "gravity_noise": float(s.gravity_noise),
+    }
+    sizes = {name: 3 if name in Surroundings.vectors else 1 for name in _FIELDS}
+    return {
+        name: np.broadcast_to(np.reshape(values[name], (-1, sizes[name])), (count, sizes[name]))
+        for name in _FIELDS
+    }
+
+
+def _scatter(plan: Plan, runs: NDArray[np.int64]) -> dict[str, Array]:
+    """Return what is added to each number of the mission, (count, size) each."""
+    scatter = plan.mission.scatter
+    spreads = {
+        name: np.atleast_1d(np.array(getattr(scatter, name), float))
+        for name in type(scatter).model_fields
+        if name != "distribution"
+    }
+    if not plan.scattered:
+        return {name: np.zeros((len(runs), spread.size)) for name, spread in spreads.items()}
+    draw = _normals if scatter.distribution == "normal" else _uniforms
+    drawn, channel = {}, SCATTER_DRAW
+    for name, spread in spreads.items():
+        drawn[name] = spread * draw(plan, runs, channel, spread.size)
+        channel += 2
+    return drawn
+
+
+def _normals(plan: Plan, runs: NDArray[np.int64], channel: int, size: int) -> Array:
+    """Return standard normal numbers, (count, size)."""
+    return _drawn(noise.normals, plan, runs, channel, size)
+
+
+def _uniforms(plan: Plan, runs: NDArray[np.int64], channel: int, size: int) -> Array:
+    """Return numbers between -1 and 1, (count, size)."""
+
+    def pair(counter: Any, seed: int) -> tuple[Array, Array]:
+        u, v = noise.uniforms(counter, seed)
+        return 2 * u - 1, 2 * v
+
+    return _drawn(pair, plan, runs, channel, size)
+
+
+def _drawn(pair: Any, plan: Plan, runs: NDArray[np.int64], channel: int, size: int) -> Array:
+    parts = [
+        part
+        for i in range((size + 1) // 2)
+        for part in pair((runs, 0, channel + i, noise.DRAW), plan.seed)
+    ]
+    return np.stack(parts[:size], axis=-1)

@@ -1,0 +1,312 @@
+"""Fly many vehicles through one compiled loop, several in each vector of the processor.
+
+Without a compiler CasADi's virtual machine does the same operations, and gives the same bits.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.plant.rigid_body import STATE_SIZE
+from hoverproof.simulation.closed_loop import FLIGHT_SIZE, parameters, readout, step_function
+from hoverproof.simulation.compiled import DIVERGED, find_compiler
+from hoverproof.simulation.lanes import vector_library, vector_source
+from hoverproof.simulation.noise import FLIGHT, normals
+
+Array = NDArray[np.float64]
+
+IDEAL_PARAMETERS = 16
+"""The design (13), then step (s), arm and drag ratio (m)."""
+
+IDEAL_RECORD = {"state": STATE_SIZE, "lyapunov": 1, "rotor_thrust": 4}
+"""What a record of the paper's loop holds, and the size of each part."""
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """What a batch runs: generated functions, and where they find things.
+
+    Two are the same if they are one object, so that what is made of one can be cached.
+
+    Attributes
+    ----------
+    functions : dict of Function
+        ``step``, or ``frame``, ``control``, ``move`` and ``normals``; and ``record``.
+    constants : dict of int
+        Sizes and places for the driver, batch.c: MEMORY, PARAMS, POINTS, RECORD, GUARDS and others.
+    """
+
+    functions: dict[str, ca.Function]
+    constants: dict[str, int]
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """When things happen, in steps; the same for all runs.
+
+    Attributes
+    ----------
+    samples, every : int
+        Records after the start, and steps between them.
+    frame, control : (int, int)
+        Rate times step, as a fraction: an event happens at the first step at or after its time.
+    latency : int
+        From a frame to its use, in steps.
+    """
+
+    samples: int
+    every: int
+    frame: tuple[int, int] = (1, 1)
+    control: tuple[int, int] = (1, 1)
+    latency: int = 0
+
+    @property
+    def frames_under_way(self) -> int:
+        """How many frames can be on their way to the controller, and one more to be held."""
+        num, den = self.frame
+        return -(-self.latency * num // den) + 2
+
+
+class _Plan(ctypes.Structure):
+    _fields_ = (
+        *((name, ctypes.c_long) for name in ("samples", "every")),
+        *((name, ctypes.c_ulonglong) for name in ("seed", "first_run")),
+        *(
+            (name, ctypes.c_longlong)
+            for name in ("frame_num", "frame_den", "control_num", "control_den", "latency")
+        ),
+    )
+
+
+class Stopped(Exception):
+    """Flights that were told to end before their time."""
+
+
+@dataclass
+class Stop:
+    """A flag that ends compiled flights soon, from any thread."""
+
+    flag: ctypes.c_int = field(default_factory=lambda: ctypes.c_int(0))
+
+    def set(self) -> None:
+        """End the flights."""
+        self.flag.value = 1
+
+
+@cache
+def ideal_loop(n: int) -> Loop:
+    """Return the loop of the paper: controller, camera and body as one differential equation.
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    """
+    design, points = parameters(n)
+    flight, dt = ca.SX.sym("flight", FLIGHT_SIZE), ca.SX.sym("dt")
+    arm, drag = ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
+    x = flight[:STATE_SIZE]
+    read = readout(x, design, points, arm, drag)
+    inputs = [flight, ca.vertcat(design.vector(), dt, arm, drag), points]
+    outputs = [ca.cse(ca.vertcat(x, read["lyapunov"], read["rotor_thrusts"]))]
+    return Loop(
+        {
+            "step": step_function(n),
+            "record": ca.Function("hoverproof_record", inputs, outputs),
+        },
+        {
+            "MEMORY": FLIGHT_SIZE,
+            "GUARDS": FLIGHT_SIZE - STATE_SIZE,
+            "PARAMS": IDEAL_PARAMETERS,
+            "STEP": design.vector().numel(),
+            "POINTS": 3 * n,
+            "RECORD": sum(IDEAL_RECORD.values()),
+        },
+    )
+
+
+@cache
+def source(loop: Loop, schedule: Schedule, lanes: int | None = None) -> str:
+    """Return the C text of a loop; made once for each.
+
+    Parameters
+    ----------
+    loop : Loop
+    schedule : Schedule
+    lanes : int, optional
+        Lane width; by default that of the machine.
+    """
+    constants = loop.constants | {"STATE": STATE_SIZE, "DIVERGED": DIVERGED}
+    if "CONDITIONS" in constants:
+        constants["RING"] = schedule.frames_under_way
+    if lanes is not None:
+        constants["LANES"] = lanes
+    return vector_source(list(loop.functions.values()), "batch.c", constants)
+
+
+def fly(
+    loop: Loop,
+    schedule: Schedule,
+    memory: Array,
+    parameters: Array,
+    points: Array,
+    *,
+    seed: int = 0,
+    first_run: int = 0,
+    compiler: str | None = None,
+    lanes: int | None = None,
+    stop: Stop | None = None,
+) -> tuple[Array, Array, NDArray[np.int64]]:
+    """Fly vehicles to the end, or until each has diverged or broken a guard.
+
+    Parameters
+    ----------
+    loop : Loop
+    schedule : Schedule
+    memory : (count, MEMORY)
+        Where each starts.
+    parameters : (count, PARAMS)
+    points : (3, n)
+        Target, world frame, m.
+    seed, first_run : int
+        What noise is drawn from: the seed, and the number of the first of these runs.
+    compiler, lanes : optional
+        As in `hoverproof.simulation.compiled.runner` and `source`.
+    stop : Stop, optional
+        Ends the flights when set.
+
+    Returns
+    -------
+    records : (count, samples + 1, RECORD)
+        From the start on; not a number after the last good one.
+    memory : (count, MEMORY)
+        The last state of each, good or not.
+    taken : (count,)
+        Number of good records after the start.
+
+    Raises
+    ------
+    Stopped
+        If `stop` was set meanwhile.
+    """
+    command = find_compiler() if compiler is None else compiler
+    library = vector_library(source(loop, schedule, lanes), command)
+    count = len(memory)
+    records = np.full((count, schedule.samples + 1, loop.constants["RECORD"]), np.nan)
+    memory = np.array(memory, np.float64, order="C")
+    taken = np.zeros(count, np.int64)
+    if library is None:
+        _fly_slowly(loop, schedule, memory, parameters, points, seed, first_run, records, taken)
+        return records, memory, taken
+    plan = _Plan(
+        schedule.samples,
+        schedule.every,
+        seed,
+        first_run,
+        *schedule.frame,
+        *schedule.control,
+        schedule.latency,
+    )
+    held = np.ascontiguousarray(parameters, np.float64), np.ascontiguousarray(points.T)
+    flag = (Stop() if stop is None else stop).flag
+    library.hoverproof_batch(
+        ctypes.byref(plan),
+        ctypes.c_long(count),
+        *(ctypes.c_void_p(a.ctypes.data) for a in (memory, *held, records, taken)),
+        ctypes.byref(flag),
+    )
+    if flag.value:
+        raise Stopped
+    return records, memory, taken
+
+
+def machine(loop: Loop, schedule: Schedule, compiler: str | None = None) -> str:
+    """Return on what a loop runs here, in words."""
+    command = find_compiler() if compiler is None else compiler
+    library = vector_library(source(loop, schedule), command)
+    if library is None:
+        return "CasADi virtual machine"
+    return f"compiled C, {library.hoverproof_lanes()} vehicles in a vector"
+
+
+def _fly_slowly(
+    loop: Loop,
+    schedule: Schedule,
+    memory: Array,
+    parameters: Array,
+    points: Array,
+    seed: int,
+    first_run: int,
+    records: Array,
+    taken: NDArray[np.int64],
+) -> None:
+    """Do what batch.c does on CasADi's virtual machine, all vehicles a step at a time."""
+    count = len(memory)
+    tiled = np.tile(points, count)
+    mapped = {name: f.map(count) for name, f in loop.functions.items() if name != "normals"}
+    params = np.ascontiguousarray(parameters.T)
+    c = loop.constants
+    runs = first_run + np.arange(count)
+
+    def call(name: str, *inputs: Any) -> list[Array]:
+        outputs = mapped[name](*inputs)
+        several = mapped[name].n_out() > 1
+        return [np.array(part) for part in (outputs if several else (outputs,))]
+
+    def draw(step: int, channel: int, size: int) -> Array:
+        pairs = [normals((runs, step, channel + i, FLIGHT), seed) for i in range((size + 1) // 2)]
+        return np.array([part for pair in pairs for part in pair])[:size]
+
+    def due(step: int, fraction: tuple[int, int]) -> bool:
+        num, den = fraction
+        return step == 0 or step * num // den != (step - 1) * num // den
+
+    now = memory.T.copy()
+    flying = np.ones(count, bool)
+    records[:, 0] = call("record", now, params, tiled)[0].T
+    frames: list[tuple[int, Array]] = []  # arrival and centroid
+    last = np.zeros((3, count))
+    step = 0
+    for sample in range(1, schedule.samples + 1):
+        if not flying.any():
+            return
+        for _ in range(schedule.every):
+            if "step" in mapped:
+                (now,) = call("step", now, params[: c["STEP"]], tiled, params[[c["STEP"]]])
+                step += 1
+                continue
+            if due(step, schedule.frame):
+                noise = np.zeros((c["CAMERA_NOISE"], count))
+                if c["CAMERA_NOISY"]:
+                    noise = draw(step, c["CAMERA_CHANNEL"], c["CAMERA_NOISE"])
+                seen, margin = call("frame", now, params, tiled, noise)
+                visible, initial = margin[0] > 0, step == 0
+                last = np.where(visible, seen, seen if initial else last)
+                if c["ABORT"] or initial:
+                    now[c["VIEW"]] = np.where(margin[0] < now[c["VIEW"]], margin[0], now[c["VIEW"]])
+                now[c["LOST_AT"], ~visible & (now[c["LOST"]] == 0)] = step
+                now[c["LOST"]] += ~visible
+                frames.append((step + (0 if initial else schedule.latency), last))
+            while frames and frames[0][0] <= step:
+                now[c["HELD"] : c["HELD"] + 3] = frames.pop(0)[1]
+            if due(step, schedule.control):
+                noise = np.zeros((c["IMU_NOISE"], count))
+                if c["IMU_NOISY"]:
+                    noise = draw(step, c["IMU_CHANNEL"], c["IMU_NOISE"])
+                (now,) = call("control", now, params, noise)
+            gust = draw(step, c["GUST_CHANNEL"], 3) if c["GUSTY"] else np.zeros((3, count))
+            (now,) = call("move", now, params, tiled, gust)
+            step += 1
+        memory[flying] = now.T[flying]
+        good = (np.abs(now[:STATE_SIZE]) < DIVERGED).all(axis=0)
+        good &= (now[STATE_SIZE : STATE_SIZE + c["GUARDS"]] > 0).all(axis=0)
+        flying &= good
+        taken[flying] = sample
+        records[flying, sample] = call("record", now, params, tiled)[0].T[flying]

@@ -1,0 +1,164 @@
+"""What is to be flown: a mission, its times and a seed, which together decide about every bit."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import threading
+from dataclasses import dataclass, fields
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import hoverproof
+from hoverproof.algebra.graph import fingerprint
+from hoverproof.errors import InputError
+from hoverproof.mission import Mission
+from hoverproof.simulation import kernel
+from hoverproof.simulation.numbers import FlightNumbers
+from hoverproof.simulation.realistic import REALISTIC_RECORD, Features, realistic_loop
+
+Array = NDArray[np.float64]
+
+STEPS_IN_A_BLOCK = 4_000_000
+BYTES_IN_A_BLOCK = 8_000_000
+_PREPARING = threading.Lock()
+
+
+def is_ideal(mission: Mission, *, scattered: bool = False) -> bool:
+    """Tell whether a mission flies as in the paper: no sensors, rotors, wind or errors named.
+
+    Parameters
+    ----------
+    mission : Mission
+    scattered : bool
+        Whether ``[scatter]`` is drawn from: it may make vehicles differ from the model.
+    """
+    named = mission.conditions().keys() - {"scatter"}
+    return not (named or (scattered and mission.scatter.of_the_vehicle))
+
+
+def check_seed(seed: int) -> None:
+    """Refuse a seed that is no key for the noise."""
+    if not 0 <= seed < 2**63:
+        raise InputError("--seed", "", f"must be from 0 to {2**63 - 1}, not {seed}")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Flights to be flown: all that decides about every bit of them.
+
+    Attributes
+    ----------
+    mission : Mission
+    step : float
+        s.
+    samples, every : int
+        Records after the start, and steps between them.
+    seed : int
+    scattered : bool
+        Whether starts and vehicles are drawn from ``[scatter]``.
+    version : str
+        Of hoverproof, which must be the same wherever a part is flown.
+    """
+
+    mission: Mission
+    step: float
+    samples: int
+    every: int
+    seed: int = 0
+    scattered: bool = True
+    version: str = hoverproof.__version__
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Travel without what is derived."""
+        return Plan, tuple(getattr(self, f.name) for f in fields(self))
+
+    def prepare(self) -> None:
+        """Derive and compile, one thread at a time: CasADi has settings that all threads share."""
+        with _PREPARING:
+            _ = self.numbers, kernel.source(self.loop, self.schedule)
+
+    @cached_property
+    def ideal(self) -> bool:
+        """Whether it is the paper's loop that flies."""
+        return is_ideal(self.mission, scattered=self.scattered)
+
+    @cached_property
+    def numbers(self) -> FlightNumbers:
+        """The numbers of the mission, rounded."""
+        return FlightNumbers.of(self.mission)
+
+    @cached_property
+    def loop(self) -> kernel.Loop:
+        """What is compiled."""
+        n = self.numbers.points.shape[1]
+        if self.ideal:
+            return kernel.ideal_loop(n)
+        s, w = self.mission.sensors, self.mission.wind
+        features = Features(
+            camera_noise=bool(s.pixel_noise),
+            rounded=bool(s.pixel_resolution),
+            imu_noise=bool(s.gyro_noise or s.velocity_noise or s.gravity_noise),
+            gusts=bool(w.gust),
+            abort=s.out_of_view == "abort",
+        )
+        return realistic_loop(n, features)
+
+    @cached_property
+    def model_sha256(self) -> str:
+        """A hash of the graphs that fly."""
+        parts = "".join(map(fingerprint, self.loop.functions.values()))
+        return hashlib.sha256(parts.encode()).hexdigest()
+
+    @property
+    def record(self) -> dict[str, int]:
+        """What a record holds, and the size of each part."""
+        return kernel.IDEAL_RECORD if self.ideal else REALISTIC_RECORD
+
+    @cached_property
+    def schedule(self) -> kernel.Schedule:
+        """When things happen.
+
+        Raises
+        ------
+        InputError
+            If a rate is faster than the integrator.
+        """
+        s, dt = self.mission.sensors, Fraction(repr(self.step))
+
+        def events(key: str, rate: Fraction | None) -> tuple[int, int]:
+            share = Fraction(1) if rate is None else (rate * dt).limit_denominator(10**6)
+            if not 0 < share <= 1:
+                fastest = float(1 / dt)
+                raise InputError(
+                    self.mission.source,
+                    f"sensors.{key}",
+                    f"must be at most one in a step (--step {self.step:g} s: {fastest:g} Hz) and "
+                    f"no slower than one in {10**6} steps, not {float(rate or 0):g} Hz",
+                )
+            return share.numerator, share.denominator
+
+        return kernel.Schedule(
+            samples=self.samples,
+            every=self.every,
+            frame=events("frame_rate", s.frame_rate),
+            control=events("control_rate", s.control_rate),
+            latency=math.ceil(s.latency / dt),
+        )
+
+    @property
+    def times(self) -> Array:
+        """When the records are taken, s."""
+        times: Array = self.step * self.every * np.arange(self.samples + 1.0)
+        return times
+
+    @property
+    def block(self) -> int:
+        """How many runs are flown at a time: about half a second's work, and little memory."""
+        by_steps = STEPS_IN_A_BLOCK // (self.samples * self.every)
+        by_bytes = BYTES_IN_A_BLOCK // (8 * (self.samples + 1) * sum(self.record.values()))
+        return max(16, min(by_steps, by_bytes, 65536) // 16 * 16)

@@ -1,0 +1,114 @@
+"""Spread work over threads of this machine, or over the workers of a Dask cluster.
+
+Results come in the order of the items, and few are held at a time, so that a caller can write them
+away as they come.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import Executor, ThreadPoolExecutor
+from typing import Any, TypeVar
+
+from hoverproof.errors import InputError
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+CONNECT_SECONDS = 10
+RETRIES = 5
+"""How often a piece of work is given to another worker when one fails or is lost."""
+
+
+def processors() -> int:
+    """Return how many processors this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not on Linux
+        return os.cpu_count() or 1
+
+
+def spread(
+    function: Callable[[Item], Result],
+    items: Iterable[Item],
+    *,
+    executor: Executor | None = None,
+    threads: int | None = None,
+    scheduler: str | None = None,
+    stop: Callable[[], None] | None = None,
+) -> Generator[Result, None, None]:
+    """Yield ``function(item)`` for each item, in order.
+
+    Parameters
+    ----------
+    function : callable
+        Must be picklable for a cluster, or for an executor of processes.
+    items : iterable
+    executor : Executor, optional
+        Where to run, and shut down at the end; by default `threads` threads.
+    threads : int, optional
+        By default as many as there are processors.
+    scheduler : str, optional
+        Address of a running Dask scheduler, as ``tcp://host:8786``; needs the extra ``cluster``.
+    stop : callable, optional
+        Called if the caller does not want the rest: tells work under way to end soon.
+
+    Raises
+    ------
+    InputError
+        If the scheduler cannot be reached, or its workers cannot do the work.
+    """
+    if scheduler is not None:
+        yield from _on_cluster(function, items, scheduler)
+        return
+    width = (threads or processors()) if executor is None else processors()
+    with executor or ThreadPoolExecutor(width) as pool:
+        try:
+            yield from _in_order(lambda item: pool.submit(function, item), items, 2 * width)
+        except BaseException:  # also if the caller closes this generator
+            if stop is not None:
+                stop()
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _in_order(submit: Callable[[Item], Any], items: Iterable[Item], ahead: int) -> Iterator[Any]:
+    under_way: deque[Any] = deque()
+    for item in items:
+        under_way.append(submit(item))
+        if len(under_way) >= ahead:
+            yield under_way.popleft().result()
+    while under_way:
+        yield under_way.popleft().result()
+
+
+def _on_cluster(
+    function: Callable[[Item], Result], items: Iterable[Item], scheduler: str
+) -> Iterator[Result]:
+    try:
+        from distributed import Client
+        from distributed.scheduler import KilledWorker
+    except ImportError:
+        reason = "needs the extra cluster: pip install 'hoverproof[cluster]'"
+        raise InputError("--scheduler", "", reason) from None
+    try:
+        client = Client(scheduler, timeout=CONNECT_SECONDS, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        reason = f"no Dask scheduler answers at {scheduler!r}: {error}"
+        raise InputError("--scheduler", "", reason) from None
+    with client:
+        threads = sum(client.nthreads().values())
+        if not threads:
+            raise InputError("--scheduler", "", f"the scheduler at {scheduler} has no workers")
+
+        def submit(item: Item) -> Any:
+            return client.submit(function, item, pure=False, retries=RETRIES)
+
+        try:
+            yield from _in_order(submit, items, 2 * threads + 2)
+        except (ImportError, KilledWorker) as error:
+            raise InputError(
+                "--scheduler", "", f"its workers cannot do this work: {error}"
+            ) from None
