@@ -4,7 +4,7 @@
 set -euo pipefail
 
 packages=(
-  gcc g++ clang cmake            # the exported C on the host, and its fuzzing
+  gcc g++ clang libclang-rt-dev cmake  # the exported C on the host, and its fuzzing
   gcc-arm-none-eabi libnewlib-arm-none-eabi  # the same for Cortex-M4F and M7
   qemu-system-arm                # boards to run it on
   cppcheck                       # with its MISRA C:2012 addon
