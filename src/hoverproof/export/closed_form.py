@@ -61,7 +61,7 @@ def _polynomial(terms: Terms, symbols: list[ca.SX]) -> tuple[ca.SX, str]:
         total = total + product * coefficient.numerator / coefficient.denominator
         size = [] if abs(coefficient) == 1 and names else [str(abs(coefficient))]
         texts.append(("- " if coefficient < 0 else "+ ") + "*".join([*size, *names]))
-    text = " ".join(texts).removeprefix("+ ")
+    text = " ".join(sorted(texts, key=lambda t: t.startswith("-"))).removeprefix("+ ")
     return total, text if len(texts) == 1 else f"({text})"
 
 

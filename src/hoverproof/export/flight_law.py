@@ -226,9 +226,7 @@ def _chain() -> _Chain:
     back = solve_affine(ca.vertcat(e.d1, e.d2, e.d3) - ca.vertcat(d1, d2, d3), unknown)
     back = ca.substitute(back, z.thrust, thrust)
     old, new = ca.vertcat(unknown, z.thrust), ca.vertcat(back, thrust)
-    rate_of_thrust, turn = ca.substitute(
-        [law.thrust_rate, law.angular_acceleration], [old], [new]
-    )
+    rate_of_thrust, turn = ca.substitute([law.thrust_rate, law.angular_acceleration], [old], [new])
     scale = ca.jacobian(rate_of_thrust, d3[2])
     old, new = ca.vertcat(d1, d3), ca.vertcat(ca.SX.zeros(3), s / scale)  # δ1 is in δ2 and δ3 alone
     rate_of_thrust, turn = ca.substitute([rate_of_thrust, turn], [old], [new])

@@ -117,7 +117,9 @@ def quadratic(
         values = numbers.at_samples(column)
         found = {
             key: (v, column[at])
-            for at, (key, v) in enumerate(zip([(), *((j,) for j in range(n)), *pairs], values))
+            for at, (key, v) in enumerate(
+                zip([(), *((j,) for j in range(n)), *pairs], values, strict=True)
+            )
             if any(v)
         }
 

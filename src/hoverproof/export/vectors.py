@@ -94,7 +94,9 @@ def random_step(
     tilt = draw.normal(0, 0.1, 2)
     down = np.array([*tilt, 1.0]) / np.sqrt(1 + tilt @ tilt)
     return Step(
-        seen=(image if sensing == "points" else (rays / np.linalg.norm(rays, axis=0)).sum(1)).astype(real),
+        seen=(
+            image if sensing == "points" else (rays / np.linalg.norm(rays, axis=0)).sum(1)
+        ).astype(real),
         velocity=draw.normal(0, 0.5, 3).astype(real),
         rate=draw.normal(0, 0.2, 3).astype(real),
         gravity_direction=down.astype(real),
@@ -113,7 +115,9 @@ def law_at(law: FlightLaw, step: Step, precision: Precision) -> dict[str, list[n
     ]
     values = evaluate(law.function, arguments, lambda c: Rounded(precision.round(c)))
     names = [law.function.name_out(i) for i in range(law.function.n_out())]
-    return {n: [row[0].value for row in m] for n, m in zip(names, values, strict=True) if n in RESULTS}
+    return {
+        n: [row[0].value for row in m] for n, m in zip(names, values, strict=True) if n in RESULTS
+    }
 
 
 RESULTS = ("thrust_rate", "torque", "rotor")

@@ -1,4 +1,4 @@
-"""The vehicle beside its firmware: motion and sensors, for the example and the tests on a target."""
+"""The vehicle beside its firmware, its motion and sensors: for the example and for tests."""
 
 from __future__ import annotations
 

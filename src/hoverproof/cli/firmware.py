@@ -1,0 +1,103 @@
+"""The command `export`: the control law as C99 firmware."""
+
+from __future__ import annotations
+
+import sys
+from fractions import Fraction
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from hoverproof.cli.console import (
+    EXIT,
+    Json,
+    MissionName,
+    Set,
+    app,
+    interval,
+    load_mission,
+    print_json,
+)
+from hoverproof.errors import InputError
+
+
+@app.command
+def export(
+    mission: MissionName,
+    *,
+    out: Annotated[Path, Parameter(help="Folder to write to; made if needed.")],
+    precision: Annotated[
+        Literal["float32", "float64"], Parameter(help="Type of the numbers on the target.")
+    ] = "float32",
+    sensing: Annotated[
+        Literal["points", "centroid"],
+        Parameter(help="What the camera delivers: image points, or the centroid already summed."),
+    ] = "points",
+    tunable: Annotated[
+        bool, Parameter(negative="", help="Keep the gains as parameters that may be set.")
+    ] = False,
+    name: Annotated[
+        str | None, Parameter(help="Prefix of files and symbols; by default from the mission.")
+    ] = None,
+    rotor_limits: Annotated[
+        str | None,
+        Parameter(help="LOWEST,HIGHEST thrust of a rotor, N; by default 0 to half the weight."),
+    ] = None,
+    allow_uncertified: Annotated[
+        bool,
+        Parameter(negative="", help="Write it even if nothing is proved; each file says so."),
+    ] = False,
+    set_: Set = None,
+    json_: Json = False,
+) -> int:
+    """Certify a mission, and write its control law as C99 firmware with the certificate.
+
+    Exit status 1 or 3 if the gains are refuted or undecided; then nothing is written.
+
+    Example: `hoverproof export x4-flyer --out firmware`
+    """
+    import hoverproof
+    from hoverproof.export.package import NotCertified
+
+    loaded = load_mission(mission, set_)
+    try:
+        manifest = hoverproof.export_c(
+            loaded,
+            out,
+            precision=precision,
+            sensing=sensing,
+            tunable=tunable,
+            name=name,
+            rotor_limits=None if rotor_limits is None else _limits(rotor_limits),
+            allow_uncertified=allow_uncertified,
+        )
+    except NotCertified as error:
+        if json_:
+            print_json({"mission": loaded.name, "verdict": error.status, "out": None})
+        else:
+            print(f"hoverproof: {error}", file=sys.stderr)
+        return EXIT[error.status]
+    if json_:
+        print_json({"out": str(out), **manifest})
+        return 0
+    standing = "certified" if manifest["certified"] else "UNCERTIFIED: nothing is proved"
+    print(f"{loaded.name}: firmware written, {precision}, {standing}")
+    print(f"  folder          {out}")
+    print(f"  thrust          {interval(manifest['thrust'])} N, monitored")
+    print(f"  rotors          {interval(manifest['rotor_limits'])} N each")
+    print(f"  law             SHA-256 {manifest['law_sha256']}")
+    if manifest["certified"]:
+        print(f"  certificate     SHA-256 {manifest['certificate_sha256']}")
+    print(f"Next: cd {out} && cmake -B build && cmake --build build --target fly")
+    return 0
+
+
+def _limits(text: str) -> tuple[Fraction, Fraction]:
+    try:
+        low, high = (Fraction(part.strip()) for part in text[:200].split(","))
+    except (ValueError, ZeroDivisionError):
+        raise InputError(
+            "--rotor-limits", "", f"must be LOWEST,HIGHEST in N, not {text!r}"
+        ) from None
+    return low, high
