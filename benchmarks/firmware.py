@@ -92,7 +92,7 @@ def by_hand(package: Package, folder: Path) -> int:
 
 def table() -> str:
     """Measure, and return the table in Markdown."""
-    rows = ["| what | instructions | ratio to C by hand | stack, bytes | code and constants, bytes |"]
+    rows = ["| what | instructions | ratio to C by hand | stack, bytes | flash, bytes |"]
     rows.append("| --- | ---: | ---: | ---: | ---: |")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

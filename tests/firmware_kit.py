@@ -106,6 +106,7 @@ def names_header(package, steps=30_000):
         **{f"{t}_t": f"{name}_{t}_t" for t in ("params", "state", "input", "output")},
         **{v: f"{name}_{v}" for v in ("init", "step", "selftest")},
         "reset_state": f"{name}_reset",
+        "set_rotor_limits": f"{name}_set_rotor_limits",
         "HOVER": repr(weight),
         "STEPS": str(steps),
         "SENSED_POINTS": str(int(package.manifest["sensing"] == "points")),
@@ -115,6 +116,18 @@ def names_header(package, steps=30_000):
     prefix = name.upper()
     consts = ("FAULT", "INPUT", "TARGET", "SINGULAR", "THRUST", "TILT", "SATURATED")
     macros += "".join(f"#define S_{c} {prefix}_{c}\n" for c in consts)
+    limits = (
+        "EXCESS_FLOOR",
+        "EXCESS_CEILING",
+        "EXCESS_LOW",
+        "EXCESS_HIGH",
+        "TILT_COSINE",
+        "WEIGHT",
+    )
+    limits += ("ROTOR_HOVER", "SPEED_SQUARE", "RATE_SQUARE", "DIRECTION_LOW", "DIRECTION_HIGH")
+    macros += "".join(f"#define P_{c} {prefix}_{c}\n" for c in (*limits, "DT_HIGHEST"))
+    seen = "IMAGE" if package.manifest["sensing"] == "points" else "CENTROID"
+    macros += f"#define SEEN_SQUARE {prefix}_{seen}_SQUARE\n"
     return f'#include <stddef.h>\n#include "{name}.h"\n{macros}'
 
 

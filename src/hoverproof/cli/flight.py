@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -32,6 +32,10 @@ def simulate(
     ] = None,
     out: Annotated[Path | None, Parameter(help="Flight file to write, netCDF-4.")] = None,
     figures: Annotated[bool, Parameter(help="Draw the flight beside the file.")] = True,
+    controller: Annotated[
+        Literal["model", "firmware"],
+        Parameter(help="Fly the model's controller, or the exported C in float32, at every step."),
+    ] = "model",
     set_: Set = None,
     json_: Json = False,
 ) -> int:
@@ -44,7 +48,12 @@ def simulate(
     from hoverproof.simulation.flight import simulate as fly
 
     loaded = load_mission(mission, set_)
-    flight = fly(loaded, duration=duration, step=step, every=every)
+    if controller == "firmware":
+        from hoverproof.cli.firmware import fly_firmware
+
+        flight = fly_firmware(loaded, duration=duration, step=step, every=every)
+    else:
+        flight = fly(loaded, duration=duration, step=step, every=every)
     path = out or Path(f"{loaded.name}.flight.nc")
     save(flight, path)
     pictures = save_figures(flight, path.with_suffix("")) if figures else []
@@ -62,7 +71,7 @@ def simulate(
     settled = result["settled_at"]
     print(f"{loaded.name}: {result['outcome']}, {result['duration']:g} s")
     print(f"  {result['steps']} steps in {result['seconds']:.2f} s: {result['machine']}")
-    if result["machine"] != "compiled C":
+    if result["machine"] == "CasADi virtual machine":
         print("  (no C compiler works here; with one this is much faster)")
     print(
         f"  start     {position_text(result['start_position'])}, {result['start_error']:.3g} m away"

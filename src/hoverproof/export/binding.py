@@ -72,7 +72,9 @@ class Firmware:
     def __init__(self, folder: str | Path, *, compiler: str | None = None) -> None:
         folder = Path(folder)
         try:
-            self.manifest: dict[str, Any] = json.loads((folder / "manifest.json").read_text("utf-8"))
+            self.manifest: dict[str, Any] = json.loads(
+                (folder / "manifest.json").read_text("utf-8")
+            )
             self.name = str(self.manifest["name"])
             header = (folder / f"{self.name}.h").read_text("utf-8")
         except (OSError, ValueError, KeyError):

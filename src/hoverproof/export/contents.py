@@ -152,6 +152,7 @@ def contents(
         "gains_status": f"{name.upper()}_{'OK' if certified else 'GAINS'}",
         "weight": weight,
         "weight_text": repr(float(weight)),
+        **_adapter_texts(mission, options),
         "singular": law.singular_excess,
         "floor": (law.singular_excess + low) / 2,
         "thrust": standing.thrust,
@@ -179,6 +180,25 @@ def contents(
             tilt_cosine=cosine,
             certified=certified,
         ),
+    }
+
+
+def _adapter_texts(mission: Mission, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what adapters say in float: full scales of thrust and torque."""
+
+    def single(value: Fraction) -> str:
+        return PRECISIONS["float32"].literal(value).replace("F", "f")
+
+    v, (low, high) = mission.vehicle, options["rotor_limits"]
+    reach = 2 * (high - low)  # two rotors high and two low
+    torques = [reach * v.arm, reach * v.arm, reach * v.drag_ratio]
+    of_points = options["sensing"] == "points"
+    return {
+        "weight_f": single(v.weight),
+        "highest_f": single(4 * high),
+        "torque_f": ", ".join(map(single, torques)),
+        "seen_size": 2 * len(mission.target.points) if of_points else 3,
+        "seen_words": "x and y of each target point" if of_points else "the image centroid",
     }
 
 
