@@ -220,15 +220,17 @@ def _manifest(context: dict[str, Any], texts: Mapping[str, str]) -> dict[str, An
 
 def _instruction_budget(context: dict[str, Any]) -> int:
     """Most instructions of a step: a part for each point, one for each number, and the rest."""
-    points = 12 * context["points"] if context["sensing"] == "points" else 0
+    points: int = 12 * context["points"] if context["sensing"] == "points" else 0
     return points + 4 * _numbers(context) + 175
 
 
 def _flash_budget(context: dict[str, Any]) -> int:
     """Most bytes of code and constants of NAME.c, without the self-test."""
-    points = 40 * context["points"] if context["sensing"] == "points" else 0
-    return points + 25 * _numbers(context) + 1400 + 900 * context["tunable"]
+    points: int = 40 * context["points"] if context["sensing"] == "points" else 0
+    tuning = 900 if context["tunable"] else 0
+    return points + 25 * _numbers(context) + 1400 + tuning
 
 
 def _numbers(context: dict[str, Any]) -> int:
-    return len(context["coefficients"]) + len(context["tuned"])
+    """Return how many numbers the law has."""
+    return len({**context["coefficients"], **context["tuned"]})
