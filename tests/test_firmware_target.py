@@ -78,13 +78,11 @@ def test_cppcheck_finds_no_breach_of_misra(kind, tmp_path):
 def test_cppcheck_finds_a_planted_breach_of_misra(tmp_path):
     package = export(tmp_path / "fw")
     source = package.sources[0]
-    text = source.read_text()
-    planted = text.replace("uint32_t status = X4_FLYER_OK;", "uint32_t status; status = 0;", 1)
-    assert planted != text
-    source.write_text(planted + "int octal(void) { goto end; end: return 010; }\n")
+    planted = "int f(int a) { int b; if ((b = a) != 0) { return 010; } return b; }\n"
+    source.write_text(source.read_text() + planted)
     found = misra(package.folder, *(s.name for s in package.sources))
-    assert any("misra-c2012-15.1" in line for line in found)
-    assert any("misra-c2012-7.1" in line for line in found)
+    for rule in ("7.1", "13.4", "15.5"):  # octal, assignment as a value, more than one exit
+        assert any(line.endswith(f"misra-c2012-{rule}") for line in found), (rule, found)
 
 
 def eva(package, folder, entry, excess, *options):

@@ -109,12 +109,13 @@ def contents(
     def lit(value: Any) -> str:
         return precision.literal(Fraction(value))
 
-    of_gains = statements(
-        law.of_gains,
-        [[f"gains[{i}]" for i in range(5)], [lit(v) for v in law.fixed]],
-        {law.of_gains.name_out(0): [f"params->{c}" if c in tuned else None for c in coefficients]},
-        precision,
-    )
+    def from_gains(targets: Mapping[str, str]) -> list[str]:
+        """Return the statements that compute some coefficients from the gains."""
+        of_gains = law.of_gains
+        inputs = [[f"gains[{i}]" for i in range(5)], [lit(v) for v in law.fixed]]
+        results = {of_gains.name_out(0): [targets.get(c) for c in law.coefficients]}
+        return statements(of_gains, inputs, results, precision)
+
     vehicle = _vehicle_texts(mission, options["sensing"], precision)
     return {
         **options,
@@ -167,7 +168,8 @@ def contents(
         "tuned": {c: v for c, v in coefficients.items() if c in tuned},
         "meanings": law.meanings,
         "law": statements(law.function, inputs, results, precision),
-        "of_gains": of_gains,
+        "of_gains": from_gains({c: f"params->{c}" for c in tuned}),
+        "gap_of_gains": from_gains({"hover_gap": f"const {precision.c_type} hover_gap"}),
         "inputs_text": "the target points in the undistorted image (x = X/Z, y = Y/Z; any order),"
         if options["sensing"] == "points"
         else "the image centroid (sum of the unit vectors toward the target points),",

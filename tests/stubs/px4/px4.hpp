@@ -44,6 +44,8 @@ protected:
   static px4::atomic<T *> _object;
   static int _task_id;
 };
+template <class T> px4::atomic<T *> ModuleBase<T>::_object;
+template <class T> int ModuleBase<T>::_task_id;
 
 struct orb_metadata { const char *name; };
 namespace uORB {
