@@ -78,7 +78,9 @@ def test_cppcheck_finds_no_breach_of_misra(kind, tmp_path):
 def test_cppcheck_finds_a_planted_breach_of_misra(tmp_path):
     package = export(tmp_path / "fw")
     source = package.sources[0]
-    planted = "int f(int a) { int b; if ((b = a) != 0) { return 010; } return b; }\n"
+    planted = (
+        "int f(int a)\n{\n  int b;\n  if ((b = a) != 0) {\n    return\n 010;\n }\n return b;\n}\n"
+    )
     source.write_text(source.read_text() + planted)
     found = misra(package.folder, *(s.name for s in package.sources))
     for rule in ("7.1", "13.4", "15.5"):  # octal, assignment as a value, more than one exit
