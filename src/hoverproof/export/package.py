@@ -24,7 +24,7 @@ from hoverproof.mission import Mission
 
 ADAPTERS = {
     "adapters/crazyflie/controller_{name}.c": "crazyflie.c.j2",
-    "adapters/crazyflie/Makefile": "crazyflie.mk.j2",
+    "adapters/crazyflie/Kbuild": "crazyflie.kbuild.j2",
     "adapters/px4/{name}_module.cpp": "px4.cpp.j2",
     "adapters/px4/CMakeLists.txt": "px4.cmake.j2",
     "adapters/ardupilot/AC_CustomControl_{name}.cpp": "ardupilot.cpp.j2",
