@@ -51,7 +51,7 @@ Matrix = list[list[Fraction]]
 Gains = dict[str, Fraction]
 
 MAX_BYTES = 1_000_000
-MAX_BOXES = 2000
+MAX_WORK = 24_000  # boxes times points in a branch and bound
 MAX_POINTS = 64
 
 
@@ -98,12 +98,12 @@ def positive_definite(matrix: Matrix) -> bool:
     return True
 
 
-def square_root(s: Fraction, bits: int = 128) -> tuple[Fraction, Fraction]:
-    """Return rationals low <= √s <= high, at most 2^-bits apart."""
-    n = (s.numerator << 2 * bits) // s.denominator
+def square_root(s: Fraction) -> tuple[Fraction, Fraction]:
+    """Return rationals low <= √s <= high, at most 2^-128 apart."""
+    n = (s.numerator << 256) // s.denominator
     r = math.isqrt(n)
-    exact = r * r == n and n * s.denominator == s.numerator << 2 * bits
-    return Fraction(r, 1 << bits), Fraction(r if exact else r + 1, 1 << bits)
+    exact = r * r == n and n * s.denominator == s.numerator << 256
+    return Fraction(r, 1 << 128), Fraction(r if exact else r + 1, 1 << 128)
 
 
 def within(inner: Sequence[Fraction], outer: Sequence[Fraction]) -> bool:
@@ -178,75 +178,96 @@ def sigma(g: Gains, w: Row, Q: Matrix, f: Fraction, q: Row) -> Matrix:
     return [[-(weight[i] * b[i][j] + weight[j] * b[j][i]) / 2 for j in n] for i in n]
 
 
+def out_of_bounds(points: Matrix, position: Row, x: Row, bound: Fraction, *, lower: bool) -> bool:
+    """Tell whether xᵀQx is shown to be below (lower) or above bound·|x|² at a position."""
+    xx, total = sum((a * a for a in x), Fraction(0)), Fraction(0)
+    for point in points:  # xᵀQx = Σ (|x|² - (x·pi)²)/ri, rounded against the claim
+        ray = [a - b for a, b in zip(point, position, strict=True)]
+        square = sum((a * a for a in ray), Fraction(0))
+        require(square > 0, "the position is that of a target point")
+        along = sum((a * b for a, b in zip(ray, x, strict=True)), Fraction(0))
+        total += (xx - along**2 / square) / square_root(square)[0 if lower else 1]
+    return total < bound * xx if lower else total > bound * xx
+
+
 def eigenvalues_hold(
-    points: Matrix, box: Matrix, low: Fraction, high: Fraction, most: int = MAX_BOXES
+    points: Matrix, box: Matrix, low: Fraction, high: Fraction, most: int | None = None
 ) -> bool:
-    """Tell whether low I ≺ Q ≺ high I is shown for every position in a box."""
-    grid = 2**20  # a box with short ends around the given one keeps the numbers short
-    boxes = [[[Fraction(a * grid // 1, grid), Fraction(-(-b * grid // 1), grid)] for a, b in box]]
-    for _ in range(most):
+    """Tell whether low I ≺ Q ≺ high I is shown for every position in a box, halving it at need.
+
+    Lengths are whole numbers of a unit that divides every coordinate of the target; the box is
+    rounded outward. So every matrix is one of integers.
+    """
+    unit = 2**20 * math.lcm(*(c.denominator for point in points for c in point))
+    require(unit < 10**50, "the coordinates of the target are too long")
+    require(all(abs(end) < 10**9 for side in box for end in side), "the box is too far away")
+    rays = [[int(c * unit) for c in point] for point in points]
+    boxes = [[(math.floor(a * unit), math.ceil(b * unit)) for a, b in box]]
+    for _ in range(MAX_WORK // len(points) if most is None else most):
         if not boxes:
             return True
         sides = boxes.pop()
-        if not eigenvalues_hold_near(points, sides, low, high):
-            center = [[(a + b) / 2] * 2 for a, b in sides]
-            if not eigenvalues_hold_near(points, center, low, high):
+        if not eigenvalues_hold_near(rays, sides, low / unit, high / unit):
+            center = [((a + b) // 2,) * 2 for a, b in sides]
+            if not eigenvalues_hold_near(rays, center, low / unit, high / unit):
                 return False  # not even there
             longest = max(range(3), key=lambda i: sides[i][1] - sides[i][0])
-            start, end = sides[longest]
-            for half in ([start, (start + end) / 2], [(start + end) / 2, end]):
+            middle = center[longest][0]
+            for half in ((sides[longest][0], middle), (middle, sides[longest][1])):
                 boxes.append([half if i == longest else side for i, side in enumerate(sides)])
     return False
 
 
-def eigenvalues_hold_near(points: Matrix, box: Matrix, low: Fraction, high: Fraction) -> bool:
-    """Show it for a whole box at once, without halving; see the top of this file."""
-    zero = Fraction(0)
-    center = [(a + b) / 2 for a, b in box]
-    square = sum(((b - a) ** 2 / 4 for a, b in box), zero)
-    radius = square_root(square, 32)[1]
-    rays = [[x - c for x, c in zip(point, center, strict=True)] for point in points]
-    ends = [square_root(sum((x * x for x in ray), zero), 32) for ray in rays]
-    if min(near for near, _ in ends) <= radius:
+def eigenvalues_hold_near(
+    points: Sequence[Sequence[int]],
+    box: Sequence[tuple[int, int]],
+    low: Fraction,
+    high: Fraction,
+) -> bool:
+    """Show it for a whole box at once, without halving, in integers; see the top of this file."""
+    center = [(a + b) // 2 for a, b in box]
+    square = sum((b - c) ** 2 for (_, b), c in zip(box, center, strict=True))  # ρ², b - c >= c - a
+    radius = math.isqrt(square) + 1
+    rays = [[p - c for p, c in zip(point, center, strict=True)] for point in points]
+    near = [math.isqrt(sum(x * x for x in ray)) for ray in rays]  # near <= di <= near + 1
+    if min(near) <= radius:
         return False
-    if sum(1 / (near - radius) for near, _ in ends) >= high:  # else Q ⪯ Σ 1/ri is enough
-        above = scaled_identity(-high)
-        for ray, (near, _) in zip(rays, ends, strict=True):
-            add_turn(above, short(1 / near**3, up=True), ray)
-            steepness = Fraction(1155, 1000) * radius / (near - radius) ** 2
-            for i in range(3):
-                above[i][i] += short(steepness, up=True)
-        if not positive_definite([[-x for x in row] for row in above]):
+    scale = 1 << (64 + 3 * max(near).bit_length())  # weights and bounds are multiples of 1/scale
+    top = math.floor(scale * high)
+    if sum(scale // (d - radius) + 1 for d in near) >= top:  # else Q ⪯ Σ 1/ri is enough
+        steep = sum(1155 * scale * radius // (1000 * (d - radius) ** 2) + 1 for d in near)
+        above = turns([scale // d**3 + 1 for d in near], rays)
+        if not positive_definite_3(above, -1, top - steep):
             return False
-    weights = [short(1 / (far + radius) ** 3, up=False) for _, far in ends]
-    total = sum(weights, zero)
-    s = [sum((w * ray[i] for w, ray in zip(weights, rays, strict=True)), zero) for i in range(3)]
-    for power in (1, 2, 4, 6):  # θ Σ wi is between 2^-power and half of that
-        theta = Fraction(2) ** -(power + math.frexp(float(total))[1]) if square else zero
-        below = scaled_identity(-low - ((1 / theta - total) * square if square else 0))
-        for w, ray in zip(weights, rays, strict=True):
-            add_turn(below, w, ray)
-        add_turn(below, -theta, s)
-        if positive_definite(below):
+    weights = [scale // (d + 1 + radius) ** 3 for d in near]
+    total = sum(weights)
+    s = [sum(w * ray[i] for w, ray in zip(weights, rays, strict=True)) for i in range(3)]
+    below, lost = turns(weights, rays), turns([1], [s])
+    bottom = math.ceil(scale * low)
+    for k in (2, 4, 16, 64, 2**20):  # 1/θ = k Σ wi; the inequality is multiplied by that
+        matrix = [
+            [k * total * a - b for a, b in zip(*r, strict=True)]
+            for r in zip(below, lost, strict=True)
+        ]
+        if positive_definite_3(matrix, 1, -k * total * (bottom + (k - 1) * total * square)):
             return True
     return False
 
 
-def short(x: Fraction, *, up: bool) -> Fraction:
-    """Round a positive number to 64 binary digits after the point, up or down."""
-    return Fraction(int(x * 2**64) + up, 2**64)
+def turns(weights: Sequence[int], rays: Sequence[Sequence[int]]) -> list[list[int]]:
+    """Return the matrix of Σ wi |x × di|², that is Σ wi (|di|² I - di diᵀ)."""
+    pairs = list(zip(weights, rays, strict=True))
+    xx, yy, zz = (sum(w * d[i] * d[i] for w, d in pairs) for i in range(3))
+    xy, yz, zx = (-sum(w * d[i] * d[i - 2] for w, d in pairs) for i in range(3))
+    return [[yy + zz, xy, zx], [xy, zz + xx, yz], [zx, yz, xx + yy]]
 
 
-def scaled_identity(factor: Fraction) -> Matrix:
-    """Return factor I, (3, 3)."""
-    return [[factor if i == j else Fraction(0) for j in range(3)] for i in range(3)]
-
-
-def add_turn(matrix: Matrix, factor: Fraction, d: Row) -> None:
-    """Add factor (|d|² I - d dᵀ), the matrix of factor |x × d|², to a matrix."""
-    length = sum((x * x for x in d), Fraction(0))
-    for i, j in itertools.product(range(3), repeat=2):
-        matrix[i][j] += factor * ((length if i == j else 0) - d[i] * d[j])
+def positive_definite_3(matrix: list[list[int]], sign: int, shift: int) -> bool:
+    """Tell by its leading minors whether sign·matrix + shift·I is positive definite."""
+    (a, b, c), (_, d, e), (_, _, f) = ([sign * x for x in row] for row in matrix)
+    a, d, f = a + shift, d + shift, f + shift
+    minor = a * d - b * b
+    return a > 0 and minor > 0 and f * minor > a * e * e - 2 * b * c * e + d * c * c
 
 
 def bound(
@@ -255,7 +276,7 @@ def bound(
     """Return M = Σ(λI) - (k1 ϱ/2)(τ vᵀv + uᵀu/τ) - t W."""
     low, high = eigenvalues
     middle, spread = (low + high) / 2, (high - low) / 2
-    M = sigma(g, w, scaled_identity(middle), f, q)
+    M = sigma(g, w, [[middle * (i == j) for j in range(3)] for i in range(3)], f, q)
     loss = g["k1"] * spread / 2
     for axis in range(3):  # u and v on each axis, as rows of length 11
         u, v = [Fraction(0)] * 11, [Fraction(0)] * 11
@@ -459,6 +480,30 @@ def theorem_of_region(c: Any, p: Question) -> str:
     )
 
 
+def verify_outside(c: Any, p: Question) -> None:
+    """Verify that Q has an eigenvalue out of bounds at a position in the box."""
+    spot = c["outside"]
+    position, x = numbers(spot["position"], 3), numbers(spot["direction"], 3)
+    inside = all(a <= y <= b for y, (a, b) in zip(position, p.box or (), strict=True))
+    require(inside, "the position is not in the box")
+    lower = spot["bound"] == "lower"
+    out = out_of_bounds(p.points, position, x, p.eigenvalues[0 if lower else 1], lower=lower)
+    require(out, "the eigenvalue of Q there is not shown to be out of bounds")
+
+
+def theorem_of_outside(c: Any, p: Question) -> str:
+    """Say in words what is refuted."""
+    spot = keys(c["outside"], ("position", "direction", "bound"), "outside")
+    require(spot["bound"] in ("lower", "upper"), "the bound is neither lower nor upper")
+    side = "smaller" if spot["bound"] == "lower" else "larger"
+    value = p.eigenvalues[0 if side == "smaller" else 1]
+    position = ", ".join(map(str, numbers(spot["position"], 3)))
+    return (
+        f"It is not true that {theorem_of_region(c, p)[:-1]}: at the position ({position}) m in "
+        f"that box, Q has an eigenvalue {side} than {about(value)} 1/m."
+    )
+
+
 def verify_counterexample(c: Any, p: Question) -> None:
     """Verify that Σ(Q, f) is not positive semidefinite at one admissible point."""
     point = c["counterexample"]
@@ -519,6 +564,7 @@ KINDS = {
     "gains": Kind(("enclosures", "vertices", "claim"), theorem_of_gains, verify_gains),
     "counterexample": Kind(("counterexample",), theorem_of_counterexample, verify_counterexample),
     "region": Kind((), theorem_of_region, verify_region),
+    "outside": Kind(("outside",), theorem_of_outside, verify_outside),
 }
 
 

@@ -70,7 +70,7 @@ def seal(problem: GainProblem, kind: str, parts: dict[str, Any]) -> Certificate:
         "mission": mission,
         "mission_sha256": checker.digest(mission),
         "model_sha256": model_fingerprint(),
-        "tools": {name: version(name) for name in ("hoverproof", "casadi", "cvxpy", "clarabel")},
+        "tools": dict(_tools()),
         "goal_position": exact(problem.goal.position) if by_height else None,
         "weights": exact(problem.weights),
         "region": exact({"box": problem.box, "eigenvalues": problem.eigenvalues}),
@@ -79,6 +79,11 @@ def seal(problem: GainProblem, kind: str, parts: dict[str, Any]) -> Certificate:
     content["statement"] = checker.statement(content)
     content["sha256"] = checker.digest(content)
     return Certificate(content)
+
+
+@cache
+def _tools() -> tuple[tuple[str, str], ...]:
+    return tuple((name, version(name)) for name in ("hoverproof", "casadi", "cvxpy", "clarabel"))
 
 
 @cache

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
-from cyclopts import App, Parameter
+from cyclopts import App, Parameter, validators
 
 from hoverproof import __version__
 from hoverproof.errors import InputError
@@ -34,6 +35,13 @@ Set = Annotated[
 Box = Annotated[
     str | None,
     Parameter(help="Positions x0,x1,y0,y1,z0,z1 in m; by default around start and goal."),
+]
+Boxes = Annotated[
+    int | None,
+    Parameter(
+        help="Most boxes in the branch and bound; fewer answer sooner, perhaps with undecided.",
+        validator=validators.Number(gte=1),
+    ),
 ]
 EXIT = {"proved": 0, "refuted": 1, "undecided": 3}
 
@@ -63,6 +71,17 @@ def box_sides(mission: Mission, text: str | None) -> Any:
     from hoverproof.certification.region import default_box, parse_box
 
     return default_box(mission) if text is None else parse_box(text)
+
+
+@contextlib.contextmanager
+def progress(title: str) -> Iterator[Callable[[int, int], None]]:
+    """Give a function (done, total) that shows a bar on stderr, if that is a terminal."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), disable=not sys.stderr.isatty()) as bar:
+        task = bar.add_task(title)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def print_json(value: dict[str, Any]) -> None:
