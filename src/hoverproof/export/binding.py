@@ -81,7 +81,9 @@ class Firmware:
             raise InputError(str(folder), "", "is no firmware package: see `export`") from None
         self._ffi = cffi.FFI()
         self._ffi.cdef(_declarations(header, self.name) + _LOOP)
-        self._library = self._ffi.dlopen(str(_built(folder, self.name, compiler)))
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as build:
+            library = _built(folder, self.name, compiler, Path(build))
+            self._library = self._ffi.dlopen(str(library))  # what is loaded needs no file
         self._params = self._new("params")
         self._state = self._new("state")
         self._call("init", self._params)
@@ -194,9 +196,9 @@ def _declarations(header: str, name: str) -> str:
     return text.replace(f"{name.upper()}_POINTS", points[1] if points else "")
 
 
-def _built(folder: Path, name: str, compiler: str | None) -> Path:
+def _built(folder: Path, name: str, compiler: str | None, build: Path) -> Path:
+    """Compile a package with the loop of `Firmware.fly` and return the shared library."""
     loop = (resources.files("hoverproof.export") / "loop.c").read_text("utf-8")
-    build = Path(tempfile.mkdtemp(prefix="hoverproof-firmware-"))
     library = build / f"{name}.so"
     (build / "loop.c").write_text(loop.replace("NAME", name), encoding="utf-8")
     sources = [folder / f"{name}.c", folder / f"{name}_selftest.c", folder / "example/vehicle.c"]

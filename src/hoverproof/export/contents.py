@@ -68,9 +68,9 @@ def contents(
     weight, n = mission.vehicle.weight, len(mission.target.points)
     goal = hover_goal(mission).centroid_midpoint
     low, high = (thrust - weight for thrust in standing.thrust)
-    if mission.bounds.level is not None:  # |F| <= reach, and its horizontal part is m g sin(tilt)
-        sine = (standing.thrust[1] - weight) / weight
-        cosine = decimal_below(sqrt_enclosure(max(1 - sine**2, Fraction(0)))[0], 9)
+    sine = high / weight  # a level gives |F| <= high, and its horizontal part is m g sin(tilt)
+    if mission.bounds.level is not None and sine < 1:
+        cosine = decimal_below(sqrt_enclosure(1 - sine**2)[0], 9)
         tilt_words = (
             f"{math.degrees(math.acos(float(cosine))):.4g} degrees (follows from the level)"
         )

@@ -179,7 +179,13 @@ def _function(named: dict[str, ca.SX], chain: _Chain, numbers: Coefficients) -> 
 
 @dataclass(frozen=True)
 class _Chain:
-    """The law as a chain of quadratic polynomials, each over the results before it."""
+    """The law as a chain of quadratic polynomials, each over the results before it.
+
+    First the symbols: of design, inputs, and what is worked out on the way (image_error = q - q*,
+    tilt = ρ - e₃, d2 = δ2, s, acceleration = Ω̇). Then the polynomials: δ2 and s of what comes
+    before them; U, the two parts of the horizontal Ω̇ (direct + divided/gap), the gap T - c q3*
+    and the T - m g where it vanishes; Ω̇3; and the torque.
+    """
 
     design: ca.SX
     parts: Design
