@@ -1,7 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test quick notebooks proofs bench lint clean
+.PHONY: demo test quick notebooks proofs bench fuzz lint clean
 .DELETE_ON_ERROR:
 
 # Certify the paper's vehicle, check the certificate, and fly it. Everything lands in demo/.
@@ -38,6 +38,11 @@ bench: .venv/installed-dev
 	$(BIN)/python benchmarks/closed_loop.py --write
 	$(BIN)/python benchmarks/batch.py --write
 	$(BIN)/python benchmarks/verdict.py --write
+	$(BIN)/python benchmarks/firmware.py --write
+
+# Ten million calls of the firmware with hostile inputs, under sanitizers (needs clang).
+fuzz: .venv/installed-dev
+	$(BIN)/python tests/fuzz_firmware.py
 
 .venv/installed: pyproject.toml
 	$(PYTHON) -m venv .venv

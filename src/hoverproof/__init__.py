@@ -14,9 +14,12 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from hoverproof.certification.gains import certify as certify
     from hoverproof.checker import check_file as check
     from hoverproof.errors import InputError as InputError
+    from hoverproof.mission import Mission
     from hoverproof.mission import load as load
     from hoverproof.mission import presets as presets
     from hoverproof.paper.ledger import derive as derive
@@ -40,11 +43,52 @@ __all__ = [
     "certify",
     "check",
     "derive",
+    "export_c",
     "load",
     "presets",
     "simulate",
     "simulate_batch",
 ]
+
+
+def export_c(
+    mission: Mission, out: str | Path, *, allow_uncertified: bool = False, **options: Any
+) -> dict[str, Any]:
+    """Certify a mission and write its control firmware, a C99 package, with the certificate.
+
+    Parameters
+    ----------
+    mission : Mission
+    out : str or Path
+        Folder to write to; made if needed.
+    allow_uncertified : bool
+        Write a package even if the gains are not proved; every file of it then says so.
+    **options
+        precision, sensing, tunable, name, rotor_limits: see
+        `hoverproof.export.package.write_package`.
+
+    Returns
+    -------
+    dict
+        The manifest.
+
+    Raises
+    ------
+    hoverproof.export.package.NotCertified
+        If the gains are refuted or undecided, and that is not allowed; nothing is written.
+    InputError
+        If an argument cannot be used or the folder cannot be written to.
+    """
+    from hoverproof.certification.gains import Proved, certify
+    from hoverproof.export.contents import Standing
+    from hoverproof.export.package import NotCertified, write_package
+
+    verdict = certify(mission)
+    proved = isinstance(verdict, Proved)
+    if not proved and not allow_uncertified:
+        raise NotCertified(mission.name, verdict.status)
+    certificate = verdict.certificate.content if isinstance(verdict, Proved) else None
+    return write_package(mission, out, Standing(verdict.problem.thrust, certificate), **options)
 
 
 def __getattr__(name: str) -> Any:

@@ -43,4 +43,5 @@ def _rebuilt(function: ca.Function) -> ca.Function:
             work[outputs[0]] = ca.SX.binary(op, work[inputs[0]], work[inputs[1]])
         else:
             work[outputs[0]] = ca.SX.unary(op, work[inputs[0]])
-    return ca.Function(function.name(), arguments, ca.cse(results))
+    names = function.name_in(), function.name_out()
+    return ca.Function(function.name(), arguments, ca.cse(results), *names)

@@ -72,6 +72,10 @@ def simulate(
     precision: Annotated[
         Literal["float32", "float64"], Parameter(help="Of the numbers kept over time, of runs.")
     ] = "float32",
+    controller: Annotated[
+        Literal["model", "firmware"],
+        Parameter(help="Fly the model's controller, or the exported C in float32, at every step."),
+    ] = "model",
     set_: Set = None,
     json_: Json = False,
 ) -> int:
@@ -90,7 +94,9 @@ def simulate(
     """
     loaded = load_mission(mission, set_)
     if runs is not None:
-        for option, unfit in (("--animate", animate), ("--speed-up", speed_up)):
+        firmware = controller == "firmware" or None
+        single = {"--animate": animate, "--speed-up": speed_up, "--controller": firmware}
+        for option, unfit in single.items():
             if unfit is not None:
                 raise InputError(option, "", "is for a single flight, not for --runs")
         return fly_many(
@@ -112,7 +118,7 @@ def simulate(
         if given:
             raise InputError(option, "", "is for --runs")
     timing = {"duration": duration, "step": step, "every": every, "seed": seed}
-    return _fly_once(loaded, out, figures, animate, speed_up, json_, timing)
+    return _fly_once(loaded, out, figures, animate, speed_up, controller, json_, timing)
 
 
 def _fly_once(
@@ -121,6 +127,7 @@ def _fly_once(
     figures: Sequence[str] | None,
     animate: Path | None,
     speed_up: float | None,
+    controller: str,
     json_: bool,
     timing: dict[str, Any],
 ) -> int:
@@ -134,8 +141,16 @@ def _fly_once(
         check_request(animate, speed_up)
     elif speed_up is not None:
         raise InputError("--speed-up", "", "is for --animate")
-    flight = fly(mission, **timing)
     path = out or Path(f"{mission.name}.flight.nc")
+    if controller == "firmware":
+        from hoverproof.cli.firmware import fly_firmware
+
+        seed = timing.pop("seed")
+        if seed:
+            raise InputError("--seed", "", "is not for --controller firmware: nothing is drawn")
+        flight = fly_firmware(mission, **timing)
+    else:
+        flight = fly(mission, **timing)
     save(flight, path)
     which = FIGURES if figures is None else figures
     decay = _certified_decay(mission, flight) if "features" in which else None
@@ -162,7 +177,7 @@ def _fly_once(
     settled = result["settled_at"]
     print(f"{mission.name}: {result['outcome']}, {result['duration']:g} s")
     print(f"  {result['steps']} steps in {result['seconds']:.2f} s: {result['machine']}")
-    if result["machine"] != "compiled C":
+    if result["machine"] == "CasADi virtual machine":
         print("  (no C compiler works here; with one this is much faster)")
     print(
         f"  start     {position_text(result['start_position'])}, {result['start_error']:.3g} m away"

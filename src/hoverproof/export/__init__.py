@@ -1,0 +1,1 @@
+"""Firmware: the proved control law as C99."""

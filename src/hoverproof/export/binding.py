@@ -1,0 +1,227 @@
+"""Run an exported package from Python: the very C that goes on the vehicle."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import cffi
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.errors import InputError
+
+FLAGS = (
+    *("-std=c99", "-O2", "-fPIC", "-shared", "-fno-math-errno", "-ffp-contract=off"),
+    "-fvisibility=default",
+)
+"""The package's own flags, for a shared library; no machine flags: the bits are the target's."""
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Output:
+    """What a step gave.
+
+    Attributes
+    ----------
+    status : int
+        0, or a sum of the status bits in the package's header.
+    thrust, thrust_rate : float
+        N and N/s.
+    torque : (3,) float
+        Body frame, N m.
+    rotor : (4,) float
+        N.
+    """
+
+    status: int
+    thrust: float
+    thrust_rate: float
+    torque: tuple[float, ...]
+    rotor: tuple[float, ...]
+
+
+class Firmware:
+    """An exported package, compiled for this computer and loaded.
+
+    Parameters
+    ----------
+    folder : str or Path
+        The package.
+    compiler : str, optional
+        Command of the C compiler; by default ``$CC``, or cc, gcc or clang, whichever is there.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no package, or there is no C compiler that can build it.
+    """
+
+    def __init__(self, folder: str | Path, *, compiler: str | None = None) -> None:
+        folder = Path(folder)
+        try:
+            self.manifest: dict[str, Any] = json.loads(
+                (folder / "manifest.json").read_text("utf-8")
+            )
+            self.name = str(self.manifest["name"])
+            header = (folder / f"{self.name}.h").read_text("utf-8")
+        except (OSError, ValueError, KeyError):
+            raise InputError(str(folder), "", "is no firmware package: see `export`") from None
+        self._ffi = cffi.FFI()
+        self._ffi.cdef(_declarations(header, self.name) + _LOOP)
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as build:
+            library = _built(folder, self.name, compiler, Path(build))
+            self._library = self._ffi.dlopen(str(library))  # what is loaded needs no file
+        self._params = self._new("params")
+        self._state = self._new("state")
+        self._call("init", self._params)
+        self.reset()
+
+    @property
+    def thrust_excess(self) -> float:
+        """T - m g in the state, N."""
+        return float(self._state.thrust_excess)
+
+    @thrust_excess.setter
+    def thrust_excess(self, value: float) -> None:
+        self._state.thrust_excess = value
+
+    def reset(self, thrust: float | None = None) -> int:
+        """Start from a thrust in N, by default that of hover, and return the status."""
+        design = getattr(self._library, f"{self.name}_design")
+        hover = design.mass * design.gravity
+        return int(
+            self._call("reset", self._params, self._state, hover if thrust is None else thrust)
+        )
+
+    def set_rotor_limits(self, lowest: float, highest: float) -> int:
+        """Set the limits of each rotor, N, and return the status."""
+        return int(self._call("set_rotor_limits", self._params, lowest, highest))
+
+    def set_gains(self, gains: Sequence[float]) -> int:
+        """Set k1, k2, k3, k4, k_yaw of a tunable package and return the status."""
+        return int(self._call("set_gains", self._params, list(gains)))
+
+    def selftest(self) -> int:
+        """Return 0 if every built-in vector holds bit for bit, else the first that does not."""
+        return int(self._call("selftest"))
+
+    def step(self, seen: Any, **rest: Any) -> Output:
+        """Run one step.
+
+        Parameters
+        ----------
+        seen : (n, 2) image points, or (3,) centroid
+        **rest
+            velocity (3,) m/s, rate (3,) rad/s, gravity_direction (3,), dt in s; target_seen,
+            by default True.
+        """
+        of_points = self.manifest["sensing"] == "points"
+        values = {"image" if of_points else "centroid": seen, "target_seen": True, **rest}
+        given = self._new("input")
+        for key, value in values.items():
+            setattr(given, key, int(value) if key == "target_seen" else np.asarray(value).tolist())
+        out = self._new("output")
+        status = self._call("step", self._params, self._state, given, out)
+        rotor, torque = tuple(out.rotor), tuple(out.torque)
+        return Output(int(status), out.thrust, out.thrust_rate, torque, rotor)
+
+    def fly(self, dt: float, samples: int, every: int) -> Mapping[str, Any]:
+        """Fly the mission from its start with the package's simulated vehicle.
+
+        Parameters
+        ----------
+        dt : float
+            s from one step of the controller, and of RK4, to the next.
+        samples, every : int
+            A sample is kept before every so many steps, and one at the end.
+
+        Returns
+        -------
+        mapping
+            state (m, 18): ξ, V, R column by column, Ω; thrust (m,) N, torque (m, 3) N m, rotor
+            (m, 4) N, status (m,): m = samples + 1, or fewer if a fault ended the flight; and
+            any_status, all bits that came up in between.
+        """
+        rows, bits = np.zeros((samples + 1, ROW)), np.zeros(samples + 2, np.uint32)
+        taken = self._library.hoverproof_fly(
+            dt,
+            samples,
+            every,
+            self._ffi.cast("double *", self._ffi.from_buffer(rows)),
+            self._ffi.cast("uint32_t *", self._ffi.from_buffer(bits)),
+        )
+        rows = rows[:taken]
+        return {
+            "state": rows[:, :18],
+            "thrust": rows[:, 18],
+            "torque": rows[:, 19:22],
+            "rotor": rows[:, 22:26],
+            "status": bits[:taken],
+            "any_status": int(bits[-1]),
+        }
+
+    def _new(self, kind: str) -> Any:
+        return self._ffi.new(f"{self.name}_{kind}_t *")
+
+    def _call(self, verb: str, *arguments: Any) -> Any:
+        return getattr(self._library, f"{self.name}_{verb}")(*arguments)
+
+
+ROW = 26
+_LOOP = """
+long hoverproof_fly(double dt, long samples, long every, double *rows, uint32_t *status);
+"""
+
+
+def _declarations(header: str, name: str) -> str:
+    """Return the declarations of a header, without what belongs to the preprocessor."""
+    text = re.sub(r"/\*.*?\*/", "", header, flags=re.S)
+    text = re.sub(r"#ifdef __cplusplus.*?#endif", "", text, flags=re.S)
+    points = re.search(rf"#define {name.upper()}_POINTS \((\d+)\)", text)
+    text = re.sub(r"(?m)^#.*$", "", text)
+    text = text.replace("extern const", "extern")  # cffi reads no constants of a library
+    return text.replace(f"{name.upper()}_POINTS", points[1] if points else "")
+
+
+def _built(folder: Path, name: str, compiler: str | None, build: Path) -> Path:
+    """Compile a package with the loop of `Firmware.fly` and return the shared library."""
+    loop = (resources.files("hoverproof.export") / "loop.c").read_text("utf-8")
+    library = build / f"{name}.so"
+    (build / "loop.c").write_text(loop.replace("NAME", name), encoding="utf-8")
+    sources = [folder / f"{name}.c", folder / f"{name}_selftest.c", folder / "example/vehicle.c"]
+    command = [
+        *shlex.split(compiler or _find_compiler()),
+        *FLAGS,
+        *(f"-I{folder.absolute()}", f"-I{(folder / 'example').absolute()}"),
+        *(str(path.absolute()) for path in sources),
+        *(str(build / "loop.c"), "-lm", "-o", str(library)),
+    ]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise InputError(command[0], "", f"cannot be run: {error.strerror}") from None
+    if done.returncode:
+        last = done.stderr.strip().splitlines()[-1:] or ["no message"]
+        raise InputError(str(folder), "", f"cannot be compiled with {command[0]}: {last[0]}")
+    return library
+
+
+def _find_compiler() -> str:
+    named = os.environ.get("CC")
+    for command in [named] if named else ["cc", "gcc", "clang"]:
+        if shutil.which(shlex.split(command)[0]):
+            return command
+    raise InputError("--controller", "", "firmware needs a C compiler; none was found (or set CC)")

@@ -1,0 +1,205 @@
+"""Vectors of the self-test: single steps, computed as the target computes them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.algebra.graph import evaluate
+from hoverproof.export.flight_law import FlightLaw
+from hoverproof.export.precision import Precision, Rounded
+from hoverproof.mission import Mission
+
+NOMINAL = 8
+"""Vectors in which nothing is at a limit."""
+
+
+@dataclass(frozen=True)
+class InputBox:
+    """What a step accepts as input; anything else is a fault.
+
+    Attributes
+    ----------
+    image : Fraction
+        Root of the sum of x² + y² over all image points, focal length 1.
+    speed : Fraction
+        m/s.
+    rate : Fraction
+        rad/s; gyroscopes of 2000 degrees/s stay inside.
+    direction : (low, high)
+        Length of the gravity direction, which should be 1.
+    dt : Fraction
+        Longest step, s.
+    """
+
+    image: Fraction = Fraction(20)
+    speed: Fraction = Fraction(30)
+    rate: Fraction = Fraction(61)
+    direction: tuple[Fraction, Fraction] = (Fraction(9, 10), Fraction(11, 10))
+    dt: Fraction = Fraction(1, 10)
+
+    def as_json(self, sensing: str, points: int) -> dict[str, Any]:
+        """Return the box in words and numbers."""
+        seen = (
+            {"image_root_sum_of_squares": [0, float(self.image)]}
+            if sensing == "points"
+            else {"centroid_length": [0, 1.01 * points]}
+        )
+        return {
+            **seen,
+            "velocity_length_m_per_s": [0, float(self.speed)],
+            "rate_length_rad_per_s": [0, float(self.rate)],
+            "gravity_direction_length": [float(d) for d in self.direction],
+            "dt_s": [0, float(self.dt)],
+        }
+
+
+@dataclass(frozen=True)
+class Step:
+    """Input and state of one step, in the numbers of the target.
+
+    Attributes
+    ----------
+    seen : (2, n) or (3,)
+        Image points, or centroid.
+    velocity, rate, gravity_direction : (3,)
+    excess, dt : scalar
+        T - m g in N, and s.
+    """
+
+    seen: NDArray[Any]
+    velocity: NDArray[Any]
+    rate: NDArray[Any]
+    gravity_direction: NDArray[Any]
+    excess: np.floating
+    dt: np.floating
+
+
+def random_step(
+    draw: np.random.Generator,
+    mission: Mission,
+    precision: Precision,
+    sensing: str,
+    thrust: tuple[Fraction, Fraction],
+) -> Step:
+    """Draw a step near a hover that sees the target, its thrust in an interval."""
+    n, weight, real = len(mission.target.points), float(mission.vehicle.weight), precision.scalar
+    image = draw.uniform(-1, 1, (2, n))
+    rays = np.vstack([image, np.ones(n)])
+    tilt = draw.normal(0, 0.1, 2)
+    down = np.array([*tilt, 1.0]) / np.sqrt(1 + tilt @ tilt)
+    return Step(
+        seen=(
+            image if sensing == "points" else (rays / np.linalg.norm(rays, axis=0)).sum(1)
+        ).astype(real),
+        velocity=draw.normal(0, 0.5, 3).astype(real),
+        rate=draw.normal(0, 0.2, 3).astype(real),
+        gravity_direction=down.astype(real),
+        excess=real(draw.uniform(float(thrust[0]) - weight, float(thrust[1]) - weight)),
+        dt=real(draw.uniform(0.0005, 0.02)),
+    )
+
+
+def law_at(law: FlightLaw, step: Step, precision: Precision) -> dict[str, list[np.floating]]:
+    """Evaluate the law operation by operation, each rounded as on the target."""
+    arguments: list[list[Any]] = [
+        [Rounded(x) for x in step.seen.ravel(order="F")],
+        *([Rounded(x) for x in v] for v in (step.velocity, step.rate, step.gravity_direction)),
+        [Rounded(step.excess)],
+        [Rounded(precision.round(c)) for c in law.coefficients.values()],
+    ]
+    values = evaluate(law.function, arguments, lambda c: Rounded(precision.round(c)))
+    names = [law.function.name_out(i) for i in range(law.function.n_out())]
+    return {
+        n: [row[0].value for row in m] for n, m in zip(names, values, strict=True) if n in RESULTS
+    }
+
+
+RESULTS = ("thrust_rate", "torque", "rotor")
+
+
+def test_vectors(
+    mission: Mission,
+    law: FlightLaw,
+    precision: Precision,
+    options: Mapping[str, Any],
+    thrust: tuple[Fraction, Fraction],
+    *,
+    tilt_cosine: Fraction,
+    certified: bool,
+) -> list[dict[str, str]]:
+    """Return the vectors as C text: steps of the law, and one for each fault."""
+    draw = np.random.default_rng(0)
+    weight = mission.vehicle.weight
+    highest = 4 * options["rotor_limits"][1] - weight
+    written: list[dict[str, str]] = []
+    step = random_step(draw, mission, precision, options["sensing"], thrust)
+    for _ in range(100 * NOMINAL):
+        if len(written) == NOMINAL:
+            break
+        step = random_step(draw, mission, precision, options["sensing"], thrust)
+        out = law_at(law, step, precision)
+        following = step.excess + step.dt * out["thrust_rate"][0]
+        low, high = (precision.round(r) for r in options["rotor_limits"])
+        inside = all(low < r < high for r in out["rotor"])
+        if inside and abs(float(following)) < 0.9 * float(min(highest, weight / 2)):
+            out["thrust"] = [precision.round(weight) + step.excess]
+            status = 0 if certified else 64
+            if step.gravity_direction[2] < precision.round(tilt_cosine):
+                status += 16
+            words = "a step of the law"
+            written.append(_written(precision, step, out, following, status, words))
+    zero = precision.scalar(0)
+    safe = {
+        "thrust": [precision.round(weight)],
+        "torque": [zero] * 3,
+        "rotor": [precision.round(weight / 4)] * 4,
+        "thrust_rate": [zero],
+    }
+    huge = precision.scalar(1e30)
+    fast = Step(**{**vars(step), "velocity": np.array([huge, zero, zero])})
+    gone = Step(**{**vars(step), "excess": -precision.round(weight)})
+    written.append(_written(precision, fast, safe, zero, 1, "an input beyond all reason"))
+    written.append(_written(precision, step, safe, zero, 2, "target not seen", seen=False))
+    written.append(_written(precision, gone, safe, zero, 4, "no thrust"))
+    return written
+
+
+def _written(
+    precision: Precision,
+    step: Step,
+    out: Mapping[str, list[Any]],
+    following: Any,
+    status: int,
+    what: str,
+    *,
+    seen: bool = True,
+) -> dict[str, str]:
+    hexed = precision.hex_literal
+
+    def braces(values: Any) -> str:
+        return "{ " + ", ".join(map(hexed, values)) + " }"
+
+    image = step.seen
+    pairs = ",\n          ".join(braces(column) for column in image.T) if image.ndim == 2 else ""
+    return {
+        "what": what,
+        "excess": hexed(step.excess),
+        "seen": f"{{ {pairs} }}" if pairs else braces(image),
+        "velocity": braces(step.velocity),
+        "rate": braces(step.rate),
+        "gravity_direction": braces(step.gravity_direction),
+        "dt": hexed(step.dt),
+        "target_seen": "1" if seen else "0",
+        "status": str(status),
+        "thrust": hexed(out["thrust"][0]),
+        "torque": braces(out["torque"]),
+        "rotor": braces(out["rotor"]),
+        "thrust_rate": hexed(out["thrust_rate"][0]),
+        "next_excess": hexed(following),
+    }

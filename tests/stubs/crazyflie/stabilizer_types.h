@@ -1,0 +1,36 @@
+/* What a controller sees of the Crazyflie firmware, in brief. */
+#pragma once
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef union { struct { float x, y, z; }; float axis[3]; } Axis3f;
+typedef struct { uint32_t timestamp; float x, y, z; } point_t, velocity_t, acc_t;
+typedef struct { uint32_t timestamp; float roll, pitch, yaw; } attitude_t;
+typedef struct {
+  uint32_t timestamp;
+  union { struct { float q0, q1, q2, q3; }; struct { float x, y, z, w; }; };
+} quaternion_t;
+typedef struct { Axis3f acc, gyro, mag; } sensorData_t; /* gyro in degrees/s */
+typedef struct {
+  attitude_t attitude;
+  quaternion_t attitudeQuaternion;
+  point_t position;
+  velocity_t velocity;
+  acc_t acc;
+} state_t;
+typedef enum { controlModeLegacy = 0, controlModeForceTorque, controlModeForce } control_mode_t;
+typedef struct {
+  union {
+    struct { int16_t roll, pitch, yaw; float thrust; };
+    struct {
+      float thrustSi;
+      union { float torque[3]; struct { float torqueX, torqueY, torqueZ; }; };
+    };
+    float normalizedForces[4];
+  };
+  control_mode_t controlMode;
+} control_t;
+typedef struct { attitude_t attitude, attitudeRate; float thrust; } setpoint_t;
+
+#define RATE_1000_HZ 1000
+#define RATE_MAIN_LOOP RATE_1000_HZ

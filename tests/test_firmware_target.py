@@ -1,0 +1,334 @@
+"""The exported firmware under the tools of its trade: compilers, analysers, emulated boards."""
+
+from __future__ import annotations
+
+import random
+import re
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from firmware_kit import (
+    BOARDS,
+    C_WARNINGS,
+    FLAGS,
+    OFF_AXIS,
+    TARGET,
+    WARNINGS,
+    build_for,
+    emulate,
+    export,
+    kinds,
+    names_header,
+    run,
+    tool,
+)
+from hoverproof.mission import presets
+
+STUBS = Path(__file__).parent / "stubs"
+BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
+pytestmark = pytest.mark.slow
+
+M4F = BOARDS["Cortex-M4F"]
+EACH_KIND = pytest.mark.parametrize("kind", kinds(), ids=str)
+
+
+def all_c(package):
+    return [*package.sources, *sorted((package.folder / "example").glob("*.c"))]
+
+
+def misra(folder, *sources):
+    """Return what cppcheck and its MISRA addon find."""
+    command = [tool("cppcheck"), "--addon=misra", "--std=c99", "--quiet", "--inconclusive"]
+    command += ["--enable=warning,style,performance,portability", "--template={file}:{line}: {id}"]
+    done = subprocess.run(
+        [*command, *map(str, sources)], cwd=folder, capture_output=True, text=True, check=True
+    )
+    return done.stderr.splitlines()
+
+
+# --- compilers ----------------------------------------------------------------------------------
+
+
+@EACH_KIND
+def test_no_compiler_warns(kind, tmp_path):
+    package = kind.export(tmp_path / "fw")
+    for source in all_c(package):
+        for compiler in ("gcc", "clang"):
+            flags = (*FLAGS, *C_WARNINGS, *package.includes)
+            run(tool(compiler), *flags, "-c", source, "-o", "made.o")
+    for source in package.sources:
+        for compiler in ("g++", "clang++"):
+            flags = ("-x", "c++", "-std=c++17", "-O2", *WARNINGS, *package.includes)
+            run(tool(compiler), *flags, "-c", source, "-o", "made.o")
+
+
+# --- static analysis ----------------------------------------------------------------------------
+
+
+@EACH_KIND
+def test_cppcheck_finds_no_breach_of_misra(kind, tmp_path):
+    package = kind.export(tmp_path / "fw")
+    assert misra(package.folder, *(s.name for s in package.sources)) == []
+
+
+def test_cppcheck_finds_a_planted_breach_of_misra(tmp_path):
+    package = export(tmp_path / "fw")
+    source = package.sources[0]
+    planted = (
+        "int f(int a)\n{\n  int b;\n  if ((b = a) != 0) {\n    return\n 010;\n }\n return b;\n}\n"
+    )
+    source.write_text(source.read_text() + planted)
+    found = misra(package.folder, *(s.name for s in package.sources))
+    for rule in ("7.1", "13.4", "15.5"):  # octal, assignment as a value, more than one exit
+        assert any(line.endswith(f"misra-c2012-{rule}") for line in found), (rule, found)
+
+
+def eva(package, folder, entry, excess, *options):
+    """Return the number of alarms that Frama-C's Eva raises."""
+    (folder / "firmware_names.h").write_text(names_header(package))
+    box = package.manifest["input_box"]
+    macros = {
+        "SOURCE": f'\\"{package.name}.c\\"',
+        "IMAGE_REACH": box["image_root_sum_of_squares"][1],
+        "SPEED_REACH": box["velocity_length_m_per_s"][1],
+        "RATE_REACH": box["rate_length_rad_per_s"][1],
+        "DOWN_REACH": box["gravity_direction_length"][1],
+        "EXCESS_FROM": excess[0],
+        "EXCESS_TO": excess[1],
+        "LAW_PARAMS": "",
+    }
+    defines = " ".join(f"-D{k}={v}" for k, v in macros.items())
+    extra = f"-I{package.folder} -I{folder} {defines}"
+    done = run(
+        *(tool("frama-c"), "-eva", "-main", entry, "-machdep", "gcc_x86_64", *options),
+        *(f"-cpp-extra-args={extra}", TARGET / "eva.c"),
+        timeout=600,
+    )
+    assert "100% coverage" in done.stdout or "99% coverage" in done.stdout, done.stdout
+    return int(re.search(r"(\d+) alarms? generated", done.stdout)[1])
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+@pytest.mark.parametrize("preset", presets())
+def test_eva_proves_finite_outputs_over_the_certified_box_and_alarms_beyond(
+    preset, precision, tmp_path
+):
+    package = export(tmp_path / "fw", preset, precision=precision)
+    vehicle = package.manifest["mission"]["vehicle"]
+    weight = float(Fraction(vehicle["mass"]) * Fraction(vehicle["gravity"]))
+    low, high = (t - weight for t in package.manifest["thrust"])
+    assert eva(package, tmp_path, "law_over_box", (low, high), "-eva-precision", "3") == 0
+    beyond = (-1.5 * weight, high)  # T from below 0, across T = c q3*
+    assert eva(package, tmp_path, "law_over_box", beyond, "-eva-precision", "3") > 0
+
+
+def test_eva_proves_a_step_on_anything_finite_free_of_run_time_errors(tmp_path):
+    package = export(tmp_path / "fw")
+    assert eva(package, tmp_path, "step_on_anything", (0, 0), "-eva-precision", "8") == 0
+
+
+# --- boards -------------------------------------------------------------------------------------
+
+
+@EACH_KIND
+def test_the_object_has_no_soft_double_no_library_and_no_variables(kind, tmp_path):
+    package = kind.export(tmp_path / "fw")
+    single = package.manifest["precision"] == "float32"
+    for name, board in BOARDS.items():
+        for source in package.sources:
+            made = tmp_path / "made.o"
+            flags = (*board.flags, *FLAGS, *package.includes)
+            run(tool("arm-none-eabi-gcc"), *flags, "-c", source, "-o", made)
+            undefined = run("arm-none-eabi-nm", "--undefined-only", made).stdout.split()[1::2]
+            own = {s for s in undefined if s.startswith(package.name)}
+            soft = () if single or name == "Cortex-M7" else ("__aeabi_d", "__aeabi_", "sqrt")
+            others = {s for s in set(undefined) - own if not (soft and s.startswith(soft))}
+            assert not others, others
+            _, data, bss = run("arm-none-eabi-size", made).stdout.splitlines()[1].split()[:3]
+            assert (data, bss) == ("0", "0")
+
+
+@EACH_KIND
+def test_boards_and_host_compute_the_same_bits(kind, tmp_path):
+    """Self-test, 10,000 random inputs and 30 s at 1 kHz; the vehicle is simulated on the board."""
+    package = kind.export(tmp_path / "fw")
+    (tmp_path / "firmware_names.h").write_text(names_header(package, 30_000))
+    sources = [TARGET / "bits.c", package.folder / "example" / "vehicle.c"]
+    includes = (*package.includes, f"-I{tmp_path}")
+    said = set()
+    for compiler in ("gcc", "clang"):
+        flags = ("-std=gnu99", *FLAGS[1:])
+        made = tmp_path / compiler
+        run(tool(compiler), *flags, *includes, *sources, *package.sources, "-lm", "-o", made)
+        said.add(run(made).stdout)
+    for name, board in BOARDS.items():
+        image = build_for(board, package, sources, tmp_path / f"{name}.elf")
+        said.add(emulate(board, image))
+    assert len(said) == 1, said
+    assert said.pop().startswith("selftest 0\n")
+
+
+def test_fused_products_change_the_bits_and_the_selftest_says_so(tmp_path):
+    package = export(tmp_path / "fw")
+    (tmp_path / "firmware_names.h").write_text(names_header(package, 10))
+    sources = [TARGET / "bits.c", package.folder / "example" / "vehicle.c"]
+    image = build_for(M4F, package, sources, tmp_path / "fused.elf", "-ffp-contract=fast")
+    assert not emulate(M4F, image).startswith("selftest 0\n")
+
+
+@pytest.mark.parametrize("kind", [k for k in kinds() if "float64" not in str(k)], ids=str)
+def test_the_budgets_of_the_manifest_are_kept(kind, tmp_path):
+    """They are about float32."""
+    package = kind.export(tmp_path / "fw")
+    sys.path.insert(0, str(BENCHMARKS))
+    import firmware as benchmark
+
+    step, budgets = f"{package.name}_step", package.manifest["budgets"]
+    count = benchmark.counted(package, tmp_path, step)
+    text, stack = benchmark.size_of(tmp_path, package.sources[0], step, *package.includes)
+    assert 0.8 * budgets["instructions"] < count <= budgets["instructions"]
+    assert stack <= budgets["stack_bytes"] <= 160
+    assert 0.7 * budgets["flash_bytes"] < text <= budgets["flash_bytes"]
+
+
+@pytest.mark.parametrize("preset", presets())
+def test_a_step_takes_no_more_instructions_than_c_by_hand(preset, tmp_path):
+    sys.path.insert(0, str(BENCHMARKS))
+    import firmware as benchmark
+
+    package = export(tmp_path / "fw", preset)
+    assert benchmark.counted(package, tmp_path, f"{package.name}_step") <= benchmark.by_hand(
+        package, tmp_path
+    )
+
+
+def test_c_by_hand_computes_the_same(tmp_path):
+    """The reference of the benchmark has the same duties: outputs and status agree."""
+    sys.path.insert(0, str(BENCHMARKS))
+    import firmware as benchmark
+
+    package = export(tmp_path / "fw")
+    (tmp_path / "firmware_names.h").write_text(names_header(package, 1000))
+    flags = ("-std=gnu99", *FLAGS[1:], *package.includes, f"-I{tmp_path}")
+    macros = benchmark.hand_macros(package)
+    sources = [TARGET / "agree.c", BENCHMARKS / "firmware.c", *package.sources]
+    run(tool("gcc"), *flags, *macros, *sources, "-lm", "-o", tmp_path / "agree")
+    calls, worst = run(tmp_path / "agree").stdout.split()
+    assert int(calls) == 100_000
+    assert float(worst) < 2e-5, worst
+
+
+# --- fuzzing ------------------------------------------------------------------------------------
+
+SANITIZERS = ("-fsanitize=undefined,address", "-fno-sanitize-recover=all", "-g", "-O2")
+
+
+def fuzzer(package, folder, *options):
+    """Compile the fuzz harness with its package, sanitizers on."""
+    (folder / "firmware_names.h").write_text(names_header(package))
+    flags = ("-std=gnu99", "-ffp-contract=off", *SANITIZERS, *package.includes, f"-I{folder}")
+    made = folder / "fuzz"
+    run(tool("clang"), *flags, *options, TARGET / "fuzz.c", *package.sources, "-lm", "-o", made)
+    return made
+
+
+def fuzz_random(package, folder, calls):
+    """Call a step so often with random bytes; return how often."""
+    assert run(fuzzer(package, folder, "-DALONE"), calls).stdout == f"{calls} calls\n"
+    return calls
+
+
+def fuzz_guided(package, folder, calls):
+    """Let libFuzzer call a step until so many inputs were long enough; return how many."""
+    program, seeds = fuzzer(package, folder, "-fsanitize=fuzzer"), folder / "seeds"
+    seeds.mkdir()
+    for i in range(16):
+        (seeds / str(i)).write_bytes(random.Random(i).randbytes(400))
+    total = 0
+    while total < calls:
+        runs = max(1000, int(1.5 * (calls - total)))
+        guided = (f"-runs={runs}", f"-seed={total + 1}", "-max_len=400", "-len_control=0", seeds)
+        total += int(re.search(r"(\d+) whole calls", run(program, *guided).stderr)[1])
+    return total
+
+
+@EACH_KIND
+def test_fuzzing_finds_no_trap_no_nan_and_no_wrong_status(kind, tmp_path):
+    """The first of the ten million calls of `make fuzz`."""
+    package = kind.export(tmp_path / "fw")
+    assert fuzz_random(package, tmp_path, 500_000) == 500_000
+    assert fuzz_guided(package, tmp_path, 100_000) >= 100_000
+
+
+def test_fuzzing_finds_a_check_left_out(tmp_path):
+    package = export(tmp_path / "fw")
+    source = package.sources[0]
+    text = source.read_text()
+    mutant = text.replace("(square_length(in->rate) <= X4_FLYER_RATE_SQUARE) &&", "", 1)
+    assert mutant != text
+    source.write_text(mutant)
+    (tmp_path / "firmware_names.h").write_text(names_header(package))
+    flags = ("-std=gnu99", "-ffp-contract=off", *package.includes, f"-I{tmp_path}", "-DALONE")
+    sources = (TARGET / "fuzz.c", *package.sources, "-lm")
+    run(tool("clang"), *flags, *sources, "-o", tmp_path / "alone")
+    done = subprocess.run([tmp_path / "alone", "100000"], capture_output=True, check=False)
+    assert done.returncode != 0
+
+
+# --- adapters and example -----------------------------------------------------------------------
+
+
+@EACH_KIND
+def test_adapters_compile_against_the_headers_of_their_trees(kind, tmp_path):
+    package = kind.export(tmp_path / "fw")
+    single = package.manifest["precision"] == "float32"
+    name, adapters = package.name, package.folder / "adapters"
+    n = len(package.manifest["mission"]["target"]["points"])
+    seen = 2 * n if package.manifest["sensing"] == "points" else 3
+    topic = tmp_path / "uORB" / "topics" / f"{name}_image.h"
+    topic.parent.mkdir(parents=True)
+    topic.write_text(
+        '#pragma once\n#include "px4.hpp"\n'
+        f"struct {name}_image_s {{ uint64_t timestamp; float seen[{seen}]; }};\n"
+        f"extern const orb_metadata {name}_image_metadata;\n"
+    )
+    warn = ("-Wall", "-Wextra", "-Werror", "-c", "-o", "made.o", f"-I{package.folder}")
+    if single:  # the tree's own flags; its processor has no double
+        tree = (*M4F.flags, "-std=gnu11", "-Os", "-Wdouble-promotion", "-Wmissing-prototypes")
+        crazyflie = adapters / "crazyflie" / f"controller_{name}.c"
+        for source in (crazyflie, *package.sources):
+            flags = (*tree, *warn, f"-I{STUBS / 'crazyflie'}")
+            run(tool("arm-none-eabi-gcc"), *flags, source)
+    for compiler in ("g++", "clang++"):
+        px4 = (f"-I{STUBS / 'px4'}", f"-I{tmp_path}", adapters / "px4" / f"{name}_module.cpp")
+        run(tool(compiler), "-std=c++14", *warn, *px4)
+        ardupilot = adapters / "ardupilot" / f"AC_CustomControl_{name}.cpp"
+        unused = ("-Wno-unused-private-field",) if compiler == "clang++" else ()
+        run(tool(compiler), "-std=c++11", *warn, *unused, f"-I{STUBS / 'ardupilot'}", ardupilot)
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_the_readme_of_the_package_leads_to_a_running_example(precision, tmp_path):
+    tool("cmake")
+    package = export(tmp_path / "fw", precision=precision)
+    (commands,) = re.findall(r"```sh\n(.*?)```", (package.folder / "README.md").read_text(), re.S)
+    assert len(commands.strip().splitlines()) == 2
+    done = run("bash", "-euc", commands, cwd=package.folder)
+    assert "selftest: passed" in done.stdout
+    assert re.search(r"^ +30\.000 .* 0$", done.stdout, re.M)
+
+
+def test_the_example_also_flies_off_the_axis(tmp_path):
+    package = export(tmp_path / "fw", overrides=OFF_AXIS)
+    run(tool("gcc"), *FLAGS, *package.includes, *all_c(package), "-lm", "-o", "fly")
+    assert run("./fly", 5).stdout.startswith("selftest: passed")
+
+
+def test_the_installer_names_the_packages_of_the_tools_used_here():
+    script = (Path(__file__).parents[1] / "tools" / "install-system-tools.sh").read_text()
+    for package in ("gcc-arm-none-eabi", "libnewlib-arm-none-eabi", "qemu-system-arm", "cppcheck"):
+        assert package in script
