@@ -1,7 +1,7 @@
 """Worst eigenvalues of Σ for many questions at once, in floating point.
 
-For each question it maximises the concave margin of M(τ) over the multiplier τ (see `lmi`), block by
-block: where the goal is on the axis, Σ falls apart into two equal 4×4 blocks and one 3×3 block.
+For each question it maximises the concave margin of M(τ) over the multiplier τ (see `lmi`), block
+by block: where the goal is on the axis, Σ falls apart into two equal 4×4 blocks and one 3×3 block.
 What a margin is worth is decided elsewhere, exactly.
 """
 
@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
@@ -23,10 +23,11 @@ from hoverproof.servo.error_chain import Design
 from hoverproof.servo.lyapunov import ERROR_SIZE, thrust_factor
 
 Array = NDArray[np.float64]
+Numbers = float | Array
 
 GAINS = ("k1", "k2", "k3", "k4")
 STEP = 8.0
-RELATIVE = 1e-10
+RELATIVE = 1e-9
 ROUNDING = 1e-15
 MOST_STEPS = 80
 MOST_TAU = 1e15
@@ -58,9 +59,9 @@ class Questions:
     gravity: float
     centroid: tuple[float, ...]
     gains: tuple[Array, ...]
-    eigenvalues: tuple[ArrayLike, ArrayLike]
-    thrust: tuple[ArrayLike, ArrayLike] | None
-    level: ArrayLike | None
+    eigenvalues: tuple[Numbers, Numbers]
+    thrust: tuple[Numbers, Numbers] | None
+    level: Numbers | None
     weights: tuple[float, ...]
 
     @classmethod
@@ -80,7 +81,7 @@ class Questions:
             weights=tuple(float(w) for w in problem.weights),
         )
 
-    def design(self) -> list[ArrayLike]:
+    def design(self) -> list[Any]:
         """Return the numbers in the order of `Design`; inertia and k_yaw do not enter Σ."""
         return [self.mass, self.gravity, 1.0, 1.0, 1.0, *self.gains, 1.0, *self.centroid]
 
@@ -114,11 +115,22 @@ def _force_function() -> ca.Function:
     return ca.Function("force", [d.vector(), thrust], outputs)
 
 
-def _force(questions: Questions, thrust: ArrayLike) -> list[Array]:
+def _force(questions: Questions, thrust: Numbers) -> list[Array]:
     """Return c, the singular thrust c q3*, and f(T), (n,) each."""
     with np.errstate(divide="ignore", invalid="ignore"):
         outputs = evaluate(_force_function(), [questions.design(), [thrust]], float)
     return [np.asarray(matrix[0][0], float) for matrix in outputs]
+
+
+def factor_of(questions: Questions, thrust: Numbers) -> Array:
+    """Return f(T), 1/m, (n,).
+
+    Parameters
+    ----------
+    questions : Questions
+    thrust : (n,) or one for all, N
+    """
+    return _force(questions, thrust)[2]
 
 
 def posed(questions: Questions) -> NDArray[np.bool_]:
@@ -146,19 +158,24 @@ def margins(questions: Questions) -> Array:
     low, high = questions.thrust_interval()
     worst = np.full(len(good), np.inf)
     for thrust in (high, low):
-        factor = _force(questions, np.where(good, thrust, 2 * questions.mass * questions.gravity))
-        worst = np.minimum(worst, _best(*_families(questions, factor[2], good)))
+        f = factor_of(questions, np.where(good, thrust, 2 * questions.mass * questions.gravity))
+        worst = np.minimum(worst, _best(*_families(questions, f, good)))
     return np.where(good, worst, np.nan)
 
 
-def _families(questions: Questions, f: Array, good: Array) -> tuple[list[_Family], Array]:
+def _families(
+    questions: Questions, f: Array, good: NDArray[np.bool_]
+) -> tuple[list[_Family], Array]:
     """Return the blocks of the inequality at one end of f, and k1 ϱ/2, (n,)."""
     n = len(good)
-    least, most = (np.where(good, x, 1.0 + i) for i, x in enumerate(questions.eigenvalues))
+    least, most = (
+        np.asarray(np.where(good, x, 1.0 + i)) for i, x in enumerate(questions.eigenvalues)
+    )
     middle = (least + most) / 2
     zero = np.zeros(n)
     lower = [middle, zero, zero, middle, zero, middle]
-    inputs = [questions.design(), list(questions.weights), lower, [np.where(good, f, 1.0)]]
+    ends = [np.where(good, f, 1.0)]
+    inputs: list[list[Any]] = [questions.design(), list(questions.weights), lower, ends]
     sigma, u, v = (_stack(rows, n) for rows in evaluate(sigma_function(), inputs, float))
     root = np.sqrt(np.repeat(questions.weights, (3, 3, 3, 2)))
     vv = np.einsum("nki,nkj->nij", v, v) / np.outer(root, root)
@@ -172,7 +189,7 @@ def _families(questions: Questions, f: Array, good: Array) -> tuple[list[_Family
     return blocks, questions.gains[0] * (most - least) / 4
 
 
-def _stack(rows: list[list[ArrayLike]], n: int) -> Array:
+def _stack(rows: list[list[Numbers]], n: int) -> Array:
     matrix = np.zeros((n, len(rows), len(rows[0])))
     for i, row in enumerate(rows):
         for j, entry in enumerate(row):
@@ -180,7 +197,7 @@ def _stack(rows: list[list[ArrayLike]], n: int) -> Array:
     return matrix
 
 
-def _blocks(*matrices: Array) -> list[Array]:
+def _blocks(*matrices: Array) -> list[NDArray[np.intp]]:
     """Return the sets of coordinates between which no matrix of any question has an entry."""
     linked = np.zeros((ERROR_SIZE, ERROR_SIZE), bool)
     for matrix in matrices:
@@ -196,8 +213,8 @@ def _same(a: _Family, b: _Family) -> bool:
 def _best(blocks: list[_Family], spread: Array) -> Array:
     """Return the largest margin over τ of each question, (n,).
 
-    Two tangents of the concave margin enclose its maximum. The next τ is where they meet, which is
-    right at a kink, or where the slope between them would vanish, which is right where it is smooth.
+    Two tangents of the concave margin enclose its maximum. The next τ is where they meet, which
+    is right at a kink, or where the slope between them vanishes, which is right where it is smooth.
     """
     n = len(spread)
     result = np.empty(n)
