@@ -15,6 +15,7 @@ FLOORS = [
     {"errors"},
     {"files"},
     {"mission", "algebra"},
+    {"editing"},
     {"plant"},
     {"servo"},
     {"certification", "simulation", "export", "paper"},

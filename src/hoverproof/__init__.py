@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from hoverproof.certification.atlas import atlas as atlas
     from hoverproof.certification.gains import certify as certify
+    from hoverproof.certification.tuning import tune as tune
     from hoverproof.checker import check_file as check
     from hoverproof.errors import InputError as InputError
     from hoverproof.mission import load as load
@@ -24,15 +26,28 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "InputError": ("hoverproof.errors", "InputError"),
+    "atlas": ("hoverproof.certification.atlas", "atlas"),
     "certify": ("hoverproof.certification.gains", "certify"),
     "check": ("hoverproof.checker", "check_file"),
     "derive": ("hoverproof.paper.ledger", "derive"),
     "load": ("hoverproof.mission", "load"),
     "presets": ("hoverproof.mission", "presets"),
     "simulate": ("hoverproof.simulation.flight", "simulate"),
+    "tune": ("hoverproof.certification.tuning", "tune"),
 }
 
-__all__ = ["InputError", "__version__", "certify", "check", "derive", "load", "presets", "simulate"]
+__all__ = [
+    "InputError",
+    "__version__",
+    "atlas",
+    "certify",
+    "check",
+    "derive",
+    "load",
+    "presets",
+    "simulate",
+    "tune",
+]
 
 
 def __getattr__(name: str) -> Any:

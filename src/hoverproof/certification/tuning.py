@@ -293,7 +293,7 @@ def _short_of(best: Tuned, limits: Limits, at_least: float, command: FirstComman
     binding = [f"{u.name} {u.value:.4g} of {u.limit:.4g} {u.unit}" for u in best.uses if u.binds]
     words = ", ".join(binding) if binding else "the bounds of Q and of the thrust alone"
     if needed is None:
-        more = "no bandwidth would do: the bounds of Q and of the thrust, and the start, stand"
+        more = "no bandwidth would do (floating point): the bounds of Q and of the thrust bind"
     else:
         more = f"a bandwidth of about {needed:.3g} rad/s would do"
     reason = (
@@ -304,7 +304,7 @@ def _short_of(best: Tuned, limits: Limits, at_least: float, command: FirstComman
 
 
 def _needed_bandwidth(search: GainSearch, best: Tuned, at_least: float) -> float | None:
-    """Return the bandwidth at which a rate is reached, rad/s, by bisection; None beyond 10⁴-fold."""
+    """Return the bandwidth at which a rate is reached, rad/s; None beyond 10⁴-fold."""
     g = best.mission.gains
     z = np.log([float(k) for k in (g.k1, g.k1 * g.k2, g.k3)])
 
