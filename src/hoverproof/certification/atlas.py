@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from hoverproof.certification.certificate import model_fingerprint
 from hoverproof.certification.gains import certify
-from hoverproof.certification.margins import Questions, factor_of, margins
+from hoverproof.certification.margins import Questions, margins
 from hoverproof.certification.problem import ONES, gain_problem
 from hoverproof.errors import InputError
 from hoverproof.mission import Bounds, Gains, Mission
@@ -212,17 +212,17 @@ def atlas(
     verdict = np.full(margin.shape, NOT_ASKED, np.int16)
     if exact:
         asked = np.argwhere(on_boundary(margin))
-        parts = [asked[i : i + EXACT_CHUNK] for i in range(0, len(asked), EXACT_CHUNK)]
+        groups = [asked[i : i + EXACT_CHUNK] for i in range(0, len(asked), EXACT_CHUNK)]
         decide = partial(cell_verdicts, mission, x, y, weights)
-        found = _spread(decide, parts, processes, report)
+        found = _spread(decide, groups, processes, report)
         if len(asked):
             verdict[tuple(asked.T)] = np.concatenate(found)
     return _dataset(mission, x, y, weights, margin, verdict)
 
 
 def _spread(
-    work: Callable[[Array], Array], parts: list[Array], processes: int | None, report: Report
-) -> list[Array]:
+    work: Callable[[Any], Any], parts: list[Any], processes: int | None, report: Report
+) -> list[Any]:
     """Do parts of the work in processes, and return the results in the order of the parts."""
     if processes == 1 or len(parts) < 2:
         return [_reported(work(part), i + 1, len(parts), report) for i, part in enumerate(parts)]
@@ -234,7 +234,7 @@ def _spread(
     return results
 
 
-def _reported(result: Array, done: int, total: int, report: Report) -> Array:
+def _reported(result: Any, done: int, total: int, report: Report) -> Any:
     report(done, total)
     return result
 
@@ -368,22 +368,22 @@ def _dataset(
     )
 
 
-def factors(
-    mission: Mission, x: Axis, y: Axis, weights: tuple[Fraction, ...] = ONES
-) -> Iterator[tuple[str, Array]]:
-    """Yield what varies over the cells by name, (ny, nx) each: k1…k4, eigenvalues, and f at its top.
+def cell_values(mission: Mission, x: Axis, y: Axis) -> dict[str, Array]:
+    """Return the gains and eigenvalue bounds of all cells, (ny, nx) each.
 
     Parameters
     ----------
     mission : Mission
     x, y : Axis
-    weights : (4,) Fractions
+
+    Returns
+    -------
+    dict
+        ``k1`` kg m/s, ``k2`` 1/m, ``k3`` and ``k4`` kg/s, ``lowest`` and ``highest`` 1/m.
     """
     pairs = np.stack(np.meshgrid(x.values, y.values), axis=-1).reshape(-1, 2)
-    questions = questions_of(mission, x.name, y.name, weights, pairs)
+    questions = questions_of(mission, x.name, y.name, ONES, pairs)
+    named = dict(zip(("k1", "k2", "k3", "k4"), questions.gains, strict=True))
+    named |= {"lowest": questions.eigenvalues[0], "highest": questions.eigenvalues[1]}  # type: ignore[dict-item]
     shape = (len(y.values), len(x.values))
-    for name, gain in zip(("k1", "k2", "k3", "k4"), questions.gains, strict=True):
-        yield name, gain.reshape(shape)
-    for name, end in zip(("lowest", "highest"), questions.eigenvalues, strict=True):
-        yield name, np.broadcast_to(end, len(pairs)).reshape(shape)
-    yield "f", factor_of(questions, questions.thrust_interval()[0]).reshape(shape)
+    return {k: np.broadcast_to(v, len(pairs)).reshape(shape) for k, v in named.items()}
