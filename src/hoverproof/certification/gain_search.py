@@ -166,3 +166,15 @@ def slowest_rates(mission: Mission, gains: tuple[Array, ...]) -> Array:
         for j, entry in enumerate(row):
             B[:, i, j] = entry
     return np.asarray(-np.linalg.eigvals(B).real.max(axis=1), np.float64)
+
+
+def slowest_rate_at_goal(mission: Mission) -> float:
+    """Return the decay rate of the slowest motion with a mission's own gains, 1/s.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    g = mission.gains
+    gains = tuple(np.array([float(k)]) for k in (g.k1, g.k2, g.k3, g.k4))
+    return float(slowest_rates(mission, gains)[0])

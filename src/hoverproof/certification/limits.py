@@ -192,6 +192,19 @@ def highest_k4(
     return low, high
 
 
+def bandwidth(mission: Mission) -> float:
+    """Return the attitude bandwidth (k1 k2 + k3 + k4)/m of a mission, rad/s.
+
+    It is the damping of the loop of δ3 and δ4, the fastest of the error chain.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    g = mission.gains
+    return float((g.k1 * g.k2 + g.k3 + g.k4) / mission.vehicle.mass)
+
+
 def uses(limits: Limits, command: FirstCommand, mission: Mission) -> list[Use]:
     """Return how much of each limit the gains of a mission use.
 
@@ -202,11 +215,10 @@ def uses(limits: Limits, command: FirstCommand, mission: Mission) -> list[Use]:
     mission : Mission
         The same start and goal as `command`, with the gains in question.
     """
-    g = mission.gains
-    bandwidth = float((g.k1 * g.k2 + g.k3 + g.k4) / mission.vehicle.mass)
-    used = [Use("bandwidth", bandwidth, limits.bandwidth, "rad/s")]
+    g, fastest = mission.gains, bandwidth(mission)
+    used = [Use("bandwidth", fastest, limits.bandwidth, "rad/s")]
     if limits.rate is not None:
-        product = bandwidth / limits.rate
+        product = fastest / limits.rate
         used.append(Use("bandwidth times sampling period", product, BANDWIDTH_TIMES_SAMPLE, "1"))
     gains = tuple(np.array([float(k)]) for k in (g.k1, g.k2, g.k3, g.k4))
     thrusts, tilt = command(gains)

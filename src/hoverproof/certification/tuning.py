@@ -17,7 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
-from hoverproof.certification.gain_search import COARSE, GainSearch, Objective, slowest_rates
+from hoverproof.certification.gain_search import (
+    COARSE,
+    GainSearch,
+    Objective,
+    slowest_rate_at_goal,
+)
 from hoverproof.certification.gains import Proved, certify, search_weights
 from hoverproof.certification.limits import FirstCommand, Limits, Use, highest_k4, uses
 from hoverproof.certification.margins import Questions, margins
@@ -203,7 +208,7 @@ def _tuned(
         estimate=2
         * float(margins(replace(search.questions, gains=exact))[0])
         / search.questions.mass,
-        slowest_rate=float(slowest_rates(tuned, _floats(gains))[0]),
+        slowest_rate=slowest_rate_at_goal(tuned),
         uses=uses(search.limits, search.command, tuned),
         objective=search.objective,
     )
@@ -247,10 +252,6 @@ def _gains(mission: Mission, four: list[Any], bandwidth: float | None = None) ->
         k_yaw = decimal_below(min(v.inertia[2] * Fraction(bandwidth) / YAW_PART, effort), 2)
     k1, k2, k3, k4 = (Fraction(k) for k in four)
     return Gains(k1=k1, k2=k2, k3=k3, k4=k4, k_yaw=k_yaw)
-
-
-def _floats(gains: Gains) -> tuple[Array, ...]:
-    return tuple(np.array([float(k)]) for k in (gains.k1, gains.k2, gains.k3, gains.k4))
 
 
 def _nothing(mission: Mission, search: GainSearch, best: Array, value: float) -> Infeasible:

@@ -17,6 +17,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from hoverproof.certification.atlas import QUANTITIES, VERDICTS
+from hoverproof.certification.limits import bandwidth
 from hoverproof.certification.tuning import Tuned
 from hoverproof.files import replacing
 from hoverproof.mission import Mission
@@ -40,9 +41,9 @@ def pareto_figure(mission: Mission, points: Sequence[tuple[float, Tuned]]) -> Fi
     """
     figure = Figure(figsize=(7.5, 5), layout="constrained")
     axes = figure.subplots()
-    bandwidth = [t.uses[0].value for _, t in points]
+    fastest = [bandwidth(t.mission) for _, t in points]
     rate = [float(t.verdict.decay_rate) for _, t in points]
-    axes.loglog(bandwidth, rate, "o-", color=COLOURS[0], label="tuned gains, proved")
+    axes.loglog(fastest, rate, "o-", color=COLOURS[0], label="tuned gains, proved")
     before = points[0][1].before
     if before is not None:
         g, m = mission.gains, mission.vehicle.mass
