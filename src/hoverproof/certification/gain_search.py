@@ -108,7 +108,7 @@ class GainSearch:
         lattice = np.stack(np.meshgrid(*[line] * self.size, indexing="ij"), -1)
         lattice = lattice.reshape(-1, self.size)
         best, value = start, float(self.values(self.gains(start[None]))[0])
-        for _ in range(MOST_ROUNDS):
+        for _ in range(MOST_ROUNDS if value > -np.inf else 0):
             trial = best + reach * lattice
             values = self.values(self.gains(trial))
             k = int(values.argmax())

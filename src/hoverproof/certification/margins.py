@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 Numbers = float | Array
 
 GAINS = ("k1", "k2", "k3", "k4")
-STEP = 8.0
+COLD, WARM = 8.0, 1.5
 RELATIVE = 1e-9
 ROUNDING = 1e-15
 MOST_STEPS = 80
@@ -157,9 +157,11 @@ def margins(questions: Questions) -> Array:
     good = posed(questions)
     low, high = questions.thrust_interval()
     worst = np.full(len(good), np.inf)
-    for thrust in (high, low):
+    tau, step = np.ones(len(good)), COLD
+    for thrust in (low, high):
         f = factor_of(questions, np.where(good, thrust, 2 * questions.mass * questions.gravity))
-        worst = np.minimum(worst, _best(*_families(questions, f, good)))
+        best, tau = _best(*_families(questions, f, good), tau, step)
+        worst, step = np.minimum(worst, best), WARM  # τ of one end is near that of the other
     return np.where(good, worst, np.nan)
 
 
@@ -210,18 +212,20 @@ def _same(a: _Family, b: _Family) -> bool:
     return all(np.array_equal(x, y) for x, y in zip(a, b, strict=True))
 
 
-def _best(blocks: list[_Family], spread: Array) -> Array:
-    """Return the largest margin over τ of each question, (n,).
+def _best(blocks: list[_Family], spread: Array, start: Array, reach: float) -> tuple[Array, Array]:
+    """Return the largest margin over τ of each question, and where it was found, (n,) each.
+
+    The search sets out from `start`, by factors of `reach` until there are τ on both sides.
 
     Two tangents of the concave margin enclose its maximum. The next τ is where they meet, which
     is right at a kink, or where the slope between them vanishes, which is right where it is smooth.
     """
     n = len(spread)
-    result = np.empty(n)
+    result, at = np.empty(n), np.empty(n)
     index = np.arange(n)
-    best, slope = _margin(blocks, spread, np.ones(n))
-    low, low_value, low_slope = np.ones(n), best.copy(), slope.copy()
-    high, high_value, high_slope = np.ones(n), best.copy(), slope.copy()
+    best, slope = _margin(blocks, spread, start)
+    low, low_value, low_slope = start.copy(), best.copy(), slope.copy()
+    high, high_value, high_slope = start.copy(), best.copy(), slope.copy()
     size = np.max([np.abs(b.sigma).max(axis=(1, 2)) for b in blocks], axis=0)
     for step in range(MOST_STEPS):
         rising, falling = low_slope > 0, high_slope < 0
@@ -239,10 +243,11 @@ def _best(blocks: list[_Family], spread: Array) -> Array:
         if step == MOST_STEPS - 1:
             done[:] = True
         result[index[done]] = best[done]
+        at[index[done]] = np.where(low_value > high_value, low, high)[done]
         if done.all():
             break
         inner = meet if step % 2 else flat
-        tau = np.where(bracketed, inner, np.where(rising, low * STEP, high / STEP))
+        tau = np.where(bracketed, inner, np.where(rising, low * reach, high / reach))
         keep = ~done
         index, spread, tau, size = index[keep], spread[keep], tau[keep], size[keep]
         blocks = [_Family(*(a[keep] for a in b)) for b in blocks]
@@ -256,7 +261,7 @@ def _best(blocks: list[_Family], spread: Array) -> Array:
             )
             for mine, end in ((up, ends[0]), (~up, ends[1]))
         )
-    return result
+    return result, at
 
 
 def _margin(blocks: list[_Family], spread: Array, tau: Array) -> tuple[Array, Array]:
