@@ -37,6 +37,7 @@ proofs: .venv/installed-dev
 bench: .venv/installed-dev
 	$(BIN)/python benchmarks/closed_loop.py --write
 	$(BIN)/python benchmarks/verdict.py --write
+	$(BIN)/python benchmarks/design.py --write
 
 .venv/installed: pyproject.toml
 	$(PYTHON) -m venv .venv

@@ -98,7 +98,8 @@ def tune(
             points = curve(loaded, pareto, report=report, **options)
         return _print_curve(loaded, points, out or Path(f"{loaded.name}.pareto.png"), json_)
 
-    found = design(loaded, **options)
+    with progress("tune"):
+        found = design(loaded, **options)
     written = None
     if out is not None and isinstance(found, Tuned):
         proved = number(found.verdict.decay_rate)

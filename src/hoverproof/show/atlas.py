@@ -123,7 +123,11 @@ def atlas_figure(
         where = "everywhere" if printed.all() else "nowhere"
         handles.append(Patch(facecolor="none", label=f"{label}: met {where} here"))
     else:
-        axes.contourf(across, along, printed, levels=[0.5, 1.5], colors="none", hatches=["//"])
+        area = axes.contourf(
+            across, along, printed, levels=[0.5, 1.5], colors="none", hatches=["//"]
+        )
+        area.set_edgecolor(COLOURS[3])
+        area.set_linewidth(0)
         axes.contour(across, along, printed, levels=[0.5], colors=[COLOURS[3]], linewidths=1.5)
         handles.append(
             Patch(facecolor="none", edgecolor=COLOURS[3], hatch="//", label=f"{label} (k1…k4) met")
