@@ -108,7 +108,7 @@ def test_500_random_cells_of_a_full_atlas_agree_with_certify(change, across, alo
 
 
 def test_cells_at_the_boundary_are_decided_exactly_and_in_any_number_of_processes(x4):
-    x, y = axis(x4, "k3", cells=30), axis(x4, "k4", cells=30)
+    x, y = axis(x4, "k3", cells=12), axis(x4, "k4", cells=12)
     drawn = atlas(x4, x, y, exact=True, processes=2)
     margin, verdict = drawn["margin"].values, drawn["verdict"].values
     assert ((verdict != NOT_ASKED) == on_boundary(margin)).all()
@@ -187,12 +187,12 @@ def test_the_figure_shows_the_mission_s_point_only_where_it_is(x4):
 
 
 def test_atlas_writes_a_map_with_units_and_a_figure(capsys):
-    options = ("--x", "k3", "--y", "k4", "--cells", 24, "--exact-boundary", "--processes", 1)
+    options = ("--x", "k3", "--y", "k4", "--cells", 12, "--exact-boundary", "--processes", 1)
     status, out, _ = run(capsys, "atlas", "x4-flyer", *options, "--out", "m.nc", "--json")
     answer = json.loads(out)
     assert status == 0
     assert answer["disagree"] == 0
-    assert answer["cells"] == 576
+    assert answer["cells"] == 144
     assert answer["decided_exactly"]["proved"] > 0
     assert Path("m.png").read_bytes().startswith(b"\x89PNG")
     with xr.open_dataset("m.nc", engine="h5netcdf") as kept:
