@@ -306,7 +306,14 @@ def test_a_start_that_no_command_can_leave_is_blamed():
     mission = load("x4-flyer", {"start.rates": "[8, -8, 3]"})
     answer = tune(mission, rotor_thrust=23.53, bandwidth=0.1)
     assert isinstance(answer, Infeasible)
-    assert "limits at the start" in answer.reason
+    assert "N beyond [0, 23.53] N" in answer.reason
+
+
+@pytest.mark.slow
+def test_settling_with_too_high_a_rate_says_what_rate_there_is(x4, fast):
+    answer = tune(x4, objective="settling", at_least=0.002)
+    assert isinstance(answer, Infeasible)
+    assert answer.best.verdict.decay_rate == fast.verdict.decay_rate
 
 
 @pytest.mark.parametrize(

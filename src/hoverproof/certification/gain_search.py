@@ -82,10 +82,11 @@ class GainSearch:
         questions = replace(self.questions, gains=held)
         rate = 2 * margins(questions) / questions.mass
         if self.objective == "settling":
-            proved = rate > max(self.at_least, LEAST * self.limits.fastest)
+            floor = max(self.at_least * (1 + LEAST), LEAST * self.limits.fastest)
+            proved = rate > floor
             slowest = np.full(len(good), -np.inf)
             slowest[proved] = slowest_rates(self.command.mission, tuple(k[proved] for k in held))
-            rate = np.where(slowest > 0, slowest, np.minimum(rate, 0.0))
+            rate = np.where(slowest > 0, slowest, np.minimum(rate - floor, 0.0))
         return np.where(good & np.isfinite(rate), rate, -np.inf)
 
     def starts(self) -> Array:
@@ -112,9 +113,10 @@ class GainSearch:
             trial = best + reach * lattice
             values = self.values(self.gains(trial))
             k = int(values.argmax())
-            if values[k] > value:
+            better = values[k] > value
+            if better:
                 best, value = trial[k], float(values[k])
-            if values[k] < value or np.abs(lattice[k]).max() < 1:
+            if not better or np.abs(lattice[k]).max() < 1:
                 reach /= 2
             if reach < finest:
                 break

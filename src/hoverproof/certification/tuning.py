@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, ClassVar, Literal
@@ -26,7 +26,7 @@ from hoverproof.certification.gain_search import (
 from hoverproof.certification.gains import Proved, certify, search_weights
 from hoverproof.certification.limits import FirstCommand, Limits, Use, highest_k4, uses
 from hoverproof.certification.margins import Questions, margins
-from hoverproof.certification.problem import ONES, gain_problem
+from hoverproof.certification.problem import ONES, GainProblem, gain_problem
 from hoverproof.errors import InputError
 from hoverproof.mission import Gains, Mission
 
@@ -50,7 +50,8 @@ class Tuned:
     verdict : Proved
         What `certify` says of just these gains.
     before : Fraction or None
-        Decay rate of L that is proved for the gains the mission had, 1/s.
+        Decay rate of L that is proved for the gains the mission had, 1/s; with the same weights, or
+        with those that suit them best if weights were searched.
     estimate : float
         Decay rate before rounding to short decimals, in floating point, 1/s.
     slowest_rate : float
@@ -143,35 +144,61 @@ def tune(
         short = f"{rotor_thrust:g} N is {hover - rotor_thrust:g} N below m g/4 = {hover:g} N"
         return Infeasible(mission, f"no rotor thrust to hover: the limit of {short}")
     command = FirstCommand.of(mission)
-    turns = TRIES if weights == "search" else 1
-    found: Tuned | Infeasible | None = None
-    given = ONES if weights == "search" else weights
-    for _ in range(turns):
-        questions = Questions.of(_problem(mission, given))
-        search = GainSearch(questions, limits, command, objective, at_least or 0.0)
-        new = _tuned(mission, search, given)
-        if isinstance(found, Tuned) and not _is_better(new, found):
-            break
-        found = new
-        if isinstance(found, Infeasible):
-            return found
-        if weights == "search":
-            given = search_weights(found.mission)
-    assert isinstance(found, Tuned)
+
+    def best(objective: Objective, weights: tuple[Fraction, ...]) -> Tuned | Infeasible:
+        questions = Questions.of(_problem(mission, weights))
+        floor = at_least or 0.0
+        return _tuned(mission, GainSearch(questions, limits, command, objective, floor), weights)
+
+    found = best(objective, ONES if weights == "search" else weights)
+    if weights == "search":
+        found = _with_better_weights(found, best)
+    if isinstance(found, Infeasible) and objective == "settling" and at_least is not None:
+        found = best("decay", ONES if weights == "search" else weights)
+    if isinstance(found, Infeasible):
+        return found
     if at_least is not None and found.verdict.decay_rate < at_least:
         return _short_of(found, limits, at_least, command)
+    return replace(found, before=_rate_of_own_gains(mission, weights))
+
+
+def _with_better_weights(
+    found: Tuned | Infeasible,
+    best: Callable[[Objective, tuple[Fraction, ...]], Tuned | Infeasible],
+) -> Tuned | Infeasible:
+    """Improve weights and gains in turns, as long as that helps."""
+    for _ in range(TRIES):
+        if isinstance(found, Infeasible):
+            break
+        new = best(found.objective, search_weights(found.mission))
+        if isinstance(new, Infeasible) or not _is_better(new, found):
+            break
+        found = new
     return found
 
 
-def _is_better(new: Tuned | Infeasible, old: Tuned) -> bool:
-    if isinstance(new, Infeasible):
-        return False
+def _rate_of_own_gains(mission: Mission, weights: Weights) -> Fraction | None:
+    """Return the decay rate that is proved for a mission's own gains, 1/s; None if none is."""
+    try:
+        if weights == "search":
+            weights = search_weights(mission) if _is_proved(mission) else ONES
+        own = certify(mission, weights=weights)
+    except InputError:
+        return None
+    return own.decay_rate if isinstance(own, Proved) else None
+
+
+def _is_proved(mission: Mission) -> bool:
+    return isinstance(certify(mission), Proved)
+
+
+def _is_better(new: Tuned, old: Tuned) -> bool:
     if old.objective == "settling":
         return new.slowest_rate > old.slowest_rate * 1.001
     return new.verdict.decay_rate > old.verdict.decay_rate * Fraction(1001, 1000)
 
 
-def _problem(mission: Mission, weights: tuple[Fraction, ...]) -> Any:
+def _problem(mission: Mission, weights: tuple[Fraction, ...]) -> GainProblem:
     """Pose the question with gains that surely pose one: only bounds, goal and weights are used."""
     low = mission.model_copy(update={"gains": _gains(mission, ["0.000001", "1", "1", "1"])})
     try:
@@ -194,17 +221,11 @@ def _tuned(
             break
     else:
         return Infeasible(mission, f"the best gains found are {verdict.status}")
-    before = None
-    try:
-        old = certify(mission, weights=weights)
-        before = old.decay_rate if isinstance(old, Proved) else None
-    except InputError:
-        pass
     exact = search.gains(best[None])
     return Tuned(
         mission=tuned,
         verdict=verdict,
-        before=before,
+        before=None,
         estimate=2
         * float(margins(replace(search.questions, gains=exact))[0])
         / search.questions.mass,
@@ -214,7 +235,7 @@ def _tuned(
     )
 
 
-def _short(mission: Mission, search: GainSearch, best: Array, value: float) -> Any:
+def _short(mission: Mission, search: GainSearch, best: Array, value: float) -> Iterator[Gains]:
     """Yield the shortest decimals that keep all but `LOSS` of the rate, then longer ones.
 
     k1, k2 and k3 are rounded up or down, k4 is rounded down to what the limits then allow.
@@ -257,20 +278,7 @@ def _gains(mission: Mission, four: list[Any], bandwidth: float | None = None) ->
 def _nothing(mission: Mission, search: GainSearch, best: Array, value: float) -> Infeasible:
     """Say what stands in the way of any certificate."""
     if value == -np.inf:
-        loose = replace(search, limits=Limits(search.limits.bandwidth))
-        _, without = loose.run()
-        given = [
-            text
-            for text, limit in (
-                (f"tilt {search.limits.tilt} rad", search.limits.tilt),
-                (f"rotor thrust {search.limits.rotor_thrust} N", search.limits.rotor_thrust),
-            )
-            if limit is not None
-        ]
-        if without > -np.inf:
-            held = " and ".join(given)
-            return Infeasible(mission, f"no gains keep the limits at the start: {held}")
-        return Infeasible(mission, "no gains pose a question within these bounds")
+        return Infeasible(mission, _start_words(search))
     low, high = (float(x) for x in search.questions.eigenvalues)
     margin = value * search.questions.mass / 2
     return Infeasible(
@@ -279,6 +287,27 @@ def _nothing(mission: Mission, search: GainSearch, best: Array, value: float) ->
         f"margin found is {margin:.3g} kg/s (floating point), short of 0 by {-margin:.3g}; what "
         f"binds are the bounds: eigenvalues of Q in [{low:g}, {high:g}] 1/m, and the thrust",
     )
+
+
+def _start_words(search: GainSearch) -> str:
+    """Say by how much the first command misses the limits even with hardly any gain."""
+    limits, none = search.limits, tuple(np.array([k]) for k in (1e-6, 1e-3, 1e-3, 1e-3))
+    thrusts, tilt = search.command(none)
+    low, high = float(thrusts.min()), float(thrusts.max())
+    words = []
+    if limits.rotor_thrust is not None and not 0 <= low <= high <= limits.rotor_thrust:
+        beyond = max(-low, high - limits.rotor_thrust)
+        words.append(
+            f"rotor thrusts from {low:.4g} to {high:.4g} N, {beyond:.3g} N beyond "
+            f"[0, {limits.rotor_thrust:g}] N"
+        )
+    if limits.tilt is not None and tilt[0] > limits.tilt:
+        most, asked = math.degrees(limits.tilt), math.degrees(tilt[0])
+        words.append(f"a tilt of {asked:.3g} deg, {asked - most:.2g} deg beyond {most:g} deg")
+    if not words:
+        return "no gains were found that keep the limits at the start and pose a question"
+    held = " and ".join(words)
+    return f"no gains keep the limits at the start: even hardly any gain asks for {held}"
 
 
 def _short_of(best: Tuned, limits: Limits, at_least: float, command: FirstCommand) -> Infeasible:
