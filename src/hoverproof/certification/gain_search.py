@@ -33,6 +33,7 @@ DECADES = 5
 COARSE = 0.02
 FINEST = 1e-5
 LEAST = 1e-6
+GUARD = 1e-5
 MOST_ROUNDS = 200
 
 
@@ -82,7 +83,7 @@ class GainSearch:
         questions = replace(self.questions, gains=held)
         rate = 2 * margins(questions) / questions.mass
         if self.objective == "settling":
-            floor = max(self.at_least * (1 + LEAST), LEAST * self.limits.fastest)
+            floor = max(self.at_least * (1 + GUARD), LEAST * self.limits.fastest)
             proved = rate > floor
             slowest = np.full(len(good), -np.inf)
             slowest[proved] = slowest_rates(self.command.mission, tuple(k[proved] for k in held))

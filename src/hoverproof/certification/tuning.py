@@ -217,10 +217,12 @@ def _tuned(
     for gains in _short(mission, search, best, value):
         tuned = mission.model_copy(update={"gains": gains})
         verdict = certify(tuned, weights=weights)
-        if isinstance(verdict, Proved):
+        if isinstance(verdict, Proved) and (
+            search.objective == "decay" or verdict.decay_rate >= search.at_least
+        ):
             break
     else:
-        return Infeasible(mission, f"the best gains found are {verdict.status}")
+        return Infeasible(mission, "the best gains found are too near the edge to be proved")
     exact = search.gains(best[None])
     return Tuned(
         mission=tuned,
