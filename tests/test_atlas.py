@@ -207,3 +207,4 @@ def test_atlas_writes_a_map_with_units_and_a_figure(capsys):
     assert "<svg" in Path("a.svg").read_text()
     assert run(capsys, "atlas", "x4-flyer", "--x-range", "nonsense")[0] == 2
     assert run(capsys, "atlas", "x4-flyer", "--x", "k7")[0] == 2
+    assert run(capsys, "atlas", "x4-flyer", "--figure", "a.pdf")[0] == 2

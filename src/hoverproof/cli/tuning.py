@@ -94,9 +94,10 @@ def tune(
     if pareto is not None:
         if at_least is not None:
             raise InputError("--at-least", "", "does not go with --pareto")
+        picture = _picture(out or Path(f"{loaded.name}.pareto.png"))
         with progress("tune") as report:
             points = curve(loaded, pareto, report=report, **options)
-        return _print_curve(loaded, points, out or Path(f"{loaded.name}.pareto.png"), json_)
+        return _print_curve(loaded, points, picture, json_)
 
     with progress("tune"):
         found = design(loaded, **options)
@@ -165,6 +166,8 @@ def atlas(
     along = axis(
         loaded, y, ends=_ends("--y-range", y_range), scale=y_scale, cells=cells, option="--y"
     )
+    path = out or Path(f"{loaded.name}.atlas.nc")
+    picture = _picture(figure or path.with_suffix(".png"))
     with progress("atlas") as report:
         drawn = draw_map(
             loaded,
@@ -175,10 +178,8 @@ def atlas(
             processes=processes,
             report=report,
         )
-    path = out or Path(f"{loaded.name}.atlas.nc")
     with replacing(path) as beside:
         drawn.to_netcdf(beside, engine="h5netcdf")
-    picture = figure or path.with_suffix(".png")
     save_atlas_figure(
         loaded, drawn, show, where_met(loaded, cell_values(loaded, across, along)), picture
     )
@@ -231,6 +232,13 @@ def atlas(
     print(f"  map                     {path}")
     print(f"  figure                  {picture}")
     return 0
+
+
+def _picture(path: Path) -> Path:
+    """Refuse a figure in another format before the work is done."""
+    if path.suffix.lower() not in (".png", ".svg"):
+        raise InputError(str(path), "", "a figure must end in .png or .svg")
+    return path
 
 
 def _ends(option: str, text: str | None) -> tuple[float, float] | None:
