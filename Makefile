@@ -39,6 +39,7 @@ bench: .venv/installed-dev
 	$(BIN)/python benchmarks/batch.py --write
 	$(BIN)/python benchmarks/verdict.py --write
 	$(BIN)/python benchmarks/firmware.py --write
+	$(BIN)/python benchmarks/design.py --write
 
 # Ten million calls of the firmware with hostile inputs, under sanitizers (needs clang).
 fuzz: .venv/installed-dev

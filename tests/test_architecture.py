@@ -16,6 +16,7 @@ FLOORS = [
     {"files", "quantities", "spread"},
     {"conditions"},
     {"mission", "algebra"},
+    {"editing"},
     {"plant"},
     {"servo"},
     {"certification", "simulation", "export", "paper"},

@@ -16,7 +16,9 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from hoverproof.certification.atlas import atlas as atlas
     from hoverproof.certification.gains import certify as certify
+    from hoverproof.certification.tuning import tune as tune
     from hoverproof.checker import check_file as check
     from hoverproof.errors import InputError as InputError
     from hoverproof.mission import Mission
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "InputError": ("hoverproof.errors", "InputError"),
+    "atlas": ("hoverproof.certification.atlas", "atlas"),
     "certify": ("hoverproof.certification.gains", "certify"),
     "check": ("hoverproof.checker", "check_file"),
     "derive": ("hoverproof.paper.ledger", "derive"),
@@ -35,11 +38,13 @@ _HOMES = {
     "presets": ("hoverproof.mission", "presets"),
     "simulate": ("hoverproof.simulation.flight", "simulate"),
     "simulate_batch": ("hoverproof.simulation.campaign", "simulate_batch"),
+    "tune": ("hoverproof.certification.tuning", "tune"),
 }
 
 __all__ = [
     "InputError",
     "__version__",
+    "atlas",
     "certify",
     "check",
     "derive",
@@ -48,6 +53,7 @@ __all__ = [
     "presets",
     "simulate",
     "simulate_batch",
+    "tune",
 ]
 
 

@@ -21,6 +21,8 @@ def presets(
 
     Example: `hoverproof presets x4-flyer`
     """
+    from hoverproof.certification.gain_search import slowest_rate_at_goal
+    from hoverproof.certification.limits import bandwidth
     from hoverproof.mission import load, preset_text
     from hoverproof.mission import presets as names
 
@@ -32,12 +34,33 @@ def presets(
             print(text, end="")
         return 0
     missions = [load(n) for n in names()]
+    times = [1 / slowest_rate_at_goal(m) for m in missions]
     if json_:
-        print_json({"presets": [m.name for m in missions]})
+        facts = [
+            {
+                "name": m.name,
+                "mass": float(m.vehicle.mass),
+                "points": len(m.target.points),
+                "height": None if m.goal.height is None else float(m.goal.height),
+                "bandwidth": bandwidth(m),
+                "time_constant": time,
+            }
+            for m, time in zip(missions, times, strict=True)
+        ]
+        units = {"mass": "kg", "height": "m", "bandwidth": "rad/s", "time_constant": "s"}
+        print_json({"presets": [m.name for m in missions], "missions": facts, "units": units})
         return 0
-    for m in missions:
-        mass, n = number(m.vehicle.mass), len(m.target.points)
-        print(f"{m.name:24} {mass} kg, {n} target points; hoverproof certify {m.name}")
+    print(
+        f"{'name':16} {'mass kg':>8} {'points':>7} {'height m':>9} {'rad/s':>7} {'slowest s':>10}"
+    )
+    for m, time in zip(missions, times, strict=True):
+        height = "-" if m.goal.height is None else number(m.goal.height)
+        print(
+            f"{m.name:16} {number(m.vehicle.mass):>8} {len(m.target.points):>7} {height:>9} "
+            f"{bandwidth(m):>7.3g} {time:>10.3g}"
+        )
+    print("rad/s: attitude bandwidth (k1 k2 + k3 + k4)/m; slowest s: time constant at the goal")
+    print("Next: hoverproof presets NAME prints one, with its sources; hoverproof certify NAME")
     return 0
 
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from hoverproof.mission import Mission
-from hoverproof.paper.theorem import k3_limit
+from hoverproof.paper.theorem import k3_limit, printed_conditions
 from hoverproof.plant import camera
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import rotation_matrix
@@ -72,6 +74,31 @@ def printed_demands(mission: Mission) -> list[Demand]:
         Demand("k4", k4, 0.0, above=True),
         Demand("L(0)", start_level(mission), level_root**2 / 2, above=False),
     ]
+
+
+def where_met(mission: Mission, values: Mapping[str, NDArray[np.float64]]) -> NDArray[np.bool_]:
+    """Tell where all printed conditions on k1…k4 are met; the one on the start is not looked at.
+
+    Parameters
+    ----------
+    mission : Mission
+        Its vehicle and goal count.
+    values : mapping of arrays of one shape
+        ``k1``…``k4``, and ``lowest`` and ``highest`` eigenvalue of Q, 1/m.
+    """
+    q = [float(c) for c in hover_goal(mission).centroid_midpoint]
+    vehicle = mission.vehicle
+    with np.errstate(divide="ignore", invalid="ignore"):
+        met = printed_conditions(
+            float(vehicle.mass),
+            float(vehicle.gravity),
+            [values[k] for k in ("k1", "k2", "k3", "k4")],
+            q[2],
+            values["lowest"],
+            values["highest"],
+            math.hypot(*q),
+        )
+    return np.asarray(np.logical_and.reduce(list(met.values())))
 
 
 def start_level(mission: Mission) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from hoverproof.algebra.definite import quadratic_form
 from hoverproof.algebra.graph import evaluate
@@ -48,14 +48,17 @@ STATE = _exact(Fraction(1, 10), 0, 0, 0, 0, 0, 0, 0, 0, Fraction(1, 5), 0)
 
 
 def printed_conditions(
-    mass: Fraction, gravity: Fraction, gains: Point, q3: Fraction, low: Fraction, high: Fraction
-) -> dict[str, bool]:
-    """Tell which conditions of the theorem are met, for q* along e3; units are not looked at."""
+    mass: Any, gravity: Any, gains: Sequence[Any], q3: Any, low: Any, high: Any, length: Any = None
+) -> dict[str, Any]:
+    """Tell which conditions of the theorem are met; units are not looked at.
+
+    Numbers may be arrays. By default q* is along e3, so that its length is q3.
+    """
     a, b, k_3, k_4 = gains
     return {
         "k2": b > high,
         "k1": a**2 < 2 * mass * gravity * q3 / b,
-        "k3": k_3 > k3_limit(a, b, k_3, q3, q3, low, high),
+        "k3": k_3 > k3_limit(a, b, k_3, q3, q3 if length is None else length, low, high),
         "k4": k_4 > 0,
     }
 

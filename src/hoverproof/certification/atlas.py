@@ -1,0 +1,389 @@
+"""Maps of what is certified, over any two gains or bounds.
+
+The map itself is in floating point, many cells at once. Where it turns from certified to refuted
+each cell can be decided exactly, by `certify`.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import partial
+from importlib.metadata import version
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from hoverproof.certification.certificate import model_fingerprint
+from hoverproof.certification.gains import certify
+from hoverproof.certification.margins import Questions, margins
+from hoverproof.certification.problem import ONES, gain_problem
+from hoverproof.errors import InputError
+from hoverproof.mission import Bounds, Gains, Mission
+
+Array = NDArray[np.float64]
+Scale = Literal["log", "linear"]
+Report = Callable[[int, int], None]
+
+DIGITS = 6
+CHUNK = 4000
+EXACT_CHUNK = 16
+VERDICTS = {"refuted": -1, "undecided": 0, "proved": 1}
+NOT_ASKED = -128
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Something that an axis of an atlas can run over.
+
+    Attributes
+    ----------
+    key : str
+        As in a mission file.
+    end : int or None
+        Which end of an interval, None if the value is a number.
+    unit : str
+    words : str
+        What it is.
+    scale : str
+        The scale that suits it.
+    """
+
+    key: str
+    end: int | None
+    unit: str
+    words: str
+    scale: Scale = "log"
+
+    def value(self, mission: Mission) -> Fraction | None:
+        """Return what a mission has; None if it has another kind of bound."""
+        section, name = self.key.split(".")
+        held = getattr(getattr(mission, section), name)
+        value: Fraction | None = held if held is None or self.end is None else held[self.end]
+        return value
+
+
+QUANTITIES = {
+    "k1": Quantity("gains.k1", None, "kg m/s", "gain k1"),
+    "k2": Quantity("gains.k2", None, "1/m", "gain k2"),
+    "k3": Quantity("gains.k3", None, "kg/s", "gain k3"),
+    "k4": Quantity("gains.k4", None, "kg/s", "gain k4"),
+    "lowest_eigenvalue": Quantity("bounds.eigenvalues", 0, "1/m", "lowest eigenvalue of Q"),
+    "highest_eigenvalue": Quantity("bounds.eigenvalues", 1, "1/m", "highest eigenvalue of Q"),
+    "lowest_thrust": Quantity("bounds.thrust", 0, "N", "lowest thrust", "linear"),
+    "highest_thrust": Quantity("bounds.thrust", 1, "N", "highest thrust", "linear"),
+    "level": Quantity("bounds.level", None, "1", "level of L"),
+}
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis of an atlas.
+
+    Attributes
+    ----------
+    name : str
+        One of `QUANTITIES`.
+    values : (n,)
+        Short decimals, so that a cell can be decided exactly.
+    scale : str
+    """
+
+    name: str
+    values: Array
+    scale: Scale
+
+    @property
+    def quantity(self) -> Quantity:
+        """What the axis runs over."""
+        return QUANTITIES[self.name]
+
+
+def axis(
+    mission: Mission,
+    name: str,
+    *,
+    ends: tuple[float, float] | None = None,
+    scale: Scale | None = None,
+    cells: int = 200,
+    option: str = "--x",
+) -> Axis:
+    """Make an axis.
+
+    Parameters
+    ----------
+    mission : Mission
+    name : str
+        One of `QUANTITIES`.
+    ends : (low, high), optional
+        By default a tenth and ten times of what the mission has; for a thrust, the thrust of
+        hover and half or three halves of it.
+    scale : str, optional
+        "log" or "linear"; by default what suits the quantity.
+    cells : int
+    option : str
+        How the user calls it, for messages.
+
+    Raises
+    ------
+    InputError
+        If there is no such quantity, or its range cannot be used.
+    """
+    name = name.removeprefix("gains.")
+    if name not in QUANTITIES:
+        raise InputError(option, "", f"must be one of {', '.join(QUANTITIES)}, not {name!r}")
+    quantity = QUANTITIES[name]
+    held = quantity.value(mission)
+    if held is None:
+        other = "bounds.level" if name.endswith("thrust") else "bounds.thrust"
+        raise InputError(option, "", f"{name} cannot vary: {mission.source} gives {other} instead")
+    if not 2 <= cells <= 5000:
+        raise InputError("--cells", "", f"must be from 2 to 5000, not {cells}")
+    scale = scale or quantity.scale
+    if ends is None:
+        weight = float(mission.vehicle.weight)
+        special = {
+            "lowest_thrust": (weight / 2, weight),
+            "highest_thrust": (weight, 3 * weight / 2),
+        }
+        ends = special.get(name, (float(held) / 10, float(held) * 10))
+    low, high = ends
+    if not 0 < low < high < math.inf:
+        what = f"two numbers in order, above 0 {quantity.unit}"
+        raise InputError(f"{option}-range", "", f"must be {what}, not {low:g},{high:g}")
+    line = np.geomspace(low, high, cells) if scale == "log" else np.linspace(low, high, cells)
+    digits = DIGITS + max(0, math.ceil(math.log10(cells * high / (high - low))) - 3)
+    return Axis(name, np.array([float(f"{v:.{digits}g}") for v in line]), scale)
+
+
+def atlas(
+    mission: Mission,
+    x: Axis | str = "k1",
+    y: Axis | str = "k2",
+    *,
+    weights: tuple[Fraction, ...] = ONES,
+    exact: bool = False,
+    processes: int | None = None,
+    report: Report = lambda done, total: None,
+) -> xr.Dataset:
+    """Map the certified margin and decay rate over two gains or bounds.
+
+    Parameters
+    ----------
+    mission : Mission
+    x, y : Axis, or str
+        What varies; a name stands for its default range (see `axis`).
+    weights : (4,) Fractions
+        w of L = ½ Σ wᵢ|δᵢ|².
+    exact : bool
+        Decide with `certify` each cell that has a neighbour of another sign.
+    processes : int, optional
+        How many work at once; by default one for each CPU.
+    report : callable
+        Called with how much is done, of how much.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``margin`` kg/s and ``decay_rate`` 1/s over (y, x), in floating point, NaN where no
+        question is posed; ``verdict``, 1 proved, -1 refuted, 0 undecided, -128 where `certify`
+        was not asked.
+
+    Raises
+    ------
+    InputError
+        If an axis cannot be used.
+    """
+    x = axis(mission, x, option="--x") if isinstance(x, str) else x
+    y = axis(mission, y, option="--y") if isinstance(y, str) else y
+    if x.name == y.name:
+        raise InputError("--y", "", f"must differ from --x, {x.name}")
+    pairs = np.stack(np.meshgrid(x.values, y.values), axis=-1).reshape(-1, 2)
+    parts = [pairs[i : i + CHUNK] for i in range(0, len(pairs), CHUNK)]
+    measure = partial(cell_margins, mission, x.name, y.name, weights)
+    done = _spread(measure, parts, processes, report)
+    margin = np.concatenate(done).reshape(len(y.values), len(x.values))
+    verdict = np.full(margin.shape, NOT_ASKED, np.int16)
+    if exact:
+        asked = np.argwhere(on_boundary(margin))
+        groups = [asked[i : i + EXACT_CHUNK] for i in range(0, len(asked), EXACT_CHUNK)]
+        decide = partial(cell_verdicts, mission, x, y, weights)
+        found = _spread(decide, groups, processes, report)
+        if len(asked):
+            verdict[tuple(asked.T)] = np.concatenate(found)
+    return _dataset(mission, x, y, weights, margin, verdict)
+
+
+def _spread(
+    work: Callable[[Any], Any], parts: list[Any], processes: int | None, report: Report
+) -> list[Any]:
+    """Do parts of the work in processes, and return the results in the order of the parts."""
+    if processes == 1 or len(parts) < 2:
+        return [_reported(work(part), i + 1, len(parts), report) for i, part in enumerate(parts)]
+    results: list[Any] = [None] * len(parts)
+    with ProcessPoolExecutor(processes) as pool:
+        futures = {pool.submit(work, part): i for i, part in enumerate(parts)}
+        for count, future in enumerate(as_completed(futures)):
+            results[futures[future]] = _reported(future.result(), count + 1, len(parts), report)
+    return results
+
+
+def _reported(result: Any, done: int, total: int, report: Report) -> Any:
+    report(done, total)
+    return result
+
+
+def cell_margins(
+    mission: Mission, x: str, y: str, weights: tuple[Fraction, ...], pairs: Array
+) -> Array:
+    """Return the worst eigenvalue of each cell, kg/s, (n,), in floating point.
+
+    Parameters
+    ----------
+    mission : Mission
+    x, y : str
+        Of `QUANTITIES`.
+    weights : (4,) Fractions
+    pairs : (n, 2)
+        Values of x and y.
+    """
+    return margins(questions_of(mission, x, y, weights, pairs))
+
+
+def questions_of(
+    mission: Mission, x: str, y: str, weights: tuple[Fraction, ...], pairs: Array
+) -> Questions:
+    """Return the questions of cells; for the arguments see `cell_margins`."""
+    questions = Questions.of(gain_problem(mission, weights))
+    ones = np.ones(len(pairs))
+    gains = [g * ones for g in questions.gains]
+    eigenvalues: list[Any] = list(questions.eigenvalues)
+    thrust: list[Any] = list(questions.thrust or ())
+    level: Any = questions.level
+    for name, values in zip((x, y), pairs.T, strict=True):
+        key, end = QUANTITIES[name].key, QUANTITIES[name].end
+        if key == "bounds.level":
+            level = values
+        elif end is None:
+            gains[int(name[1]) - 1] = values
+        else:
+            (eigenvalues if key == "bounds.eigenvalues" else thrust)[end] = values
+    return replace(
+        questions,
+        gains=tuple(gains),
+        eigenvalues=(eigenvalues[0], eigenvalues[1]),
+        thrust=(thrust[0], thrust[1]) if thrust else None,
+        level=level,
+    )
+
+
+def on_boundary(margin: Array) -> NDArray[np.bool_]:
+    """Tell which cells have a margin, and a neighbour on whose side the sign is another."""
+    sign = np.where(np.isnan(margin), 0, np.where(margin > 0, 1, -1))
+    edge = np.zeros(sign.shape, bool)
+    for near, far in (
+        ((slice(1, None), slice(None)), (slice(None, -1), slice(None))),
+        ((slice(None), slice(1, None)), (slice(None), slice(None, -1))),
+    ):
+        turns = sign[near] * sign[far] < 0
+        edge[near] |= turns
+        edge[far] |= turns
+    return edge
+
+
+def cell_verdicts(
+    mission: Mission, x: Axis, y: Axis, weights: tuple[Fraction, ...], cells: NDArray[np.intp]
+) -> NDArray[np.int16]:
+    """Decide cells exactly, (n,), as numbers of `VERDICTS`.
+
+    Parameters
+    ----------
+    mission : Mission
+    x, y : Axis
+    weights : (4,) Fractions
+    cells : (n, 2)
+        Their places along y and x.
+    """
+    verdicts = [
+        VERDICTS[certify(cell_mission(mission, x, y, i, j), weights=weights).status]
+        for i, j in cells
+    ]
+    return np.array(verdicts, np.int16)
+
+
+def cell_mission(mission: Mission, x: Axis, y: Axis, i: int, j: int) -> Mission:
+    """Return the mission of cell (i, j), with the short decimals of the axes, exactly."""
+    for one, place in ((x, j), (y, i)):
+        section, name = one.quantity.key.split(".")
+        exact: Any = Fraction(repr(float(one.values[place])))
+        part: Gains | Bounds = getattr(mission, section)
+        if one.quantity.end is not None:
+            pair = list(getattr(part, name))
+            pair[one.quantity.end] = exact
+            exact = tuple(pair)
+        changed = part.model_copy(update={name: exact})
+        mission = mission.model_copy(update={section: changed})
+    return mission
+
+
+def _dataset(
+    mission: Mission,
+    x: Axis,
+    y: Axis,
+    weights: tuple[Fraction, ...],
+    margin: Array,
+    verdict: NDArray[np.int16],
+) -> xr.Dataset:
+    words = {
+        "margin": ("kg/s", "worst eigenvalue of W^(-1/2) Σ W^(-1/2), floating point"),
+        "decay_rate": ("1/s", "decay rate of L that follows, floating point"),
+        "verdict": ("1", "certify: 1 proved, -1 refuted, 0 undecided, -128 not asked"),
+    }
+    values = {
+        "margin": margin,
+        "decay_rate": 2 * margin / float(mission.vehicle.mass),
+        "verdict": verdict,
+    }
+    dims = (y.name, x.name)
+    return xr.Dataset(
+        {k: (dims, v, {"units": words[k][0], "long_name": words[k][1]}) for k, v in values.items()},
+        coords={
+            a.name: (a.name, a.values, {"units": a.quantity.unit, "long_name": a.quantity.words})
+            for a in (x, y)
+        },
+        attrs={
+            "title": f"atlas of {mission.name}",
+            "mission": json.dumps(mission.exact()),
+            "weights": [float(w) for w in weights],
+            "scales": [x.scale, y.scale],
+            "model_sha256": model_fingerprint(),
+            **{f"{name}_version": version(name) for name in ("hoverproof", "casadi", "numpy")},
+        },
+    )
+
+
+def cell_values(mission: Mission, x: Axis, y: Axis) -> dict[str, Array]:
+    """Return the gains and eigenvalue bounds of all cells, (ny, nx) each.
+
+    Parameters
+    ----------
+    mission : Mission
+    x, y : Axis
+
+    Returns
+    -------
+    dict
+        ``k1`` kg m/s, ``k2`` 1/m, ``k3`` and ``k4`` kg/s, ``lowest`` and ``highest`` 1/m.
+    """
+    pairs = np.stack(np.meshgrid(x.values, y.values), axis=-1).reshape(-1, 2)
+    questions = questions_of(mission, x.name, y.name, ONES, pairs)
+    named = dict(zip(("k1", "k2", "k3", "k4"), questions.gains, strict=True))
+    named |= {"lowest": questions.eigenvalues[0], "highest": questions.eigenvalues[1]}  # type: ignore[dict-item]
+    shape = (len(y.values), len(x.values))
+    return {k: np.broadcast_to(v, len(pairs)).reshape(shape) for k, v in named.items()}

@@ -1,0 +1,183 @@
+"""The search for gains, in floating point, many at once.
+
+For given k1, k2 and k3 a higher k4 never lowers the margin, so it is put at its limit; what is left
+is searched on lattices that shrink about the best point.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any, Literal
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from hoverproof.algebra.graph import evaluate
+from hoverproof.certification.limits import FirstCommand, Limits, highest_k4
+from hoverproof.certification.margins import Questions, factor_of, margins
+from hoverproof.mission import Mission
+from hoverproof.plant import camera
+from hoverproof.plant.goal import hover_goal
+from hoverproof.servo.lyapunov import ERROR_SIZE, linearised_loop
+
+Array = NDArray[np.float64]
+Objective = Literal["decay", "settling"]
+
+SAMPLES = 4096
+STARTS = 2
+DECADES = 5
+COARSE = 0.02
+FINEST = 1e-5
+LEAST = 1e-6
+GUARD = 1e-5
+MOST_ROUNDS = 200
+
+
+@dataclass(frozen=True)
+class GainSearch:
+    """What is searched; a point z is (log k1, log k1 k2, log k3) and k4 the highest allowed.
+
+    For the objective "settling" z has a fourth entry: log of the part of the highest k4 that is
+    taken.
+
+    Attributes
+    ----------
+    questions : Questions
+        The bounds and weights; its gains do not count.
+    limits : Limits
+    command : FirstCommand
+        The first command at the mission's start.
+    objective : str
+        See `hoverproof.tune`.
+    at_least : float
+        For "settling": decay rate of L that must be certified, 1/s.
+    """
+
+    questions: Questions
+    limits: Limits
+    command: FirstCommand
+    objective: Objective
+    at_least: float = 0.0
+
+    @property
+    def size(self) -> int:
+        """Number of entries of a point."""
+        return 3 if self.objective == "decay" else 4
+
+    def gains(self, z: Array) -> tuple[Array, ...]:
+        """Return k1…k4 of points (n, size), NaN where the limits allow none."""
+        k1, stiff, k3 = np.exp(z[:, :3].T)
+        low, high = highest_k4(self.limits, self.command, (k1, stiff / k1, k3))
+        part = np.exp(z[:, 3]) if self.objective == "settling" else 1.0
+        k4 = low + (high - low) * part
+        return k1, stiff / k1, k3, np.where((low < high) & (part <= 1.0), k4, np.nan)
+
+    def values(self, gains: tuple[Array, ...]) -> Array:
+        """Return the rate to be made large of n sets of gains, 1/s; -inf where there is none."""
+        good = np.isfinite(gains[3])
+        held = tuple(np.where(good, k, 1.0) for k in gains)
+        questions = replace(self.questions, gains=held)
+        rate = 2 * margins(questions) / questions.mass
+        if self.objective == "settling":
+            floor = max(self.at_least * (1 + GUARD), LEAST * self.limits.fastest)
+            proved = rate > floor
+            slowest = np.full(len(good), -np.inf)
+            slowest[proved] = slowest_rates(self.command.mission, tuple(k[proved] for k in held))
+            rate = np.where(slowest > 0, slowest, np.minimum(rate - floor, 0.0))
+        return np.where(good & np.isfinite(rate), rate, -np.inf)
+
+    def starts(self) -> Array:
+        """Return the best of a Halton sequence of points, best first, (STARTS, size)."""
+        top = math.log(self.limits.fastest * self.questions.mass)
+        points = qmc.Halton(self.size, scramble=False).random(SAMPLES + 1)[1:]
+        span = DECADES * math.log(10)
+        z = top - span * points
+        z[:, 0] += span / 2  # k1 has other units: about the square root of the others
+        if self.size == 4:
+            z[:, 3] = -3 * points[:, 3]
+        values = self.values(self.gains(z))
+        best: Array = z[np.argsort(-values, kind="stable")[:STARTS]]
+        return best
+
+    def climb(self, start: Array, reach: float, finest: float) -> tuple[Array, float]:
+        """Follow lattices about the best point so far, which shrink where it is inside."""
+        count = 7 if self.size == 3 else 5
+        line = np.linspace(-1, 1, count)
+        lattice = np.stack(np.meshgrid(*[line] * self.size, indexing="ij"), -1)
+        lattice = lattice.reshape(-1, self.size)
+        best, value = start, float(self.values(self.gains(start[None]))[0])
+        for _ in range(MOST_ROUNDS if value > -np.inf else 0):
+            trial = best + reach * lattice
+            values = self.values(self.gains(trial))
+            k = int(values.argmax())
+            better = values[k] > value
+            if better:
+                best, value = trial[k], float(values[k])
+            if not better or np.abs(lattice[k]).max() < 1:
+                reach /= 2
+            if reach < finest:
+                break
+        return best, value
+
+    def run(self) -> tuple[Array, float]:
+        """Return the best point and its rate, 1/s."""
+        found = [self.climb(z, 1.0, COARSE) for z in self.starts()]
+        best, _ = max(found, key=lambda one: one[1])
+        return self.climb(best, 2 * COARSE, FINEST)
+
+
+@cache
+def _linearised() -> ca.Function:
+    return linearised_loop()
+
+
+def slowest_rates(mission: Mission, gains: tuple[Array, ...]) -> Array:
+    """Return the decay rate of the slowest motion of the loop linearised at the goal, 1/s, (n,).
+
+    Parameters
+    ----------
+    mission : Mission
+        Its gains do not count.
+    gains : (4,) of (n,)
+        k1…k4.
+    """
+    goal = hover_goal(mission)
+    loops = Questions(
+        mass=float(mission.vehicle.mass),
+        gravity=float(mission.vehicle.gravity),
+        centroid=tuple(float(c) for c in goal.centroid_midpoint),
+        gains=gains,
+        eigenvalues=(1.0, 2.0),
+        thrust=None,
+        level=None,
+        weights=(1.0,) * 4,
+    )
+    points = ca.SX(np.array(mission.target.points, float).T)
+    position = ca.SX([float(c) for c in goal.position])
+    seen = camera.body_points(points, position, ca.SX.eye(3))
+    Q = np.array(ca.DM(ca.evalf(camera.depth_matrix(seen))))
+    f = factor_of(loops, float(mission.vehicle.weight))
+    inputs: list[Any] = [loops.design(), Q.T.ravel(), [f]]
+    rows = evaluate(_linearised(), inputs, float)[0]
+    n = len(gains[0])
+    B = np.zeros((n, ERROR_SIZE, ERROR_SIZE))
+    for i, row in enumerate(rows):
+        for j, entry in enumerate(row):
+            B[:, i, j] = entry
+    return np.asarray(-np.linalg.eigvals(B).real.max(axis=1), np.float64)
+
+
+def slowest_rate_at_goal(mission: Mission) -> float:
+    """Return the decay rate of the slowest motion with a mission's own gains, 1/s.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    g = mission.gains
+    gains = tuple(np.array([float(k)]) for k in (g.k1, g.k2, g.k3, g.k4))
+    return float(slowest_rates(mission, gains)[0])

@@ -1,0 +1,232 @@
+"""What a vehicle can do, as limits that gains must keep: bandwidth, sampling, tilt and rotors."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.errors import InputError
+from hoverproof.mission import Mission
+from hoverproof.plant import camera, rotors
+from hoverproof.plant.goal import hover_goal
+from hoverproof.plant.rigid_body import rotation_matrix
+from hoverproof.servo.controller import derive_controller
+from hoverproof.servo.error_chain import Design, errors
+
+Array = NDArray[np.float64]
+
+BANDWIDTH_TIMES_SAMPLE = 0.2
+"""Largest bandwidth times sampling period: some 30 samples a period of the fastest motion."""
+
+BINDS = 0.01
+"""A limit binds where less than this part of it is left."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What gains must keep to; None where there is no limit.
+
+    Attributes
+    ----------
+    bandwidth : float
+        Largest attitude bandwidth (k1 k2 + k3 + k4)/m, rad/s.
+    rate : float or None
+        Sampling rate of the controller, Hz; the bandwidth times its period is kept below
+        `BANDWIDTH_TIMES_SAMPLE`.
+    tilt : float or None
+        Largest tilt that the controller may ask for at the mission's start, rad.
+    rotor_thrust : float or None
+        Largest thrust of a rotor, N; the first command must keep each between 0 and this.
+    """
+
+    bandwidth: float
+    rate: float | None = None
+    tilt: float | None = None
+    rotor_thrust: float | None = None
+
+    def __post_init__(self) -> None:
+        for option, value, unit, most in (
+            ("--bandwidth", self.bandwidth, "rad/s", 1e6),
+            ("--rate", self.rate, "Hz", 1e9),
+            ("--tilt", self.tilt, "rad", math.pi / 2),
+            ("--rotor-thrust", self.rotor_thrust, "N", 1e9),
+        ):
+            if value is not None and not 0 < value <= most:
+                raise InputError(option, "", f"must be above 0 and at most {most:g} {unit}")
+
+    @property
+    def fastest(self) -> float:
+        """The bandwidth that both bandwidth and sampling allow, rad/s."""
+        sampled = math.inf if self.rate is None else BANDWIDTH_TIMES_SAMPLE * self.rate
+        return min(self.bandwidth, sampled)
+
+
+@dataclass(frozen=True)
+class Use:
+    """How much of a limit some gains use.
+
+    Attributes
+    ----------
+    name : str
+    value, limit : float
+        In `unit`.
+    unit : str
+    """
+
+    name: str
+    value: float
+    limit: float
+    unit: str
+
+    @property
+    def binds(self) -> bool:
+        """Whether hardly anything of the limit is left."""
+        return abs(self.value - self.limit) <= BINDS * max(abs(self.limit), abs(self.value))
+
+
+@dataclass(frozen=True)
+class FirstCommand:
+    """The command at the mission's start as a function of the gains, in floating point."""
+
+    mission: Mission
+    measured: Array
+    design: Array
+
+    @classmethod
+    def of(cls, mission: Mission) -> FirstCommand:
+        """Look at the target from the mission's start.
+
+        Raises
+        ------
+        InputError
+            If the goal of the mission cannot be seen.
+        """
+        start = mission.start
+        rotation = rotation_matrix(*map(float, start.rotation))
+        points = ca.SX(np.array(mission.target.points, float).T)
+        position = ca.SX([float(c) for c in start.position])
+        seen = camera.body_points(points, position, ca.SX(rotation))
+        q = ca.DM(ca.evalf(camera.centroid(camera.spherical(camera.pinhole(seen)))))
+        measured = [
+            *np.array(q).ravel(),
+            *(float(v) for v in start.velocity),
+            *(rotation.T @ [0, 0, 1]),
+            *(float(w) for w in start.rates),
+            float(mission.vehicle.weight),
+        ]
+        design = Design.values(mission, hover_goal(mission).centroid_midpoint)
+        return cls(mission, np.array(measured), np.array([float(x) for x in design]))
+
+    def __call__(self, gains: tuple[Array, ...]) -> tuple[Array, Array]:
+        """Return rotor thrusts, N, (4, n), and the tilt asked for, rad, (n,), for n sets of gains.
+
+        Parameters
+        ----------
+        gains : (4,) of (n,)
+            k1…k4.
+        """
+        n = len(gains[0])
+        design = np.tile(self.design[:, None], n)
+        design[5:9] = gains
+        vehicle = self.mission.vehicle
+        thrusts, tilt = _first_command()(
+            np.tile(self.measured[:, None], n),
+            design,
+            np.full((1, n), float(vehicle.arm)),
+            np.full((1, n), float(vehicle.drag_ratio)),
+        )
+        return np.array(thrusts), np.array(tilt).ravel()
+
+
+def _first_command() -> ca.Function:
+    """Return (measurement, design, arm, drag ratio) ↦ (rotor thrusts, tilt asked for).
+
+    The force asked for is the F at which δ3 = 0; the thrust that makes it lies along m g ρ - F.
+    """
+    law = derive_controller()
+    z, d = law.measured, law.design
+    arm, drag = ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
+    thrusts = rotors.rotor_thrusts(z.thrust, law.torque, arm, drag)
+    asked = d.mass * d.gravity * z.gravity_direction + d.stiffness * errors(z, d).d2
+    across, along = ca.cross(z.gravity_direction, asked), ca.dot(z.gravity_direction, asked)
+    tilt = ca.atan2(ca.norm_2(across), along)
+    return ca.Function("first_command", [z.vector(), d.vector(), arm, drag], [thrusts, tilt])
+
+
+def highest_k4(
+    limits: Limits, command: FirstCommand, gains: tuple[Array, Array, Array]
+) -> tuple[Array, Array]:
+    """Return the lowest and the highest k4 that the limits allow, kg/s, (n,) each.
+
+    Nothing is allowed where the lowest is not below the highest, or either is NaN. The first
+    command is affine in k4, and so is the bandwidth.
+
+    Parameters
+    ----------
+    limits : Limits
+    command : FirstCommand
+    gains : (3,) of (n,)
+        k1, k2, k3.
+    """
+    k1, k2, k3 = gains
+    low = np.zeros(len(k1))
+    high = limits.fastest * float(command.mission.vehicle.mass) - k1 * k2 - k3
+    if limits.tilt is None and limits.rotor_thrust is None:
+        return low, high
+    unit = np.maximum(high, 1e-300)
+    at_zero, tilt = command((*gains, low))
+    if limits.tilt is not None:
+        high = np.where(tilt <= limits.tilt, high, np.nan)
+    if limits.rotor_thrust is not None:
+        slope = (command((*gains, unit))[0] - at_zero) / unit
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ends = np.stack([-at_zero / slope, (limits.rotor_thrust - at_zero) / slope])
+        fixed = (at_zero >= 0) & (at_zero <= limits.rotor_thrust)
+        ends = np.where(slope == 0, np.where(fixed, [[[-np.inf]], [[np.inf]]], np.nan), ends)
+        low = np.maximum(low, ends.min(axis=0).max(axis=0))
+        high = np.minimum(high, ends.max(axis=0).min(axis=0))
+    return low, high
+
+
+def bandwidth(mission: Mission) -> float:
+    """Return the attitude bandwidth (k1 k2 + k3 + k4)/m of a mission, rad/s.
+
+    It is the damping of the loop of δ3 and δ4, the fastest of the error chain.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    g = mission.gains
+    return float((g.k1 * g.k2 + g.k3 + g.k4) / mission.vehicle.mass)
+
+
+def uses(limits: Limits, command: FirstCommand, mission: Mission) -> list[Use]:
+    """Return how much of each limit the gains of a mission use.
+
+    Parameters
+    ----------
+    limits : Limits
+    command : FirstCommand
+    mission : Mission
+        The same start and goal as `command`, with the gains in question.
+    """
+    g, fastest = mission.gains, bandwidth(mission)
+    used = [Use("bandwidth", fastest, limits.bandwidth, "rad/s")]
+    if limits.rate is not None:
+        product = fastest / limits.rate
+        used.append(Use("bandwidth times sampling period", product, BANDWIDTH_TIMES_SAMPLE, "1"))
+    gains = tuple(np.array([float(k)]) for k in (g.k1, g.k2, g.k3, g.k4))
+    thrusts, tilt = command(gains)
+    if limits.tilt is not None:
+        used.append(Use("tilt asked for at the start", float(tilt[0]), limits.tilt, "rad"))
+    if limits.rotor_thrust is not None:
+        used.append(
+            Use("highest rotor thrust at the start", float(thrusts.max()), limits.rotor_thrust, "N")
+        )
+        used.append(Use("lowest rotor thrust at the start", float(thrusts.min()), 0.0, "N"))
+    return used

@@ -1,0 +1,209 @@
+"""Pictures of design: the curve of decay rate against bandwidth, and maps of what is certified."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from hoverproof.certification.atlas import QUANTITIES, VERDICTS
+from hoverproof.certification.limits import bandwidth
+from hoverproof.certification.tuning import Tuned
+from hoverproof.files import replacing
+from hoverproof.mission import Mission
+from hoverproof.show.style import COLOURS
+
+Array = NDArray[np.float64]
+
+ENDINGS = {".png": "png", ".svg": "svg"}
+REFUTED, NO_QUESTION = "#D0D0D0", "white"
+DECADES = 3
+LABELS = {"margin": "margin (kg/s)", "decay_rate": "decay rate of L (1/s)"}
+
+
+def pareto_figure(mission: Mission, points: Sequence[tuple[float, Tuned]]) -> Figure:
+    """Draw the certified decay rate against the bandwidth, and the mission's own gains.
+
+    Parameters
+    ----------
+    mission : Mission
+    points : sequence of (bandwidth limit in rad/s, what was tuned)
+    """
+    figure = Figure(figsize=(7.5, 5), layout="constrained")
+    axes = figure.subplots()
+    fastest = [bandwidth(t.mission) for _, t in points]
+    rate = [float(t.verdict.decay_rate) for _, t in points]
+    axes.loglog(fastest, rate, "o-", color=COLOURS[0], label="tuned gains, proved")
+    before = points[0][1].before
+    if before is not None:
+        g, m = mission.gains, mission.vehicle.mass
+        own = float((g.k1 * g.k2 + g.k3 + g.k4) / m)
+        axes.plot(
+            own, float(before), "*", color=COLOURS[1], markersize=13, label="own gains, proved"
+        )
+    axes.set_title(f"{mission.name}: what a decay rate costs")
+    axes.set_xlabel("attitude bandwidth (k1 k2 + k3 + k4)/m (rad/s)")
+    axes.set_ylabel("certified decay rate of L (1/s)")
+    axes.grid(alpha=0.3, which="both")
+    axes.legend(loc="best", framealpha=0.8)
+    return figure
+
+
+def save_pareto_figure(mission: Mission, points: Sequence[tuple[float, Tuned]], path: Path) -> None:
+    """Write the curve as PNG or SVG.
+
+    Parameters
+    ----------
+    mission, points
+        See `pareto_figure`.
+    path : Path
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    save(pareto_figure(mission, points), path)
+
+
+def atlas_figure(
+    mission: Mission, atlas: xr.Dataset, what: str, printed: NDArray[np.bool_]
+) -> Figure:
+    """Draw an atlas: colours where certified, the boundary, and the mission's own point.
+
+    Parameters
+    ----------
+    mission : Mission
+    atlas : Dataset
+        From `hoverproof.atlas`.
+    what : str
+        "margin" or "decay_rate".
+    printed : (ny, nx)
+        Where the conditions of the printed theorem are met.
+    """
+    y, x = (str(name) for name in atlas["margin"].dims)
+    scales = [str(scale) for scale in atlas.attrs["scales"]]
+    across, along = atlas[x].values, atlas[y].values
+    margin, shown = atlas["margin"].values, atlas[what].values
+    figure = Figure(figsize=(7.8, 6.8), layout="constrained")
+    axes = figure.subplots()
+    axes.set_xscale(scales[0])
+    axes.set_yscale(scales[1])
+    handles: list[Artist] = []
+    if (margin > 0).any():
+        good = np.ma.masked_where(~(margin > 0), shown)
+        norm = LogNorm(good.max() / 10**DECADES, good.max())
+        mesh = axes.pcolormesh(across, along, good, norm=norm, cmap="viridis", shading="nearest")
+        mesh.set_rasterized(True)
+        figure.colorbar(mesh, ax=axes, label=f"{LABELS[what]}, where certified", extend="min")
+    if (margin <= 0).any():
+        plain = np.ma.masked_where(~(margin <= 0), np.ones(margin.shape))
+        grey = axes.pcolormesh(
+            across, along, plain, cmap="gray", vmin=0, vmax=1.22, shading="nearest"
+        )
+        grey.set_rasterized(True)
+        handles.append(Patch(color=REFUTED, label="refuted (floating point)"))
+    if np.isnan(margin).any():
+        handles.append(Patch(facecolor=NO_QUESTION, edgecolor="grey", label="no question posed"))
+    handles += _boundary(axes, atlas, x, y, scales)
+    axes.set_xlim(*_edges(across, scales[0])[[0, -1]])
+    axes.set_ylim(*_edges(along, scales[1])[[0, -1]])
+    label = "conditions of the printed theorem"
+    if printed.all() or not printed.any():
+        where = "everywhere" if printed.all() else "nowhere"
+        handles.append(Patch(facecolor="none", label=f"{label}: met {where} here"))
+    else:
+        area = axes.contourf(
+            across, along, printed, levels=[0.5, 1.5], colors="none", hatches=["//"]
+        )
+        area.set_edgecolor(COLOURS[3])
+        area.set_linewidth(0)
+        axes.contour(across, along, printed, levels=[0.5], colors=[COLOURS[3]], linewidths=1.5)
+        handles.append(
+            Patch(facecolor="none", edgecolor=COLOURS[3], hatch="//", label=f"{label} (k1…k4) met")
+        )
+    own = [QUANTITIES[name].value(mission) for name in (x, y)]
+    inside = [
+        v is not None and values[0] <= float(v) <= values[-1]
+        for v, values in zip(own, (across, along), strict=True)
+    ]
+    if all(inside):
+        handles += axes.plot(
+            *(float(v) for v in own if v is not None),
+            "*",
+            color=COLOURS[1],
+            markeredgecolor="white",
+            markersize=16,
+            linestyle="none",
+            label="the mission's own point",
+        )
+    axes.set_title(f"{mission.name}: what is certified")
+    for set_label, name in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
+        unit = QUANTITIES[name].unit
+        set_label(f"{QUANTITIES[name].words}{'' if unit == '1' else f' ({unit})'}")
+    figure.legend(handles=handles, loc="outside lower center", ncols=2)
+    return figure
+
+
+def _boundary(axes: Axes, atlas: xr.Dataset, x: str, y: str, scales: list[str]) -> list[Artist]:
+    """Draw where certified turns into refuted: between cells decided exactly, or a contour."""
+    margin, verdict = atlas["margin"].values, atlas["verdict"].values
+    decided = (verdict == VERDICTS["proved"]).any() and (verdict == VERDICTS["refuted"]).any()
+    if not decided:
+        if not ((margin > 0).any() and (margin < 0).any()):
+            return []
+        axes.contour(
+            atlas[x].values, atlas[y].values, margin, levels=[0], colors="black", linewidths=1.5
+        )
+        return [Line2D([], [], color="black", label="boundary (floating point)")]
+    edges = [_edges(atlas[name].values, scale) for name, scale in zip((x, y), scales, strict=True)]
+    lines = []
+    for i, j in np.argwhere(verdict[:, 1:] * verdict[:, :-1] == -1):
+        lines.append([(edges[0][j + 1], edges[1][i]), (edges[0][j + 1], edges[1][i + 1])])
+    for i, j in np.argwhere(verdict[1:] * verdict[:-1] == -1):
+        lines.append([(edges[0][j], edges[1][i + 1]), (edges[0][j + 1], edges[1][i + 1])])
+    axes.add_collection(LineCollection(lines, colors="black", linewidths=1.5))
+    return [Line2D([], [], color="black", label="boundary, decided exactly on both sides")]
+
+
+def _edges(values: Array, scale: str) -> Array:
+    """Return the edges of cells about values, (n + 1,)."""
+    v = np.log(values) if scale == "log" else values
+    middle = (v[1:] + v[:-1]) / 2
+    edges = np.concatenate([[2 * v[0] - middle[0]], middle, [2 * v[-1] - middle[-1]]])
+    return np.asarray(np.exp(edges) if scale == "log" else edges)
+
+
+def save_atlas_figure(
+    mission: Mission, atlas: xr.Dataset, what: str, printed: NDArray[np.bool_], path: Path
+) -> None:
+    """Write the map as PNG or SVG.
+
+    Parameters
+    ----------
+    mission, atlas, what, printed
+        See `atlas_figure`.
+    path : Path
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    save(atlas_figure(mission, atlas, what, printed), path)
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure in the format of the path's ending, PNG if it is none of `ENDINGS`."""
+    with replacing(path) as beside:
+        figure.savefig(beside, dpi=130, format=ENDINGS.get(path.suffix.lower(), "png"))

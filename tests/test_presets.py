@@ -1,0 +1,83 @@
+"""The presets fly: proved, tuned as they say, settled in time, rotors and thrust within limits."""
+
+from __future__ import annotations
+
+import re
+import shlex
+
+import numpy as np
+import pytest
+
+from hoverproof.certification.gains import Proved, certify
+from hoverproof.certification.tuning import tune
+from hoverproof.editing import mission_text
+from hoverproof.mission import load, preset_text, presets
+from hoverproof.simulation.flight import simulate, summary
+
+SETTLES = {"crazyflie-2.1": 18, "racer-250": 22, "research-1.5kg": 17, "x4-flyer-tuned": 135}
+"""Within a tenth of the distance at the start, for good, s."""
+
+MOST_THRUST = {
+    "crazyflie-2.1": 2.130295e-11 * 65535**2 + 1.032633e-6 * 65535 + 5.48456e-4,
+    "racer-250": 1.91e-6 * 2200**2,
+    "research-1.5kg": 5.84e-6 * 1100**2,
+    "x4-flyer-tuned": 9.6 * 9.8 / 2,  # the paper gives no limit; twice the thrust of hover
+}
+"""Of one rotor, N, from the sources that the presets name."""
+
+
+def command(name):
+    """Return the options of the tune command that a preset states."""
+    words = shlex.split(re.search(r"# hoverproof tune (.*)", preset_text(name))[1])
+    assert words[0] == name
+    options = dict(zip(words[1::2], words[2::2], strict=True))
+    return {k[2:].replace("-", "_"): float(v) for k, v in options.items()}
+
+
+def test_every_preset_but_the_paper_s_is_tuned():
+    assert set(presets()) == {"x4-flyer", *SETTLES}
+
+
+@pytest.mark.parametrize("name", SETTLES)
+def test_a_preset_is_certified_and_settles_in_time_within_its_limits(name):
+    mission = load(name)
+    assert isinstance(certify(mission), Proved)
+    flight = simulate(mission)
+    result = summary(flight)
+    assert result["outcome"] == "flown"
+    assert result["settled_at"] < SETTLES[name]
+    lowest, highest = result["rotor_thrust"]
+    assert lowest > 0
+    assert highest < MOST_THRUST[name]
+    low, high = (float(t) for t in mission.bounds.thrust)
+    thrust = flight["thrust"].values
+    assert low < thrust.min()
+    assert thrust.max() < high
+
+
+@pytest.mark.parametrize("name", SETTLES)
+def test_along_the_flight_q_stays_in_the_bounds_and_l_falls_as_fast_as_proved(name):
+    mission = load(name)
+    rate = float(certify(mission).decay_rate)
+    flight = simulate(mission)
+    rays = np.array(mission.target.points, float) - flight["position"].values[:, None]
+    distance = np.linalg.norm(rays, axis=2)[..., None, None]
+    p = rays[..., None] / distance
+    Q = ((np.eye(3) - p * p.swapaxes(2, 3)) / distance).sum(axis=1)
+    eigenvalues = np.linalg.eigvalsh(Q)
+    low, high = (float(e) for e in mission.bounds.eigenvalues)
+    assert low < eigenvalues.min() <= eigenvalues.max() < high
+    level, time = flight["lyapunov"].values, flight["time"].values
+    good = level > 1e-12 * level[0]
+    assert (level[good] <= level[0] * np.exp(-rate * time[good]) * (1 + 1e-9)).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SETTLES)
+def test_the_command_that_a_preset_states_gives_its_gains(name):
+    assert tune(load(name), **command(name)).mission.gains == load(name).gains
+
+
+@pytest.mark.parametrize("name", presets())
+def test_a_preset_written_back_is_its_own_text(name):
+    assert mission_text(load(name)) == preset_text(name)
