@@ -318,7 +318,7 @@ def preset_text(name: str) -> str:
         If there is no such preset.
     """
     if name not in presets():
-        raise InputError(name, "", f"no such preset; there are: {', '.join(presets())}")
+        raise InputError(name, "", f"no such preset ({_hint(name, presets(), 'there are')})")
     return (resources.files("hoverproof") / "presets" / f"{name}.toml").read_text(encoding="utf-8")
 
 
@@ -345,6 +345,8 @@ def load(source: str | Path, overrides: Mapping[str, object] | None = None) -> M
     """
     text, where = _read(source)
     data = _parse(text, where)
+    if "source" in data:  # a field of Mission, but no key of a file
+        raise InputError(where, "source", f"unknown key ({_key_hint((), 'source')})")
     for key, value in (overrides or {}).items():
         _override(data, key, value)
     try:
@@ -362,8 +364,8 @@ def _read(source: str | Path) -> tuple[str, str]:
             raise InputError(where, "", f"is larger than {MAX_FILE_BYTES} bytes")
         return path.read_text(encoding="utf-8"), where
     except FileNotFoundError:
-        near = difflib.get_close_matches(where, presets(), n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"presets: {', '.join(presets())}"
+        beside = [str(p) for p in sorted(path.parent.glob("*.toml"))[:200]]
+        hint = _hint(where, [*presets(), *beside], "presets", shown=presets())
         raise InputError(where, "", f"no such mission file or preset ({hint})") from None
     except UnicodeDecodeError:
         raise InputError(where, "", "is not a text file in UTF-8") from None
@@ -400,7 +402,11 @@ def _override(data: dict[str, Any], key: str, value: object) -> None:
             value = _parse(f"value = {value}", option)["value"]
         except InputError:
             raise InputError(option, "", f"{value!r} is not a TOML value") from None
-    *path, last = key.split(".")
+    *path, last = parts = key.split(".")
+    for depth, part in enumerate(parts):
+        known = _known_keys(parts[:depth])
+        if known and part not in known:
+            raise InputError(option, "", f"unknown key ({_key_hint(parts[:depth], part)})")
     for part in path:
         data = data.setdefault(part, {})
         if not isinstance(data, dict):
@@ -427,19 +433,36 @@ def _input_error(error: ValidationError, where: str) -> InputError:
     }
     message = wording.get(kind, first["msg"])
     if kind == "extra_forbidden":
-        known = _known_keys(first["loc"][:-1])
-        near = difflib.get_close_matches(str(first["loc"][-1]), known, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"known here: {', '.join(known)}"
-        message = f"unknown key ({hint})"
+        *path, last = first["loc"]
+        message = f"unknown key ({_key_hint(path, str(last))})"
     more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
     return InputError(where, key.removeprefix("."), message + more)
 
 
 def _known_keys(path: Sequence[int | str]) -> list[str]:
+    """Return the keys of a section; none if the path leads to no section."""
     section: Any = Mission
     for part in path:
-        section = section.model_fields[part].annotation
-    return [key for key in section.model_fields if key != "source"]
+        field = getattr(section, "model_fields", {}).get(part)
+        section = field and field.annotation
+    return [key for key in getattr(section, "model_fields", ()) if key != "source"]
+
+
+def _hint(word: str, known: Sequence[str], title: str, *, shown: Sequence[str] = ()) -> str:
+    """Suggest the nearest of what is known; list it if nothing is near."""
+    by_lower = {name.lower(): name for name in known}
+    near = difflib.get_close_matches(word.lower(), by_lower, n=1)
+    return (
+        f"did you mean {by_lower[near[0]]!r}?" if near else f"{title}: {', '.join(shown or known)}"
+    )
+
+
+def _key_hint(path: Sequence[int | str], key: str) -> str:
+    """Suggest the nearest key of a section, or the same key where it belongs."""
+    elsewhere = [f"{s}.{key}" for s in _known_keys(()) if key in _known_keys([s])]
+    if elsewhere:
+        return f"did you mean {elsewhere[0]!r}?"
+    return _hint(key, _known_keys(path), "known here")
 
 
 def _as_text(value: Any) -> Any:
