@@ -6,7 +6,6 @@ needed.
 
 from __future__ import annotations
 
-import difflib
 import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
@@ -25,7 +24,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from hoverproof.errors import InputError
+from hoverproof.errors import InputError, suggestion
 
 MAX_FILE_BYTES = 1_000_000
 MAX_POINTS = 64
@@ -318,7 +317,7 @@ def preset_text(name: str) -> str:
         If there is no such preset.
     """
     if name not in presets():
-        raise InputError(name, "", f"no such preset ({_hint(name, presets(), 'there are')})")
+        raise InputError(name, "", f"no such preset ({suggestion(name, presets(), 'there are')})")
     return (resources.files("hoverproof") / "presets" / f"{name}.toml").read_text(encoding="utf-8")
 
 
@@ -364,8 +363,8 @@ def _read(source: str | Path) -> tuple[str, str]:
             raise InputError(where, "", f"is larger than {MAX_FILE_BYTES} bytes")
         return path.read_text(encoding="utf-8"), where
     except FileNotFoundError:
-        beside = [str(p) for p in sorted(path.parent.glob("*.toml"))[:200]]
-        hint = _hint(where, [*presets(), *beside], "presets", shown=presets())
+        near = [*presets(), *map(str, path.parent.glob("*.toml"))]
+        hint = suggestion(where, near, "presets", shown=presets())
         raise InputError(where, "", f"no such mission file or preset ({hint})") from None
     except UnicodeDecodeError:
         raise InputError(where, "", "is not a text file in UTF-8") from None
@@ -402,11 +401,11 @@ def _override(data: dict[str, Any], key: str, value: object) -> None:
             value = _parse(f"value = {value}", option)["value"]
         except InputError:
             raise InputError(option, "", f"{value!r} is not a TOML value") from None
-    *path, last = parts = key.split(".")
-    for depth, part in enumerate(parts):
-        known = _known_keys(parts[:depth])
+    *path, last = key.split(".")
+    for depth, part in enumerate([*path, last]):
+        known = _known_keys(path[:depth])
         if known and part not in known:
-            raise InputError(option, "", f"unknown key ({_key_hint(parts[:depth], part)})")
+            raise InputError(option, "", f"unknown key ({_key_hint(path[:depth], part)})")
     for part in path:
         data = data.setdefault(part, {})
         if not isinstance(data, dict):
@@ -433,8 +432,7 @@ def _input_error(error: ValidationError, where: str) -> InputError:
     }
     message = wording.get(kind, first["msg"])
     if kind == "extra_forbidden":
-        *path, last = first["loc"]
-        message = f"unknown key ({_key_hint(path, str(last))})"
+        message = f"unknown key ({_key_hint(first['loc'][:-1], str(first['loc'][-1]))})"
     more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
     return InputError(where, key.removeprefix("."), message + more)
 
@@ -448,21 +446,10 @@ def _known_keys(path: Sequence[int | str]) -> list[str]:
     return [key for key in getattr(section, "model_fields", ()) if key != "source"]
 
 
-def _hint(word: str, known: Sequence[str], title: str, *, shown: Sequence[str] = ()) -> str:
-    """Suggest the nearest of what is known; list it if nothing is near."""
-    by_lower = {name.lower(): name for name in known}
-    near = difflib.get_close_matches(word.lower(), by_lower, n=1)
-    return (
-        f"did you mean {by_lower[near[0]]!r}?" if near else f"{title}: {', '.join(shown or known)}"
-    )
-
-
 def _key_hint(path: Sequence[int | str], key: str) -> str:
     """Suggest the nearest key of a section, or the same key where it belongs."""
     elsewhere = [f"{s}.{key}" for s in _known_keys(()) if key in _known_keys([s])]
-    if elsewhere:
-        return f"did you mean {elsewhere[0]!r}?"
-    return _hint(key, _known_keys(path), "known here")
+    return suggestion((elsewhere or [key])[0], elsewhere or _known_keys(path), "known here")
 
 
 def _as_text(value: Any) -> Any:

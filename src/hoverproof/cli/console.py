@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import os
 import sys
@@ -23,7 +22,7 @@ from cyclopts import (
 
 from hoverproof import __version__
 from hoverproof.cli.completion import mission_names, settings
-from hoverproof.errors import InputError
+from hoverproof.errors import InputError, suggestion
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -105,10 +104,8 @@ def usage(error: CycloptsError) -> str:
         case UnusedCliTokensError(unused_tokens=[first, *_]):
             problem = f"{first!r} is one argument too many."
         case UnknownCommandError(unused_tokens=[first, *_]):
-            near = difflib.get_close_matches(first, [*app], n=1)
-            known = ", ".join(name for name in app if not name.startswith("-"))
-            hint = f"Did you mean {near[0]!r}?" if near else f"There are: {known}."
-            problem = f"no command {first!r}. {hint}"
+            verbs = [name for name in app if not name.startswith("-")]
+            problem = f"no command {first!r}: {suggestion(first, [*app], 'there are', shown=verbs)}"
         case _:
             problem = str(error).strip()
     return f"{problem} (see {f'hoverproof {command}'.strip()} --help)"
