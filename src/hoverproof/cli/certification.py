@@ -90,7 +90,8 @@ def certify(
         f"  {interval(problem.eigenvalues)} 1/m and every thrust T in {interval(problem.thrust)} N?"
     )
     if problem.box is not None:
-        print(f"  (bounds of the eigenvalues proved over the box {sides_text(problem.box)} m)")
+        print("  (bounds of the eigenvalues proved over the box")
+        print(f"  {sides_text(problem.box)} m)")
     if weights is not None:
         print(f"  weights of L            {', '.join(map(number, problem.weights))}")
     if isinstance(verdict, Proved):
@@ -111,7 +112,7 @@ def certify(
         print(f"  {verdict.reason}")
         if verdict.margin_above is not None:
             print(f"  worst eigenvalue of Σ   {number(verdict.margin_above)} kg/s or less, proved")
-    print("The printed theorem asks for (its conditions prove nothing, see `hoverproof derive`):")
+    print("Asked for by the printed theorem (which is false, see hoverproof derive):")
     for line in textwrap.wrap("; ".join(d.text() for d in demands), 76):
         print(f"  {line}")
     if path is not None:
