@@ -30,14 +30,18 @@ def simulate(
     every: Annotated[
         int | None, Parameter(help="Keep every so many steps; by default about 2000 are kept.")
     ] = None,
-    out: Annotated[Path | None, Parameter(help="Flight file to write, netCDF-4.")] = None,
+    out: Annotated[Path | None, Parameter(help="Flight file to write; default: see above.")] = None,
     figures: Annotated[bool, Parameter(help="Draw the flight beside the file.")] = True,
     set_: Set = None,
     json_: Json = False,
 ) -> int:
     """Fly a mission from its start, with the camera in the loop.
 
+    Writes NAME.flight.nc (netCDF-4, with units and the mission inside) and two figures beside it.
+
     Example: `hoverproof simulate x4-flyer --duration 1500`
+
+    Example: `hoverproof simulate x4-flyer --set "start.position=[3, 1, -5]" --json`
     """
     from hoverproof.show.figures import save_figures
     from hoverproof.simulation.flight import save, summary
