@@ -44,6 +44,7 @@ app = App(
     "2 bad usage or bad input, 3 undecided.",
     default_parameter=Parameter(show_default=shown_default),
     result_action="return_value",
+    suppress_keyboard_interrupt=False,
 )
 app["--help"].help = "Print this help and exit."
 app["--version"].help = "Print the version and exit."

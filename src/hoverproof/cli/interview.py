@@ -145,7 +145,7 @@ def _toml(given: str, *, like: str) -> str:
     except (tomllib.TOMLDecodeError, ArithmeticError, ValueError):
         return json.dumps(given)
     entries = value if isinstance(value, list) else [value]
-    if not all(type(entry) in (int, Decimal) for entry in entries):
+    if not all(type(entry) in (int, Decimal) and math.isfinite(entry) for entry in entries):
         return json.dumps(given)
     return f"[{', '.join(map(str, value))}]" if isinstance(value, list) else str(value)
 
@@ -168,7 +168,7 @@ def _completed(answers: Answers, model: Mission) -> Answers:
         "k4": _text(gains.k4 * mass * rate),
         "k_yaw": _text(gains.k_yaw * turning),
         "eigenvalues": _row(x / length for x in model.bounds.eigenvalues),
-        "thrust": _row(weight * share for share in (0.9, 1.1)),
+        "thrust": f"[{0.9 * weight:.6g}, {1.1 * weight:.6g}]",
     }
 
 
