@@ -145,7 +145,7 @@ def _toml(given: str, *, like: str) -> str:
     except (tomllib.TOMLDecodeError, ArithmeticError, ValueError):
         return json.dumps(given)
     entries = value if isinstance(value, list) else [value]
-    if not all(type(entry) in (int, Decimal) and math.isfinite(entry) for entry in entries):
+    if not all(type(e) is int or (type(e) is Decimal and e.is_finite()) for e in entries):
         return json.dumps(given)
     return f"[{', '.join(map(str, value))}]" if isinstance(value, list) else str(value)
 
