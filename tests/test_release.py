@@ -111,7 +111,7 @@ def test_what_CONTRIBUTING_names_exists():
     assert len(paths) > 10
     for path in paths:
         assert (ROOT / path).exists(), path
-    targets = re.findall(r"make ([a-z]+)", text)
+    targets = re.findall(r"(?m)(?:^|`)make ([a-z]+)", text)
     assert {"lint", "quick", "test"} <= set(targets)
     for target in targets:
         assert re.search(rf"^{target}:", makefile, flags=re.M), target

@@ -7,6 +7,7 @@ height, mass with the mass, time with √(height/gravity); the inertia and the y
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import re
@@ -95,6 +96,8 @@ def interview(
     KeyboardInterrupt
         If the user leaves, by Ctrl-C or Ctrl-D.
     """
+    with contextlib.suppress(ImportError):  # there is none on Windows
+        import readline  # noqa: F401  # lets answers be edited with the arrow keys
     model = load(MODEL)
     answers: Answers = {"name": json.dumps(name)}
     say("Your vehicle, its target and its start. Enter keeps the value in brackets;")
