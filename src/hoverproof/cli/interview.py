@@ -48,13 +48,13 @@ QUESTIONS = (
     Question(
         "inertia",
         "vehicle.inertia",
-        "inertia about the body axes x y z, kg m²",
+        "inertia about body axes x y z, kg m²",
         lambda a, m: _row(i * _inertia_scale(a, m) for i in m.vehicle.inertia),
     ),
     Question(
         "drag_ratio",
         "vehicle.drag_ratio",
-        "drag ratio, drag torque of a rotor over its thrust, m",
+        "drag torque of a rotor over its thrust, m",
         lambda a, m: _text(m.vehicle.drag_ratio * _ratio(a["arm"], m.vehicle.arm)),
     ),
     Question("gravity", "vehicle.gravity", "gravity, m/s²", lambda a, m: _text(m.vehicle.gravity)),
@@ -73,7 +73,7 @@ QUESTIONS = (
     Question(
         "position",
         "start.position",
-        "start x y z, world frame, z down (so z is negative), m",
+        "start x y z (world, z down), m",
         lambda a, m: _row(x * _length_scale(a, m) for x in m.start.position),
     ),
 )
