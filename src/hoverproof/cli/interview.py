@@ -23,7 +23,6 @@ from hoverproof.errors import InputError
 from hoverproof.mission import Mission, load
 
 MODEL = "x4-flyer"
-SIDE = 2.0
 Answers = dict[str, str]
 
 
@@ -48,7 +47,7 @@ QUESTIONS = (
     Question(
         "inertia",
         "vehicle.inertia",
-        "inertia about body axes x y z, kg m²",
+        "inertia about x y z, kg m²",
         lambda a, m: _row(i * _inertia_scale(a, m) for i in m.vehicle.inertia),
     ),
     Question(
@@ -62,13 +61,13 @@ QUESTIONS = (
         "side",
         "target.points",
         "side of the square of four target points, m",
-        lambda a, m: _text(SIDE * _ratio(a["arm"], m.vehicle.arm)),
+        lambda a, m: _text(_side(m) * _ratio(a["arm"], m.vehicle.arm)),
     ),
     Question(
         "height",
         "goal.height",
         "height to hover at, above the target, m",
-        lambda a, m: _text(float(m.goal.height or 0) * _ratio(a["side"], SIDE)),
+        lambda a, m: _text(float(m.goal.height or 0) * _ratio(a["side"], _side(m))),
     ),
     Question(
         "position",
@@ -179,6 +178,11 @@ def _square(side: str) -> str:
     half = Fraction(side) / 2
     a, b = f"{float(half)!r}", f"{float(-half)!r}"
     return f"[[{a}, {a}, 0], [{a}, {b}, 0], [{b}, {b}, 0], [{b}, {a}, 0]]"
+
+
+def _side(model: Mission) -> float:
+    across = [float(x) for x, _, _ in model.target.points]
+    return max(across) - min(across)
 
 
 def _ratio(answer: str, of: float | Fraction) -> float:
