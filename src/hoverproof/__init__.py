@@ -97,12 +97,14 @@ def export_c(
     return write_package(mission, out, Standing(verdict.problem.thrust, certificate), **options)
 
 
-def __getattr__(name: str) -> Any:
-    """Import what a verb needs when it is first used."""
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module, attribute = _HOMES[name]
-    return getattr(importlib.import_module(module), attribute)
+if not TYPE_CHECKING:  # a type checker is to find what does not exist
+
+    def __getattr__(name: str) -> Any:
+        """Import what a verb needs when it is first used."""
+        if name not in _HOMES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        module, attribute = _HOMES[name]
+        return getattr(importlib.import_module(module), attribute)
 
 
 def __dir__() -> list[str]:

@@ -1,6 +1,9 @@
-"""The one error that users cause, and that every command turns into one line and status 2."""
+"""The one error that users cause, which every command turns into one line and status 2."""
 
 from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
 
 
 class InputError(ValueError):
@@ -19,3 +22,24 @@ class InputError(ValueError):
     def __init__(self, where: str, key: str, reason: str) -> None:
         self.where, self.key, self.reason = where, key, reason
         super().__init__(": ".join(part for part in (where, key, reason) if part))
+
+
+def suggestion(word: str, known: Sequence[str], title: str, *, shown: Sequence[str] = ()) -> str:
+    """Suggest the nearest of what is known; list it (or what is to be `shown`) if nothing is near.
+
+    Parameters
+    ----------
+    word : str
+        What was given.
+    known : sequence of str
+        What would have been understood.
+    title : str
+        Words before the list.
+    shown : sequence of str, optional
+        A shorter list.
+    """
+    by_lower = {name.lower(): name for name in known}
+    near = difflib.get_close_matches(word.lower(), by_lower, n=1)
+    return (
+        f"did you mean {by_lower[near[0]]!r}?" if near else f"{title}: {', '.join(shown or known)}"
+    )

@@ -6,7 +6,6 @@ needed.
 
 from __future__ import annotations
 
-import difflib
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -23,7 +22,7 @@ from pydantic import (
 )
 
 from hoverproof.conditions import ModelError, Rotors, Scatter, Sensors, Wind
-from hoverproof.errors import InputError
+from hoverproof.errors import InputError, suggestion
 from hoverproof.quantities import Section as _Section
 from hoverproof.quantities import array as _array
 from hoverproof.quantities import quantity as _quantity
@@ -289,7 +288,7 @@ def preset_text(name: str) -> str:
         If there is no such preset.
     """
     if name not in presets():
-        raise InputError(name, "", f"no such preset; there are: {', '.join(presets())}")
+        raise InputError(name, "", f"no such preset ({suggestion(name, presets(), 'there are')})")
     return (resources.files("hoverproof") / "presets" / f"{name}.toml").read_text(encoding="utf-8")
 
 
@@ -321,6 +320,8 @@ def load(source: str | Path, overrides: Mapping[str, object] | None = None) -> M
     """
     text, where = _read(source)
     data = _parse(text, where)
+    if "source" in data:  # a field of Mission, but no key of a file
+        raise InputError(where, "source", f"unknown key ({_key_hint((), 'source')})")
     for key, value in (overrides or {}).items():
         _override(data, key, value)
     try:
@@ -338,8 +339,8 @@ def _read(source: str | Path) -> tuple[str, str]:
             raise InputError(where, "", f"is larger than {MAX_FILE_BYTES} bytes")
         return path.read_text(encoding="utf-8"), where
     except FileNotFoundError:
-        near = difflib.get_close_matches(where, presets(), n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"presets: {', '.join(presets())}"
+        near = [*presets(), *map(str, path.parent.glob("*.toml"))]
+        hint = suggestion(where, near, "presets", shown=presets())
         raise InputError(where, "", f"no such mission file or preset ({hint})") from None
     except UnicodeDecodeError:
         raise InputError(where, "", "is not a text file in UTF-8") from None
@@ -377,6 +378,10 @@ def _override(data: dict[str, Any], key: str, value: object) -> None:
         except InputError:
             raise InputError(option, "", f"{value!r} is not a TOML value") from None
     *path, last = key.split(".")
+    for depth, part in enumerate([*path, last]):
+        known = _known_keys(path[:depth])
+        if known and part not in known:
+            raise InputError(option, "", f"unknown key ({_key_hint(path[:depth], part)})")
     for part in path:
         data = data.setdefault(part, {})
         if not isinstance(data, dict):
@@ -403,19 +408,24 @@ def _input_error(error: ValidationError, where: str) -> InputError:
     }
     message = wording.get(kind, first["msg"])
     if kind == "extra_forbidden":
-        known = _known_keys(first["loc"][:-1])
-        near = difflib.get_close_matches(str(first["loc"][-1]), known, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"known here: {', '.join(known)}"
-        message = f"unknown key ({hint})"
+        message = f"unknown key ({_key_hint(first['loc'][:-1], str(first['loc'][-1]))})"
     more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
     return InputError(where, key.removeprefix("."), message + more)
 
 
 def _known_keys(path: Sequence[int | str]) -> list[str]:
+    """Return the keys of a section; none if the path leads to no section."""
     section: Any = Mission
     for part in path:
-        section = section.model_fields[part].annotation
-    return [key for key in section.model_fields if key != "source"]
+        field = getattr(section, "model_fields", {}).get(part)
+        section = field and field.annotation
+    return [key for key in getattr(section, "model_fields", ()) if key != "source"]
+
+
+def _key_hint(path: Sequence[int | str], key: str) -> str:
+    """Suggest the nearest key of a section, or the same key where it belongs."""
+    elsewhere = [f"{s}.{key}" for s in _known_keys(()) if key in _known_keys([s])]
+    return suggestion((elsewhere or [key])[0], elsewhere or _known_keys(path), "known here")
 
 
 def _as_text(value: Any) -> Any:

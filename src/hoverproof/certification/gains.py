@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -51,7 +51,7 @@ class Proved:
     certificate : Certificate
     """
 
-    status: ClassVar[str] = "proved"
+    status: ClassVar[Literal["proved"]] = "proved"
     margin: Fraction
     margin_above: Fraction
     decay_rate: Fraction
@@ -81,7 +81,7 @@ class Refuted:
         The counterexample in a file that the checker confirms.
     """
 
-    status: ClassVar[str] = "refuted"
+    status: ClassVar[Literal["refuted"]] = "refuted"
     Q: Rows
     f: Fraction
     X: list[Fraction]
@@ -105,7 +105,7 @@ class Undecided:
         What was asked.
     """
 
-    status: ClassVar[str] = "undecided"
+    status: ClassVar[Literal["undecided"]] = "undecided"
     margin_above: Fraction | None
     reason: str
     problem: GainProblem

@@ -13,17 +13,17 @@ from cyclopts import CycloptsError
 
 # A command joins the application where it is defined; this order is the order of the help.
 from hoverproof.cli import certification, firmware, flight, missions, paper, tuning  # noqa: F401
-from hoverproof.cli.console import app, fail
+from hoverproof.cli.console import app, fail, plain_console, usage
 from hoverproof.errors import InputError
 
 
 def main(arguments: list[str] | None = None) -> NoReturn:
     """Run a command and exit with its status."""
     try:
-        status = app(arguments, exit_on_error=False, print_error=False)
+        status = app(arguments, console=plain_console(), exit_on_error=False, print_error=False)
         sys.stdout.flush()
     except CycloptsError as error:
-        fail(f"{str(error).strip()} (see --help)")
+        fail(usage(error))
     except InputError as error:
         fail(str(error))
     except KeyboardInterrupt:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 def certify(
     mission: MissionName,
     *,
-    out: Annotated[Path | None, Parameter(help="Certificate file to write.")] = None,
+    out: Annotated[Path | None, Parameter(help="Certificate to write; default: see above.")] = None,
     over_box: Annotated[
         bool,
         Parameter(negative="", help="Use eigenvalue bounds proved over a box (see `region`)."),
@@ -52,9 +52,14 @@ def certify(
     """Prove or refute that the gains work for every Q and thrust in the mission's bounds.
 
     Writes a certificate (NAME.cert.json), or a counterexample (NAME.refutation.json), that `check`
-    verifies without trusting this program.
+    verifies without trusting this program; NAME is the name in the mission. If it is undecided,
+    status 3, nothing is written.
 
-    Example: `hoverproof certify x4-flyer --set gains.k4=0.1`
+    Example: `hoverproof certify x4-flyer`
+
+    Example: `hoverproof certify x4-flyer --set gains.k4=0.1` (refuted, status 1)
+
+    Example: `hoverproof certify x4-flyer --over-box --weights search --json`
     """
     from hoverproof.certification.gains import Proved, Refuted, Undecided, Verdict, as_json
     from hoverproof.certification.gains import certify as decide
@@ -90,7 +95,8 @@ def certify(
         f"  {interval(problem.eigenvalues)} 1/m and every thrust T in {interval(problem.thrust)} N?"
     )
     if problem.box is not None:
-        print(f"  (bounds of the eigenvalues proved over the box {sides_text(problem.box)} m)")
+        print("  (bounds of the eigenvalues proved over the box")
+        print(f"  {sides_text(problem.box)} m)")
     if weights is not None:
         print(f"  weights of L            {', '.join(map(number, problem.weights))}")
     if isinstance(verdict, Proved):
@@ -111,7 +117,7 @@ def certify(
         print(f"  {verdict.reason}")
         if verdict.margin_above is not None:
             print(f"  worst eigenvalue of Σ   {number(verdict.margin_above)} kg/s or less, proved")
-    print("The printed theorem asks for (its conditions prove nothing, see `hoverproof derive`):")
+    print("Asked for by the printed theorem (which is false, see hoverproof derive):")
     for line in textwrap.wrap("; ".join(d.text() for d in demands), 76):
         print(f"  {line}")
     if path is not None:
@@ -124,7 +130,7 @@ def region(
     mission: MissionName,
     *,
     box: Box = None,
-    out: Annotated[Path | None, Parameter(help="Certificate file to write.")] = None,
+    out: Annotated[Path | None, Parameter(help="Certificate to write; default: see above.")] = None,
     boxes: Boxes = None,
     figure: Annotated[bool, Parameter(help="Draw the region beside the file.")] = True,
     set_: Set = None,
@@ -133,8 +139,12 @@ def region(
     """Prove or refute that the eigenvalue bounds of Q hold for the real target over a box.
 
     Encloses the eigenvalues over the box, and draws where the bounds hold in a cross-section.
+    Writes a certificate (NAME.region.cert.json), or a position where a bound breaks
+    (NAME.region.refutation.json), and the figure NAME.region.png.
 
-    Example: `hoverproof region x4-flyer --box=-1,5,-1,3,-4.5,-2.5`
+    Example: `hoverproof region x4-flyer`
+
+    Example: `hoverproof region x4-flyer --box=-1,5,-1,3,-4.5,-2.5 --no-figure`
     """
     from hoverproof.certification.over_box import certify_region
     from hoverproof.show.region import save_region_figure
@@ -201,9 +211,13 @@ def check(
 ) -> int:
     """Verify a certificate in exact arithmetic, with the standard library alone.
 
-    The same as `python -I -S checker.py FILE`, which needs no installation.
+    The same as `python -I -S checker.py FILE`, which needs no installation. Takes certificates and
+    refutations of `certify` and `region`. Status 0 if it is accepted, with the theorem in words;
+    1 if it is rejected, with the reason; 2 if it cannot be read.
 
     Example: `hoverproof check x4-flyer.cert.json`
+
+    Example: `hoverproof check x4-flyer.cert.json --json`
     """
     from hoverproof import checker
 

@@ -4,33 +4,72 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
-from cyclopts import App, Parameter, validators
+from cyclopts import (
+    App,
+    Argument,
+    CycloptsError,
+    MissingArgumentError,
+    Parameter,
+    UnknownCommandError,
+    UnusedCliTokensError,
+    validators,
+)
 
 from hoverproof import __version__
-from hoverproof.errors import InputError
+from hoverproof.cli.completion import mission_names, settings
+from hoverproof.errors import InputError, suggestion
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from hoverproof.mission import Mission
+
+
+def shown_default(value: Any) -> str | None:
+    """Show a default in the help, but not that a switch is off until it is given."""
+    return None if value is None or value is False else "yes" if value is True else str(value)
+
 
 app = App(
     name="hoverproof",
     version=__version__,
-    help="From a camera, a target and a hovering vehicle to gains with a proof and a flight.",
+    help="From a camera, a target and a hovering vehicle to gains with a proof and a flight.\n\n"
+    "Example: `hoverproof certify x4-flyer` (each command has its own --help with examples)",
     help_epilogue="Exit status: 0 done or proved, 1 refuted, rejected or a flight cut short, "
     "2 bad usage or bad input, 3 undecided.",
+    default_parameter=Parameter(show_default=shown_default),
     result_action="return_value",
+    suppress_keyboard_interrupt=False,
+)
+app["--help"].help = "Print this help and exit."
+app["--version"].help = "Print the version and exit."
+app.register_install_completion_command(
+    help="Install Tab completion of commands, options, presets and mission files for bash, zsh, "
+    "fish or PowerShell.\n\n"
+    "Writes the script where the shell looks for it and, if need be, a line to the start-up file "
+    "of the shell.\n\nExample: `hoverproof --install-completion --shell bash`\n\n"
+    "Example: `hoverproof --install-completion --shell zsh --output _hoverproof`"
 )
 
-MissionName = Annotated[str, Parameter(help="Name of a preset, or path of a mission file.")]
+MissionName = Annotated[
+    str,
+    Parameter(help="Name of a preset, or path of a mission file.", completer=mission_names),
+]
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object.")]
 Set = Annotated[
     list[str] | None,
-    Parameter(name="--set", negative="", help="Put a value in place: gains.k4=0.1 (repeatable)."),
+    Parameter(
+        name="--set",
+        negative="",
+        help="Put a value in place: gains.k4=0.1 (repeatable).",
+        completer=settings,
+    ),
 ]
 Box = Annotated[
     str | None,
@@ -51,6 +90,36 @@ def fail(message: str, status: int = 2) -> NoReturn:
     line = " ".join(message.split())
     print(f"hoverproof: {line}", file=sys.stderr)
     sys.exit(status)
+
+
+def usage(error: CycloptsError) -> str:
+    """Say in one line what is wrong with the words of a command, and where its help is."""
+    command = " ".join(error.command_chain or ())
+    match error:
+        case MissingArgumentError(argument=Argument() as missing) if not missing.has_tokens:
+            name = error.keyword or missing.name.lstrip("-").upper()
+            problem = f"{command} needs {name}"
+            if error.keyword:
+                problem = f"{name} needs a value"
+            if missing.parameter.help:
+                problem += f": {missing.parameter.help}"
+        case UnusedCliTokensError(unused_tokens=[first, *_]):
+            problem = f"{first!r} is one argument too many."
+        case UnknownCommandError(unused_tokens=[first, *_]):
+            verbs = [name for name in app if not name.startswith("-")]
+            problem = f"no command {first!r}: {suggestion(first, [*app], 'there are', shown=verbs)}"
+        case _:
+            problem = str(error).strip()
+    return f"{problem} (see {f'hoverproof {command}'.strip()} --help)"
+
+
+def plain_console() -> Console | None:
+    """Return a terminal without escape codes if NO_COLOR asks for one."""
+    if not os.environ.get("NO_COLOR"):
+        return None
+    from rich.console import Console
+
+    return Console(color_system=None)
 
 
 def load_mission(mission: str, settings: list[str] | None) -> Mission:

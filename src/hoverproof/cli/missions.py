@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+import re
+import sys
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
+from hoverproof.cli.completion import preset_names
 from hoverproof.cli.console import Json, app, number, print_json
 from hoverproof.errors import InputError
 
 
 @app.command
 def presets(
-    name: Annotated[str | None, Parameter(help="Print this preset as a mission file.")] = None,
+    name: Annotated[
+        str | None,
+        Parameter(help="Print this preset as a mission file.", completer=preset_names),
+    ] = None,
     *,
     json_: Json = False,
 ) -> int:
     """List the missions that come with hoverproof, or print one.
+
+    Example: `hoverproof presets`
 
     Example: `hoverproof presets x4-flyer`
     """
@@ -68,25 +76,54 @@ def presets(
 def new(
     path: Annotated[Path, Parameter(help="Mission file to write.")],
     *,
-    preset: Annotated[str, Parameter(name="--from", help="Preset to start from.")] = "x4-flyer",
+    preset: Annotated[
+        str | None,
+        Parameter(
+            name="--from",
+            help="Preset to start from, without questions. [default: x4-flyer]",
+            completer=preset_names,
+        ),
+    ] = None,
+    yes: Annotated[bool, Parameter(negative="", help="Ask nothing.")] = False,
     force: Annotated[bool, Parameter(negative="", help="Replace an existing file.")] = False,
+    json_: Json = False,
 ) -> int:
-    """Write a commented mission file to start from.
+    """Write a commented mission file for your vehicle, or from a preset.
+
+    In a terminal it asks for the vehicle, its target and its start: mass, arm, inertia and so on,
+    each with its unit and a default. An answer that cannot be used is asked for again. Gains and
+    bounds are then those of x4-flyer, scaled by similarity. With --from, --yes or --json, or if
+    it is not run in a terminal, nothing is asked and the preset is written as it is.
+
+    The file is written whole at the end, or, after Ctrl-C, not at all.
 
     Example: `hoverproof new my-flyer.toml`
+
+    Example: `hoverproof new my-flyer.toml --from x4-flyer --force`
     """
-    import re
+    from hoverproof.cli.interview import interview
+    from hoverproof.files import replacing
+    from hoverproof.mission import conditions_text, load, preset_text
 
-    from hoverproof.files import write_text
-    from hoverproof.mission import conditions_text, preset_text
-
-    text = preset_text(preset) + conditions_text()
     if path.exists() and not force:
         raise InputError(str(path), "", "exists already; --force replaces it")
+    if not path.parent.is_dir():
+        raise InputError(str(path), "", f"there is no folder {path.parent}")
     name = re.sub(r"[^A-Za-z0-9._-]", "-", path.stem).lstrip("._-")[:64] or "mission"
-    write_text(path, re.sub(r'(?m)^name = ".*"', f'name = "{name}"', text, count=1))
-    print(f"{path}: written, from preset {preset}")
-    print("Next: put in your vehicle, target and gains, then")
+    asks = not (yes or json_ or preset) and sys.stdin.isatty() and sys.stdout.isatty()
+    source = "own vehicle" if asks else preset or "x4-flyer"
+    if asks:
+        text = interview(name)
+    else:
+        text = re.sub(r'(?m)^name = ".*"', f'name = "{name}"', preset_text(source), count=1)
+    with replacing(path) as beside:
+        beside.write_text(text + conditions_text(), encoding="utf-8")
+        load(beside)  # nothing is put in place that does not load
+    if json_:
+        print_json({"out": str(path), "name": name, "from": source})
+        return 0
+    print(f"{path}: written, {source if asks else f'from preset {source}'}")
+    print("Next:" if asks else "Next: put in your vehicle, target and gains, then")
     print(f"  hoverproof certify {path}")
     print(f"  hoverproof simulate {path}")
     return 0

@@ -26,7 +26,13 @@ def derive(
 
     Each verdict is computed now: holds, holds with correction, false, definition or convention.
 
-    Example: `hoverproof derive --equation 31`
+    Status 0 if every verdict is proved, 1 if not.
+
+    Example: `hoverproof derive`
+
+    Example: `hoverproof derive --equation 31 --equation 33`
+
+    Example: `hoverproof derive --format markdown`
     """
     from hoverproof.paper.ledger import all_proved, as_rows
     from hoverproof.paper.ledger import derive as judge

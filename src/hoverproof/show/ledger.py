@@ -17,11 +17,12 @@ def ledger_text(judgements: Sequence[Judgement]) -> str:
     margin = " " * (id_width + 2)
     lines = []
     for j in judgements:
-        lines.append(f"{j.id:>{id_width}}  {str(j.verdict).upper()}: {j.title}")
+        head = f"{j.id:>{id_width}}  {str(j.verdict).upper()}: {j.title}"
+        lines += textwrap.wrap(head, WIDTH, subsequent_indent=margin)
         lines += textwrap.wrap(j.reason, WIDTH, initial_indent=margin, subsequent_indent=margin)
     counts = Counter(str(j.verdict) for j in judgements)
-    lines += ["", f"{len(judgements)} claims: " + ", ".join(f"{n} {v}" for v, n in counts.items())]
-    return "\n".join(lines)
+    total = f"{len(judgements)} claims: " + ", ".join(f"{n} {v}" for v, n in counts.items())
+    return "\n".join([*lines, "", *textwrap.wrap(total, WIDTH, subsequent_indent="  ")])
 
 
 def claim_text(j: Judgement) -> str:
@@ -35,9 +36,14 @@ def claim_text(j: Judgement) -> str:
         ("difference", j.difference or "none"),
     ]
     if j.counterexample:
-        point = ", ".join(f"{name} = {value}" for name, value in j.counterexample.items())
+        point = ", ".join(f"{name}={value}" for name, value in j.counterexample.items())
         rows.append(("printed form fails at", point))
-    return "\n".join(f"{name}\n  {words}" if words else name for name, words in rows)
+    lines = [line for name, words in rows for line in (name, *_indented(words))]
+    return "\n".join(lines)
+
+
+def _indented(words: str) -> list[str]:
+    return textwrap.wrap(words, WIDTH, initial_indent="  ", subsequent_indent="    ")
 
 
 def ledger_markdown(judgements: Sequence[Judgement]) -> str:

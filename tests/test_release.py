@@ -1,0 +1,174 @@
+"""What is released: a wheel that works alone, a whole sdist, and a public API that is typed."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tarfile
+import tomllib
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+import yaml
+
+import hoverproof
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "src/hoverproof"
+CONSUMER = """
+from pathlib import Path
+
+import xarray
+
+import hoverproof as hp
+
+mission = hp.load("x4-flyer", {"gains.k4": "4"})
+verdict = hp.certify(mission)
+if verdict.status == "proved":
+    verdict.certificate.save(Path("c.json"))
+    theorem: str = hp.check("c.json")
+    flight: xarray.Dataset = hp.simulate(mission, duration=1.0)
+names: list[str] = hp.presets()
+for judgement in hp.derive(["31"]):
+    print(judgement.id, judgement.verdict, judgement.reason)
+try:
+    hp.load("nothing")
+except hp.InputError as error:
+    print(error.where, error.key, error.reason)
+print(hp.__version__.upper(), float(mission.vehicle.mass))
+"""
+
+
+def run(*command, **options):
+    done = subprocess.run(
+        [str(c) for c in command], capture_output=True, text=True, check=False, **options
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def complaints(script):
+    Path("consumer.py").write_text(script)
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy", "--strict", "--config-file", os.devnull, "consumer.py"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return done.stdout
+
+
+@pytest.mark.slow
+def test_a_consumer_of_the_public_names_passes_strict_typing():
+    assert complaints(CONSUMER).startswith("Success")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("wrong", "complaint"),
+    [
+        ("hp.certifi(hp.load('x4-flyer'))", 'no attribute "certifi"'),
+        ("hp.certify('x4-flyer')", 'incompatible type "str"'),
+        ("hp.simulate(hp.load('x4-flyer'), duration='1 s')", 'incompatible type "str"'),
+        ("x: int = hp.presets()", "Incompatible types in assignment"),
+    ],
+)
+def test_a_misuse_is_found_by_the_type_checker(wrong, complaint):
+    assert complaint in complaints(f"import hoverproof as hp\n\n{wrong}\n")
+
+
+def test_the_version_is_semantic_and_stands_in_one_place():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    assert re.fullmatch(r"\d+\.\d+\.\d+(-[0-9A-Za-z.-]+)?", hoverproof.__version__)
+    assert project["project"]["dynamic"] == ["version"]
+    assert project["tool"]["hatch"]["version"]["path"] == "src/hoverproof/__init__.py"
+    assert "version" not in yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+
+
+def test_the_citation_has_what_its_format_asks_for():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert citation["cff-version"] == "1.2.0"
+    assert citation["type"] == "software"
+    assert citation["message"]
+    assert citation["authors"]
+    assert citation["title"].startswith("hoverproof")
+    assert citation["license"] == project["license"]
+    assert set(citation["keywords"]) == set(project["keywords"])
+
+
+def test_what_CONTRIBUTING_names_exists():
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    paths = re.findall(
+        r"`((?:src|tests|docs|benchmarks|derivations|proofs|notebooks)/[^`]*)`", text
+    )
+    assert len(paths) > 10
+    for path in paths:
+        assert (ROOT / path).exists(), path
+    targets = re.findall(r"(?m)(?:^|`)make ([a-z]+)", text)
+    assert {"lint", "quick", "test"} <= set(targets)
+    for target in targets:
+        assert re.search(rf"^{target}:", makefile, flags=re.M), target
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """Build the sdist, and the wheel from it."""
+    folder = tmp_path_factory.mktemp("dist")
+    run(sys.executable, "-m", "build", "--no-isolation", "--outdir", folder, ROOT)
+    (sdist,) = folder.glob("*.tar.gz")
+    (wheel,) = folder.glob("*.whl")
+    return sdist, wheel
+
+
+@pytest.mark.slow
+def test_the_wheel_holds_every_file_of_the_package_and_nothing_else(built):
+    with zipfile.ZipFile(built[1]) as wheel:
+        names = {n for n in wheel.namelist() if ".dist-info/" not in n}
+        metadata = wheel.read(f"hoverproof-{hoverproof.__version__}.dist-info/METADATA").decode()
+        licences = [n for n in wheel.namelist() if n.endswith("licenses/LICENSE")]
+    files = [p for p in PACKAGE.rglob("*") if p.is_file() and "__pycache__" not in p.parts]
+    assert names == {p.relative_to(PACKAGE.parent).as_posix() for p in files}
+    assert {"hoverproof/py.typed", "hoverproof/checker.py"} <= names
+    assert f"Version: {hoverproof.__version__}\n" in metadata
+    assert licences
+
+
+@pytest.mark.slow
+def test_the_sdist_is_whole(built):
+    with tarfile.open(built[0]) as sdist:
+        names = {name.split("/", 1)[1] for name in sdist.getnames() if "/" in name}
+    wanted = "LICENSE CHANGELOG.md CONTRIBUTING.md CITATION.cff README.md Makefile pyproject.toml"
+    assert {*wanted.split(), "tests/conftest.py", "proofs/x4-flyer.cert.json"} <= names
+
+
+@pytest.mark.slow
+def test_the_wheel_works_alone_in_an_empty_environment(built, tmp_path):
+    """Install it with its dependencies, as pipx does, and run it away from the checkout."""
+    venv.create(tmp_path / "venv", with_pip=True)
+    home, work = tmp_path / "venv" / "bin", tmp_path / "work"
+    work.mkdir()
+    quiet = ("--quiet", "--disable-pip-version-check")
+    run(home / "python", "-m", "pip", "install", *quiet, built[1])
+    names = {"PYTHONPATH", "VIRTUAL_ENV"}
+    options = {"cwd": work, "env": {k: v for k, v in os.environ.items() if k not in names}}
+
+    def hoverproof_(*arguments):
+        return json.loads(run(home / "hoverproof", *arguments, "--json", **options))
+
+    assert "x4-flyer" in hoverproof_("presets")["presets"]
+    assert hoverproof_("certify", "x4-flyer")["verdict"] == "proved"
+    assert hoverproof_("check", "x4-flyer.cert.json")["accepted"] is True
+    assert hoverproof_("simulate", "x4-flyer", "--duration", "20")["outcome"] == "flown"
+    assert hoverproof_("new", "mine.toml")["out"] == "mine.toml"
+    assert hoverproof_("certify", "mine.toml")["verdict"] == "proved"
+    place = run(home / "python", "-c", "import hoverproof; print(hoverproof.__file__)", **options)
+    assert place.startswith(str(tmp_path))
+    template = "from hoverproof.cli.interview import interview as i; i('a', lambda _: '')"
+    assert "Your vehicle" in run(home / "python", "-c", template, **options)
