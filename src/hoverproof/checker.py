@@ -53,6 +53,7 @@ Gains = dict[str, Fraction]
 MAX_BYTES = 1_000_000
 MAX_BOXES = 2000
 MAX_POINTS = 64
+MAX_PIECES = 20_000  # of a region of attraction
 
 
 class Question(NamedTuple):
@@ -114,7 +115,9 @@ def within(inner: Sequence[Fraction], outer: Sequence[Fraction]) -> bool:
 # --- the model ----------------------------------------------------------------------------------
 
 
-def centroid_seen(points: Matrix, position: Row) -> list[tuple[Fraction, Fraction]]:
+def centroid_seen(
+    points: Matrix, position: Row, bits: int = 128
+) -> list[tuple[Fraction, Fraction]]:
     """Enclose q = Σ (P - ξ)/|P - ξ|; points at equal distance are added before rounding."""
     sums: dict[Fraction, list[Fraction]] = {}
     for point in points:
@@ -125,7 +128,7 @@ def centroid_seen(points: Matrix, position: Row) -> list[tuple[Fraction, Fractio
         sums[square] = [a + b for a, b in zip(old, ray, strict=True)]
     box = []
     for i in range(3):
-        ends = [sorted(ray[i] / r for r in square_root(s)) for s, ray in sums.items()]
+        ends = [sorted(ray[i] / r for r in square_root(s, bits)) for s, ray in sums.items()]
         low, high = (sum((e[k] for e in ends), Fraction(0)) for k in (0, 1))
         box.append((low, high))
     return box
@@ -199,25 +202,41 @@ def eigenvalues_hold(
     return False
 
 
+def around(
+    points: Matrix, box: Matrix
+) -> tuple[list[Fraction], Fraction, Matrix, list[tuple[Fraction, Fraction]]]:
+    """Return centre and radius of a box, the rays from its centre, and enclosed distances."""
+    center = [(a + b) / 2 for a, b in box]
+    radius = square_root(sum(((b - a) ** 2 / 4 for a, b in box), Fraction(0)), 32)[1]
+    rays = [[x - c for x, c in zip(point, center, strict=True)] for point in points]
+    ends = [square_root(sum((x * x for x in ray), Fraction(0)), 32) for ray in rays]
+    return center, radius, rays, ends
+
+
+def largest_below(
+    radius: Fraction, rays: Matrix, ends: Sequence[tuple[Fraction, Fraction]], high: Fraction
+) -> bool:
+    """Show Q ≺ high I for all positions of a box at once."""
+    if min(near for near, _ in ends) <= radius:
+        return False
+    if sum(1 / (near - radius) for near, _ in ends) < high:  # Q ⪯ Σ 1/ri is enough
+        return True
+    above = scaled_identity(-high)
+    for ray, (near, _) in zip(rays, ends, strict=True):
+        add_turn(above, short(1 / near**3, up=True), ray)
+        steepness = Fraction(1155, 1000) * radius / (near - radius) ** 2
+        for i in range(3):
+            above[i][i] += short(steepness, up=True)
+    return positive_definite([[-x for x in row] for row in above])
+
+
 def eigenvalues_hold_near(points: Matrix, box: Matrix, low: Fraction, high: Fraction) -> bool:
     """Show it for a whole box at once, without halving; see the top of this file."""
     zero = Fraction(0)
-    center = [(a + b) / 2 for a, b in box]
+    _, radius, rays, ends = around(points, box)
     square = sum(((b - a) ** 2 / 4 for a, b in box), zero)
-    radius = square_root(square, 32)[1]
-    rays = [[x - c for x, c in zip(point, center, strict=True)] for point in points]
-    ends = [square_root(sum((x * x for x in ray), zero), 32) for ray in rays]
-    if min(near for near, _ in ends) <= radius:
+    if not largest_below(radius, rays, ends, high):
         return False
-    if sum(1 / (near - radius) for near, _ in ends) >= high:  # else Q ⪯ Σ 1/ri is enough
-        above = scaled_identity(-high)
-        for ray, (near, _) in zip(rays, ends, strict=True):
-            add_turn(above, short(1 / near**3, up=True), ray)
-            steepness = Fraction(1155, 1000) * radius / (near - radius) ** 2
-            for i in range(3):
-                above[i][i] += short(steepness, up=True)
-        if not positive_definite([[-x for x in row] for row in above]):
-            return False
     weights = [short(1 / (far + radius) ** 3, up=False) for _, far in ends]
     total = sum(weights, zero)
     s = [sum((w * ray[i] for w, ray in zip(weights, rays, strict=True)), zero) for i in range(3)]
@@ -313,13 +332,25 @@ def digest(value: Any) -> str:
 
 COMMON = (
     *("format", "version", "kind", "statement", "mission", "mission_sha256", "model_sha256"),
-    *("tools", "goal_position", "weights", "region", "sha256"),
+    *("tools", "goal_position", "sha256"),
 )
 GAINS = ("k1", "k2", "k3", "k4", "k_yaw")
 
 
-def read_mission(c: Any) -> Question:
-    """Return the numbers of the mission that bear on the claim, and enclosures made from them."""
+class Setting(NamedTuple):
+    """What a mission says of vehicle, target and goal; q* is enclosed."""
+
+    name: str
+    m: Fraction  # mass, kg
+    gravity: Fraction  # m/s²
+    g: Gains
+    points: Matrix
+    centroid: list[tuple[Fraction, Fraction]]
+    goal: list[Fraction] | None  # position, m
+
+
+def read_setting(c: Any) -> Setting:
+    """Return the numbers of vehicle, gains, target and goal."""
     mission = c["mission"]
     keys(mission, ("name", "vehicle", "target", "goal", "gains", "bounds", "start"), "mission")
     named = isinstance(mission["name"], str) and re.fullmatch(
@@ -333,10 +364,33 @@ def read_mission(c: Any) -> Question:
     g = {k: number(v) for k, v in keys(mission["gains"], GAINS, "gains").items()}
     m, gravity = number(vehicle["mass"]), number(vehicle["gravity"])
     require(min(m, gravity, *g.values()) > 0, "mass, gravity and gains must be positive")
-    w = numbers(c["weights"], 4)
+    points = numbers(keys(mission["target"], ("points",), "target")["points"], None, 3)
+    require(2 <= len(points) <= MAX_POINTS, f"a target has 2 to {MAX_POINTS} points")
+    goal = mission["goal"]
+    require(isinstance(goal, dict), "goal is not an object")
+    if "height" in goal:
+        height = number(keys(goal, ("height",), "goal")["height"])
+        position = numbers(c["goal_position"], 3)
+        mean = sum(p[2] for p in points) / len(points)
+        require(position[2] == mean - height, "the goal is not at the height of the mission")
+        require(all(p[2] > position[2] for p in points), "a target point is above the goal")
+        centroid = centroid_seen(points, position)
+        level_off = max(abs(end) for ends in centroid[:2] for end in ends)
+        require(level_off < Fraction(1, 10**9), "the centroid at the goal is not vertical")
+    else:
+        q = numbers(keys(goal, ("centroid",), "goal")["centroid"], 3)
+        require(c["goal_position"] is None, "a goal by centroid has no position here")
+        require(q[2] > 0 and sum(x * x for x in q) < len(points) ** 2, "no hover sees this q*")
+        position, centroid = None, [(x, x) for x in q]
+    return Setting(mission["name"], m, gravity, g, points, centroid, position)
+
+
+def read_mission(c: Any) -> Question:
+    """Return the numbers of the mission that bear on the claim, and enclosures made from them."""
+    name, m, gravity, g, points, centroid, _ = read_setting(c)
+    w, bounds = numbers(c["weights"], 4), c["mission"]["bounds"]
     require(min(w) > 0, "weights must be positive")
-    bounds, goal = mission["bounds"], mission["goal"]
-    require(isinstance(bounds, dict) and isinstance(goal, dict), "bounds or goal is not an object")
+    require(isinstance(bounds, dict), "bounds is not an object")
     stiffness = g["k1"] ** 2 * g["k2"] / m
 
     keys(bounds, ("eigenvalues", "thrust" if "thrust" in bounds else "level"), "bounds")
@@ -359,29 +413,12 @@ def read_mission(c: Any) -> Question:
         box = numbers(region["box"], 3, 2)
         require(all(a <= b for a, b in box), "the box is not in order")
 
-    points = numbers(keys(mission["target"], ("points",), "target")["points"], None, 3)
-    require(2 <= len(points) <= MAX_POINTS, f"a target has 2 to {MAX_POINTS} points")
-    if "height" in goal:
-        height = number(keys(goal, ("height",), "goal")["height"])
-        position = numbers(c["goal_position"], 3)
-        mean = sum(p[2] for p in points) / len(points)
-        require(position[2] == mean - height, "the goal is not at the height of the mission")
-        require(all(p[2] > position[2] for p in points), "a target point is above the goal")
-        centroid = centroid_seen(points, position)
-        level_off = max(abs(end) for ends in centroid[:2] for end in ends)
-        require(level_off < Fraction(1, 10**9), "the centroid at the goal is not vertical")
-    else:
-        q = numbers(keys(goal, ("centroid",), "goal")["centroid"], 3)
-        require(c["goal_position"] is None, "a goal by centroid has no position here")
-        require(q[2] > 0 and sum(x * x for x in q) < len(points) ** 2, "no hover sees this q*")
-        centroid = [(x, x) for x in q]
-
     def f(thrust: Fraction, q3: Fraction) -> Fraction:
         return factor(m, g, thrust, q3)
 
     (low, high), (q_low, q_high) = thrust, centroid[2]
     return Question(
-        name=mission["name"],
+        name=name,
         m=m,
         g=g,
         w=w,
@@ -507,24 +544,417 @@ def about(x: Fraction) -> str:
     return str(x) if len(str(x)) < 6 else f"{x} (about {float(x):.6g})"
 
 
+# --- regions of attraction ----------------------------------------------------------------------
+#
+# For an axial goal, q* = (0, 0, q3*), let G(ξ) = Σ |P'i - ξ| + q3* z, W = G - min G, e = q - q3* ρ,
+# θ = Pρ/(1 + ρ3), η = (q3* c/(m g)) (P - e3 θᵀ)(δ3 - δ2), v = e + η + δ2 = (m/k1) V. Whatever Ω is,
+# Λ = W + ½(a2|δ2|² + a3|δ3|² + a4|δ4|²) has, with u = -(a2 δ2 + a3 δ3 + a4 δ4), K = (k1 k2 + k3)/k1,
+#
+#   -(m/k1) Λ' = eᵀv + uᵀQv + a2 [k2|δ2|² - k2 δ2ᵀδ3 + f q3* δ2ᵀP(δ4 - δ3)]
+#                + a3 [k2 δ3ᵀδ2 - K δ3ᵀδ4 + (k3/k1)|δ3|²] + a4 [K δ4ᵀδ3 + (k4/k1)|δ4|²],
+#
+# where uᵀQv >= (λ/2)(uᵀv - ½(τ|v|² + |u|²/τ)) for 0 ⪯ Q ⪯ λ I. This is affine in f, q3* and θ, and a
+# turn about e3 carries one θ to all of its length: both ends of f and q3* and θ = (t, 0) suffice.
+#
+# On {Λ <= ℓ}, |F| <= d = c √(2ℓ(1/a2 + 1/a3)), so |T - m g| <= d, sin φ <= d/(m g), |θ| = tan(φ/2).
+# The height obeys, with κ = (k1 k2 + k3)/m and N = z + (m/(k1 k2))(z' + z''/κ), exactly
+# N' = (k1/m) w, w <= qz - q3* + ω, ω = q3*(1 - cos φ) + sin φ √(2ℓ((1 + γ)²/a4 + γ²/a3)),
+# γ = c q3*/(T - c q3*), qz = Σ hi/ri (which grows with height). If k3 >= 3 k1 k2, let r <= s have
+# r + s = κ, r s = κ k1 k2/m: then x = z + z'/r has x' = s (N - x), z' = r (x - z), so N - x and x - z
+# keep below lags D1 >= (k1/m) w_max/s, D2 >= s D1/r; and if w <= 0 wherever z >= zb - D1 - D2, none
+# of N, x, z passes zb. See proofs/.
+
+
+class Attraction(NamedTuple):
+    """What follows from mission, weights and level before anything about positions is shown."""
+
+    s: Setting
+    a: list[Fraction]  # weights a2, a3, a4
+    level: Fraction
+    base: tuple[Fraction, Fraction]  # holds min G
+    q3: tuple[Fraction, Fraction]  # holds q3*
+    force: Fraction  # bounds |F|, N
+    sine: Fraction  # bounds sin φ
+    cosine: Fraction  # below cos φ
+    barrier: Fraction | None  # zb, m
+
+
+def read_attraction(c: Any) -> Attraction:
+    """Return the numbers of the question, and bounds that follow from the level."""
+    s = read_setting(c)
+    q3 = s.centroid[2]
+    require(all(end == 0 for ends in s.centroid[:2] for end in ends), "the goal is not axial")
+    require(q3[0] > 0 and q3[1] < len(s.points), "no hover sees this q3*")
+    flat = {(x, y) for x, y, _ in s.points}
+    require(len(flat) > 1, "all target points are on one vertical line")
+    a, claim = numbers(c["weights"], 3), c["claim"]
+    keys(claim, ("level", "rate", "barrier_height", "reach", "starts"), "claim")
+    level = number(claim["level"])
+    require(min(*a, level, number(claim["rate"])) > 0, "weights, level and rate must be positive")
+    hover = numbers(c["hover"], 3)
+    require(s.goal in (None, hover), "the hover point is not the goal")
+    low, high = potential(s.points, q3, hover)
+    # min G >= G(hover) - |∇G||ξ* - hover|, and G(ξ*) <= G(hover) bounds that distance
+    seen = centroid_seen(s.points, hover)
+    off = [
+        max(abs(x - y) for x in ends for y in want)
+        for ends, want in zip(seen, [(Fraction(0),), (Fraction(0),), q3], strict=True)
+    ]
+    far = 2 * (high - q3[0] * hover[2]) / (len(s.points) - q3[1])
+    base = (low - sum(off, Fraction(0)) * far, high)
+    stiffness = s.g["k1"] ** 2 * s.g["k2"] / s.m
+    weight = s.m * s.gravity
+    force = stiffness * square_root(2 * level * (1 / a[0] + 1 / a[1]))[1]
+    require(weight - force > stiffness * q3[1], "the thrust reaches the singularity T = c q3*")
+    sine = force / weight
+    cosine = square_root(1 - sine**2)[0]
+    height, barrier = claim["barrier_height"], None
+    if height is not None:
+        mean = sum((p[2] for p in s.points), Fraction(0)) / len(s.points)
+        barrier = mean - number(height)
+    return Attraction(s, a, level, base, q3, force, sine, cosine, barrier)
+
+
+def potential(points: Matrix, q3: Row, x: Row, bits: int = 128) -> tuple[Fraction, Fraction]:
+    """Enclose G."""
+    low, high = sorted(end * x[2] for end in q3)
+    for point in points:
+        square = sum(((p - c) ** 2 for p, c in zip(point, x, strict=True)), Fraction(0))
+        near, far = square_root(square, bits)
+        low, high = low + near, high + far
+    return low, high
+
+
+def dissipation(
+    p: Attraction, high: Fraction, f: Fraction, q3: Fraction, t: Fraction, tau: Fraction
+) -> Matrix:
+    """Return the matrix of the lower bound of -(m/k1) Λ' at θ = (t, 0), for all 0 ⪯ Q ⪯ high I."""
+    k1, k2, k3, k4 = (p.s.g[k] for k in ("k1", "k2", "k3", "k4"))
+    (a2, a3, a4), K = p.a, (k1 * k2 + k3) / k1
+    unit = [[Fraction(int(i == j)) for j in range(11)] for i in range(11)]
+    e, d2, d3, d4 = unit[0:3], unit[3:6], unit[6:9], [unit[9], unit[10], [Fraction(0)] * 11]
+
+    def mix(*terms: tuple[Fraction | int, Matrix]) -> Matrix:
+        return [
+            [sum((c * rows[i][j] for c, rows in terms), Fraction(0)) for j in range(11)]
+            for i in range(3)
+        ]
+
+    eta = mix((q3 * k1**2 * k2 / (p.s.m**2 * p.s.gravity), mix((1, d3), (-1, d2))))
+    eta[2] = [-t * x for x in eta[0]]
+    v, u = mix((1, e), (1, eta), (1, d2)), mix((-a2, d2), (-a3, d3), (-a4, d4))
+    turn = mix((1, d4), (-1, d3))
+    turn[2] = [Fraction(0)] * 11
+    M = [[Fraction(0)] * 11 for _ in range(11)]
+    for factor, left, right in (
+        (Fraction(1), e, v),
+        (a2 * k2, d2, mix((1, d2), (-1, d3))),
+        (a2 * f * q3, d2, turn),
+        (a3, d3, mix((k2, d2), (-K, d4), (k3 / k1, d3))),
+        (a4, d4, mix((K, d3), (k4 / k1, d4))),
+        (high / 2, u, v),
+        (-high * tau / 4, v, v),
+        (-high / (4 * tau), u, u),
+    ):
+        for x, y in zip(left, right, strict=True):
+            for i, j in itertools.product(range(11), repeat=2):
+                if x[i] and y[j]:
+                    M[i][j] += factor * x[i] * y[j] / 2
+                    M[j][i] += factor * x[i] * y[j] / 2
+    return M
+
+
+def verify_attraction(c: Any, p: Attraction) -> None:
+    """Verify that the set is not left, and that Λ falls in it as claimed."""
+    s, weight = p.s, p.s.m * p.s.gravity
+    hints = keys(c["enclosures"], ("goal", "factor", "tilt", "largest_eigenvalue"), "enclosures")
+    goal, span = numbers(hints["goal"], 2), numbers(hints["factor"], 2)
+    tilt, high = number(hints["tilt"]), number(hints["largest_eigenvalue"])
+    require(high > 0 and within(p.q3, goal), "the interval of q3* does not hold it")
+    f = [factor(s.m, s.g, weight + sign * p.force, q) for sign, q in ((1, p.q3[0]), (-1, p.q3[1]))]
+    require(within(f, span), "the interval of f does not hold f(T)")
+    require(tilt * (1 + p.cosine) >= p.sine, "tan(φ/2) is not below the bound of the tilt")
+    rate, multipliers = number(c["claim"]["rate"]), numbers(c["multipliers"], 2)
+    require(min(multipliers) > 0, "a multiplier must be positive")
+    for (f_end, tau), q3 in itertools.product(zip(span, multipliers, strict=True), goal):
+        M = dissipation(p, high, f_end, q3, tilt, tau)
+        for i in range(11):
+            M[i][i] -= rate
+        require(positive_definite(M), "-(m/k1) Λ' is not shown to be above rate·|Y|²")
+    require(positions_hold(p, high), "the largest eigenvalue of Q is not shown to be bounded")
+    starts = [read_start(start) for start in list_of(c["claim"]["starts"])]
+    starts += reach_starts(p, c)
+    if p.barrier is not None:
+        barrier_holds(p, p.barrier, starts)
+    for start in starts:
+        start_holds(p, start)
+
+
+def positions_hold(p: Attraction, high: Fraction, most: int = MAX_PIECES) -> bool:
+    """Tell whether Q ≺ high I is shown wherever W <= ℓ and z <= zb.
+
+    Elsewhere than within n/high of some target point, Q ⪯ Σ 1/ri does not reach high.
+    """
+    points, near, grid = p.s.points, len(p.s.points) / high, 2**20
+    box = []
+    for i in range(3):
+        low, up = min(x[i] for x in points) - near, max(x[i] for x in points) + near
+        if i == 2 and p.barrier is not None:
+            up = min(up, p.barrier)
+        box.append([Fraction(low * grid // 1, grid), Fraction(-(-up * grid // 1), grid)])
+    boxes = [box] if box[2][0] <= box[2][1] else []
+    for _ in range(most):
+        if not boxes:
+            return True
+        box = boxes.pop()
+        center, radius, rays, ends = around(points, box)
+        if not (largest_below(radius, rays, ends, high) or above_level(p, center, box, rays, ends)):
+            boxes += halves(box)
+    return False
+
+
+def above_level(
+    p: Attraction, center: Row, box: Matrix, rays: Matrix, ends: Sequence[tuple[Fraction, Fraction]]
+) -> bool:
+    """Tell whether W > ℓ on a box: W is above its tangent plane at the centre, as it is convex."""
+    if min(near for near, _ in ends) == 0:
+        return False
+    value = sum((near for near, _ in ends), min(end * center[2] for end in p.q3)) - p.base[1]
+    if value <= p.level:
+        return False
+    for i, (a, b) in enumerate(box):
+        slope = [Fraction(0), Fraction(0)] if i < 2 else list(p.q3)
+        for ray, (near, far) in zip(rays, ends, strict=True):
+            parts = sorted((-ray[i] / near, -ray[i] / far))
+            slope = [slope[0] + parts[0], slope[1] + parts[1]]
+        value -= max(map(abs, slope)) * (b - a) / 2
+    return value > p.level
+
+
+def halves(box: Matrix) -> list[Matrix]:
+    """Halve a box along its longest side."""
+    k = max(range(len(box)), key=lambda i: box[i][1] - box[i][0])
+    middle = sum(box[k]) / 2
+    return [
+        [side if i == k else old for i, old in enumerate(box)]
+        for side in ([box[k][0], middle], [middle, box[k][1]])
+    ]
+
+
+class Start(NamedTuple):
+    """A set of states: any heading, any yaw rate."""
+
+    position: Matrix  # box, m
+    radius: Fraction | None  # horizontal distance from the axis of the goal, m
+    speed: Fraction  # bounds |V|, m/s
+    tilt: Fraction  # bounds φ, rad
+    rate: Fraction  # bounds the rates of roll and pitch together, rad/s
+    thrust: Fraction  # bounds |T - m g|, N
+
+
+def list_of(value: Any) -> list[Any]:
+    """Make sure that a value is a list of reasonable length."""
+    require(isinstance(value, list) and len(value) <= 64, "not a list of at most 64 entries")
+    return list(value)
+
+
+def read_start(value: Any) -> Start:
+    """Read a set of states."""
+    keys(value, ("position", "speed", "tilt", "rate", "thrust"), "start")
+    box = numbers(value["position"], 3, 2)
+    sizes = [number(value[k]) for k in ("speed", "tilt", "rate", "thrust")]
+    require(all(a <= b for a, b in box), "a box of starts is not in order")
+    require(min(sizes) >= 0, "a size is negative")
+    return Start(box, None, *sizes)
+
+
+def reach_starts(p: Attraction, c: Any) -> list[Start]:
+    """Return the hovers about the goal that are claimed: a disc at its height, up, and down."""
+    reach = keys(c["claim"]["reach"], ("sideways", "up", "down"), "reach")
+    x, y, z = numbers(c["hover"], 3)
+    side, up, down = (number(reach[k]) for k in ("sideways", "up", "down"))
+    require(min(side, up, down) >= 0, "a reach is negative")
+    still = (Fraction(0),) * 4
+    disc = [[x - side, x + side], [y - side, y + side], [z, z]]
+    return [
+        Start(disc, side, *still),
+        Start([[x, x], [y, y], [z - up, z + down]], None, *still),
+    ]
+
+
+def barrier_holds(p: Attraction, bottom: Fraction, starts: Sequence[Start]) -> None:
+    """Verify that no motion from the starts passes below z = bottom while Λ <= ℓ."""
+    s, (_, a3, a4), weight = p.s, p.a, p.s.m * p.s.gravity
+    k1, k2, k3 = (s.g[k] for k in ("k1", "k2", "k3"))
+    require(k3 >= 3 * k1 * k2, "a barrier needs k3 >= 3 k1 k2")
+    singular = k1**2 * k2 / s.m * p.q3[1]
+    gamma = singular / (weight - p.force - singular)
+    spread = square_root(2 * p.level * ((1 + gamma) ** 2 / a4 + gamma**2 / a3))[1]
+    omega = p.q3[1] * (1 - p.cosine) + p.sine * spread
+    limit, most = p.q3[0] - omega, len(s.points) - p.q3[0] + omega
+    require(limit > 0, "the tilt lifts the barrier out of reach")
+    kappa, product = (k1 * k2 + k3) / s.m, (k1 * k2 + k3) * k1 * k2 / s.m**2
+    root = square_root(kappa**2 - 4 * product)
+    r, fast = [(kappa - end) / 2 for end in reversed(root)], [(kappa + end) / 2 for end in root]
+    require(r[0] > 0, "a root is too near zero")
+    first, second = k1 / s.m * most / fast[0], Fraction(0)
+    for start in starts:  # z' <= speed and z'' <= |F|/m at the start
+        pull = (start.thrust + weight * start.tilt) / s.m
+        first = max(first, (pull + r[1] * start.speed) / product)
+        second = max(second, start.speed / r[0])
+        ahead = max(start.speed / r[0], (start.speed + pull / kappa) * s.m / (k1 * k2))
+        require(start.position[2][1] + ahead <= bottom, "a start sinks below the barrier")
+    lag = first + max(second, fast[1] * first / r[0])
+    require(centroid_below(s.points, bottom - lag, limit), "the barrier is not shown to hold")
+
+
+def centroid_below(points: Matrix, z: Fraction, limit: Fraction, most: int = MAX_PIECES) -> bool:
+    """Tell whether Σ hi/ri < limit is shown for all positions at a height."""
+    heights = [max(p[2] - z, Fraction(0)) for p in points]
+    around_it = sum(heights) / limit  # farther out every ri is above it
+    boxes: list[Matrix] = [
+        [
+            [min(p[i] for p in points) - around_it, max(p[i] for p in points) + around_it]
+            for i in range(2)
+        ]
+    ]
+    for _ in range(most):
+        if not boxes:
+            return True
+        box, total = boxes.pop(), Fraction(0)
+        for point, h in zip(points, heights, strict=True):
+            gaps = (max(a - x, x - b, Fraction(0)) for x, (a, b) in zip(point, box, strict=False))
+            near = square_root(sum((gap * gap for gap in gaps), h * h), 32)[0]
+            total += h / near if h else Fraction(0)
+        if total >= limit:
+            boxes += halves(box)
+    return False
+
+
+def start_holds(p: Attraction, start: Start, most: int = MAX_PIECES) -> None:
+    """Verify that Λ <= ℓ in a set of states, and that the thrust is above the singularity."""
+    weight, stiffness = p.s.m * p.s.gravity, p.s.g["k1"] ** 2 * p.s.g["k2"] / p.s.m
+    require(weight - start.thrust > stiffness * p.q3[1], "a thrust at the start is too low")
+    bottom = p.barrier
+    require(bottom is None or start.position[2][1] <= bottom, "a start is below the barrier")
+    boxes = [start.position]
+    for _ in range(most):
+        if not boxes:
+            return
+        box, square = boxes.pop(), Fraction(0)
+        if start.radius is not None:  # leave out what is farther from the axis
+            for (a, b), (u, v) in zip(box[:2], start.position, strict=False):
+                square += max(a - (u + v) / 2, (u + v) / 2 - b, Fraction(0)) ** 2
+            if square > start.radius**2:
+                continue
+        terms = start_terms(p, start, box)
+        if terms is None or sum(w * x for w, x in zip((1, *p.a), terms, strict=True)) > p.level:
+            longest = max(b - a for a, b in box)
+            require(longest > Fraction(1, 2**16), "a start is not shown to have Λ <= level")
+            boxes += halves(box)
+    raise Rejected("a set of starts is not shown to have Λ <= level")
+
+
+def start_terms(p: Attraction, start: Start, box: Matrix) -> tuple[Fraction, ...] | None:
+    """Bound W and half the squares of δ2, δ3 and δ4 for the positions of a box; None if too near.
+
+    W is convex, so its corners bound it; q changes by at most Σ 1/ri a metre. To lean by φ moves ρ
+    and unit vectors by at most φ, and F by m g φ.
+    """
+    s, weight, n = p.s, p.s.m * p.s.gravity, len(p.s.points)
+    k1, k2, k3 = (s.g[k] for k in ("k1", "k2", "k3"))
+    stiffness = k1**2 * k2 / s.m
+    center, radius, _, ends = around(s.points, box)
+    if min(near for near, _ in ends) <= radius:
+        return None
+    corners = itertools.product(*(sorted(set(side)) for side in box))
+    W = max(potential(s.points, p.q3, corner, 32)[1] for corner in corners) - p.base[0]
+    change = radius * sum(1 / (near - radius) for near, _ in ends)
+    x, y, up = centroid_seen(s.points, center, 32)
+    flat = square_root(max(x[0] ** 2, x[1] ** 2) + max(y[0] ** 2, y[1] ** 2), 32)[1]
+    rise = max(abs(a - b) for a in up for b in p.q3)
+    d1 = square_root(flat**2 + rise**2, 32)[1] + change + p.q3[1] * start.tilt
+    moved = s.m / k1 * start.speed
+    lean = weight / stiffness * start.tilt
+    room = weight + start.thrust - stiffness * p.q3[0]
+    turned = s.m / (stiffness * (k1 * k2 + k3)) * room * start.rate
+    d2 = moved + d1
+    d3 = start.thrust / stiffness + lean + d2
+    d4 = turned + lean + moved + flat + change + n * start.tilt
+    return (W, d2**2 / 2, d3**2 / 2, d4**2 / 2)
+
+
+def theorem_of_attraction(c: Any, p: Attraction) -> str:
+    """Say in words what is proved."""
+    claim, s = c["claim"], p.s
+    gains = ", ".join(f"{k} = {s.g[k]}" for k in GAINS[:4])
+    a = ", ".join(map(about, p.a))
+    q3 = f"{float(sum(p.q3) / 2):.12g}"
+    kept, barrier = "{Λ <= level, T > 0}", ""
+    if p.barrier is not None:
+        kept = "{Λ <= level, T > 0, height kept by the barrier}"
+        barrier = (
+            f" The vehicle never comes nearer to the target than the height "
+            f"{about(number(claim['barrier_height']))} m above its mean."
+        )
+    reach = [about(number(claim["reach"][k])) for k in ("sideways", "up", "down")]
+    starts = [
+        f"position in {sides(start.position)} m, speed <= {about(start.speed)} m/s, tilt <= "
+        f"{about(start.tilt)} rad, roll and pitch rates <= {about(start.rate)} rad/s, thrust "
+        f"within {about(start.thrust)} N of m g"
+        for start in (read_start(x) for x in list_of(claim["starts"]))
+    ]
+    others = "".join(f"; from every state with {text}" for text in starts)
+    return (
+        f"For the mission {s.name} (m = {s.m} kg, {gains}, axial goal, q3* = {q3} to 12 digits) let "
+        f"W = Σ|P'i - ξ| + q3* z less its minimum, Λ = W + ½(a2|δ2|² + a3|δ3|² + a4|δ4|²), (a2, a3, "
+        f"a4) = ({a}), level = {about(p.level)}. The exact model in continuous time, with any "
+        f"heading and yaw rate, does not leave the set {kept}; Λ' <= -(k1/m) "
+        f"{about(number(claim['rate']))} |Y|² in it, Y = (q - q3* ρ, δ2, δ3, δ4), and every motion "
+        f"in it converges to the hover at the goal.{barrier} So it does from every level hover up "
+        f"to {reach[0]} m sideways of the goal, {reach[1]} m above or {reach[2]} m below it{others}."
+    )
+
+
+def sides(box: Matrix) -> str:
+    """Write a box."""
+    return " x ".join(f"[{about(a)}, {about(b)}]" for a, b in box)
+
+
 class Kind(NamedTuple):
-    """A kind of certificate: its own keys, what it says, and how that is verified."""
+    """A kind of certificate: its own keys, how they are read, what it says and how it is shown."""
 
     keys: tuple[str, ...]
-    theorem: Callable[[Any, Question], str]
-    verify: Callable[[Any, Question], None]
+    read: Callable[[Any], Any]
+    theorem: Callable[[Any, Any], str]
+    verify: Callable[[Any, Any], None]
 
 
+LYAPUNOV = ("weights", "region")
 KINDS = {
-    "gains": Kind(("enclosures", "vertices", "claim"), theorem_of_gains, verify_gains),
-    "counterexample": Kind(("counterexample",), theorem_of_counterexample, verify_counterexample),
-    "region": Kind((), theorem_of_region, verify_region),
+    "gains": Kind(
+        (*LYAPUNOV, "enclosures", "vertices", "claim"), read_mission, theorem_of_gains, verify_gains
+    ),
+    "counterexample": Kind(
+        (*LYAPUNOV, "counterexample"),
+        read_mission,
+        theorem_of_counterexample,
+        verify_counterexample,
+    ),
+    "region": Kind(LYAPUNOV, read_mission, theorem_of_region, verify_region),
+    "attraction": Kind(
+        ("weights", "hover", "enclosures", "multipliers", "claim"),
+        read_attraction,
+        theorem_of_attraction,
+        verify_attraction,
+    ),
 }
 
 
 def statement(certificate: Any) -> str:
     """Return the theorem that a certificate claims, in words."""
-    return KINDS[certificate["kind"]].theorem(certificate, read_mission(certificate))
+    kind = KINDS[certificate["kind"]]
+    return kind.theorem(certificate, kind.read(certificate))
 
 
 def check(certificate: Any) -> str:
@@ -548,7 +978,7 @@ def checked(certificate: Any) -> str:
     require(head == ("hoverproof certificate", 1), "not version 1 of the format")
     rest = {k: v for k, v in certificate.items() if k != "sha256"}
     require(certificate["sha256"] == digest(rest), "the file was changed after it was written")
-    question = read_mission(certificate)
+    question = KINDS[kind].read(certificate)
     theorem = KINDS[kind].theorem(certificate, question)
     require(certificate["statement"] == theorem, f"the statement is not what is proved: {theorem}")
     KINDS[kind].verify(certificate, question)

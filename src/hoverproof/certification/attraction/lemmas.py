@@ -131,9 +131,7 @@ def _quadratic_form() -> dict[str, bool]:
     loop, form = axial_loop(), derive_form()
     d, e, z = loop.design, loop.errors, loop.measured
     a = form.weights
-    energy = sum(
-        a[i] * ca.dot(part, part) / 2 for i, part in enumerate((e.d2, e.d3, e.d4))
-    )
+    energy = sum(a[i] * ca.dot(part, part) / 2 for i, part in enumerate((e.d2, e.d3, e.d4)))
     potential_rate = -ca.dot(z.centroid - d.goal_centroid[2] * z.gravity_direction, z.velocity)
     rate = -d.mass / d.k1 * (potential_rate + loop.dot(energy))
     theta = form.theta  # the state as a function of Y's symbols is not needed: put Y of the state
@@ -184,7 +182,9 @@ def _symmetry() -> dict[str, bool]:
         ca.vertcat(form.errors, form.theta, form.Q_lower),
         ca.vertcat(Y, turn @ form.theta, lower),
     )
-    return {"the form is the same after a turn about e3": bool(prove_equal(other, form.dissipation))}
+    return {
+        "the form is the same after a turn about e3": bool(prove_equal(other, form.dissipation))
+    }
 
 
 def _bilinear() -> dict[str, bool]:
