@@ -21,7 +21,7 @@ from hoverproof.servo.error_chain import Design
 from hoverproof.servo.lyapunov import ERROR_SIZE, thrust_factor
 
 Array = NDArray[np.float64]
-LEAST_RATE = 0.01
+LEAST_RATE = 0.1
 """ε that the program asks for; what is proved in the end is what the rounded numbers give."""
 
 

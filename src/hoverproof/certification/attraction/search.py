@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -179,54 +179,77 @@ def find(search: Search, objective: Objective, starts: Array) -> Found | None:
     if objective == "start":
         return search.best(starts, lambda b, s: s.fill)
     p = search.potential
+    grid = HoverGrid.of(p)
 
-    def ball(radius: float, bottom: float | None) -> Array:
-        places = p.goal + radius * sphere(200)
-        return places if bottom is None else places[places[:, 2] <= bottom]
+    def cost(b: Bounds, s: Solution) -> float:
+        if len(starts) and (starts @ [1, *s.weights]).max() > s.level:
+            return 1e3 * s.fill
+        if objective == "volume":
+            return -np.log(grid.volume(s.weights, s.level, b.bottom))
+        return -np.log(grid.radius(s.weights, s.level, b.bottom))
 
-    def volume(b: Bounds, s: Solution) -> float:
-        return -hover_volume(p, s.weights, s.level, b.bottom)
-
-    def radius(b: Bounds, s: Solution) -> float:
-        return -hover_radius(p, s.weights, s.level, b.bottom)
-
-    value = volume if objective == "volume" else radius
-    found, wanted, size = None, np.zeros((0, 4)), 0.1 * p.height(float(p.goal[2]))
+    found, size, bottom = None, 0.1 * p.height(float(p.goal[2])), None
     for _ in range(8):  # aim at the ball, or the set, that was reached, a little larger
-        places = ball(size, None if found is None else found.bottom)
-        rows = p.hover_terms(places)
+        places = p.goal + size * sphere(200)
+        rows = p.hover_terms(places if bottom is None else places[places[:, 2] <= bottom])
         wanted = np.vstack([starts, rows if objective == "radius" else rows.mean(axis=0)])
-        new = search.best(wanted, value)
+        new = search.best(wanted, cost)
         if new is None:
             break
-        reached = hover_radius(p, new.weights, new.level, new.bottom)
-        if found is not None and reached < 1.02 * size:
+        reached = grid.radius(new.weights, new.level, new.bottom)
+        if found is not None and reached < 1.02 * size / 1.05:
             break
-        found, size = new, min(reached * 1.05, LARGEST_RADIUS)
-    return found
+        found, size, bottom = new, min(reached * 1.05, LARGEST_RADIUS), new.bottom
+    if found is None or not len(starts):
+        return found
+    fill = float((starts @ [1, *found.weights]).max() / found.level)
+    return replace(found, fill=fill)
 
 
-def hover_radius(p: Potential, weights: Array, level: float, bottom: float | None) -> float:
-    """Return the radius, m, of the largest ball of hovers about the goal that is inside.
+@dataclass(frozen=True)
+class HoverGrid:
+    """Hovers along rays from the goal, to see which of them are inside.
 
-    What lies below a barrier does not count.
+    Attributes
+    ----------
+    radii : (m,)
+        m.
+    depth : (k, m)
+        z, m.
+    terms : (k, m, 4)
+        See `Potential.hover_terms`.
     """
-    low, high = 0.0, LARGEST_RADIUS
-    directions = sphere(200)
-    for _ in range(40):
-        middle = np.sqrt(max(low, 1e-3) * high) if high > 2 * low else (low + high) / 2
-        places = p.goal + middle * directions
-        kept = places if bottom is None else places[places[:, 2] <= bottom]
-        inside = p.hover_terms(kept) @ [1, *weights] <= level
-        low, high = (middle, high) if inside.all() else (low, middle)
-    return low
 
+    radii: Array
+    depth: Array
+    terms: Array
 
-def hover_volume(p: Potential, weights: Array, level: float, bottom: float | None) -> float:
-    """Return the volume of the certified hovers, m³, seen from the goal in 400 directions."""
-    directions = sphere(400)
-    reach = [reach_along(p, d, weights, level, bottom) for d in directions]
-    return float(4 * np.pi / 3 * np.mean(np.array(reach) ** 3))
+    @classmethod
+    def of(cls, p: Potential, rays: int = 300, steps: int = 160) -> HoverGrid:
+        """Lay rays in all directions."""
+        radii = np.geomspace(0.02, LARGEST_RADIUS, steps)
+        places = p.goal + sphere(rays)[:, None] * radii[None, :, None]
+        terms = p.hover_terms(places.reshape(-1, 3)).reshape(rays, steps, 4)
+        return cls(radii, places[..., 2], terms)
+
+    def reach(self, weights: Array, level: float, bottom: float | None) -> tuple[Array, Array]:
+        """Return how far each ray is inside, m, and whether Λ ends it (or the barrier)."""
+        outside = self.terms @ [1, *weights] > level
+        below = np.zeros_like(outside) if bottom is None else self.depth > bottom
+        ended = outside | below
+        first = np.where(ended.any(axis=1), ended.argmax(axis=1), len(self.radii) - 1)
+        rows = np.arange(len(first))
+        return self.radii[np.maximum(first - 1, 0)], outside[rows, first]
+
+    def volume(self, weights: Array, level: float, bottom: float | None) -> float:
+        """Return the volume of the hovers inside that are seen from the goal, m³."""
+        reach, _ = self.reach(weights, level, bottom)
+        return float(4 * np.pi / 3 * (reach**3).mean())
+
+    def radius(self, weights: Array, level: float, bottom: float | None) -> float:
+        """Return the radius of the largest ball inside, m; what is below a barrier is left out."""
+        reach, by_level = self.reach(weights, level, bottom)
+        return float(reach[by_level].min()) if by_level.any() else LARGEST_RADIUS
 
 
 def reach_along(
