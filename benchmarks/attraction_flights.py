@@ -58,13 +58,14 @@ class Case:
             self.bottom = plane - float(self.region.barrier_height)
 
     def value(self, x):
+        """Return the potential, but for a constant."""
         return np.linalg.norm(self.points.T - x, axis=1).sum() + self.q3 * x[2]
 
     def draw(self, rng, hover):
         """Return a random state inside, (19,)."""
         low, high = self.goal - FARTHEST, self.goal + FARTHEST
         if self.bottom is None:
-            low, high = self.goal - [3, 3, 15], self.goal + [3, 3, 3.2]
+            low, high = self.goal - np.array([3, 3, 15]), self.goal + np.array([3, 3, 3.2])
         else:
             high[2] = self.bottom
         base = self.value(self.goal)
@@ -92,7 +93,7 @@ class Case:
                 )
                 F = self.c * (d3 - d2)  # m g ρ = F + T e3 with |ρ| = 1
                 T = np.sqrt(self.weight**2 - F[:2] @ F[:2]) - F[2]
-                rho = (F + [0, 0, T]) / self.weight
+                rho = np.array([F[0], F[1], F[2] + T]) / self.weight
                 R = rotation_with(rho, heading)
                 V = self.k1 / self.m * (R.T @ q - [0, 0, self.q3] + d2)
                 beta = self.m / (self.c * (self.k1 * self.k2 + self.k3)) * (T - self.c * self.q3)
@@ -119,6 +120,7 @@ class Case:
 
 
 def turn(angle):
+    """Return the rotation about the vertical."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
 
@@ -164,6 +166,7 @@ def rates(case, states):
 
 
 def main():
+    """Fly, and print what came of it."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--flights", type=int, default=1000)
     parser.add_argument("--states", type=int, default=10_000)
@@ -201,7 +204,7 @@ def main():
         excess, square = rates(case, margin)
         print(
             f"{name}: {states} states, Λ' > -(k1/m) ε|Y|² at {int((excess > 0).sum())}, "
-            f"largest (Λ' + (k1/m) ε|Y|²)/((k1/m)|Y|²) = {(excess / square).max() * case.m / case.k1:.3g}"
+            f"-(m/k1) Λ'/|Y|² - ε is at least {-(excess / square).max() * case.m / case.k1:.3g}"
         )
 
 

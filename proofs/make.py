@@ -5,10 +5,9 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from hoverproof.certification.certificate import seal
 from hoverproof.certification.gains import Proved, certify
-from hoverproof.certification.problem import gain_problem
-from hoverproof.certification.region import Region, default_box, enclose, holds_over
+from hoverproof.certification.over_box import certify_region
+from hoverproof.certification.region import default_box
 from hoverproof.mission import load, presets
 
 
@@ -16,14 +15,12 @@ def make(folder: Path) -> None:
     """Write, for each preset, NAME.cert.json, NAME.region.cert.json and NAME.over-box.cert.json."""
     for name in presets():
         mission = load(name)
-        box, bounds = default_box(mission), mission.bounds.eigenvalues
-        if not holds_over(mission, box, bounds):
-            raise SystemExit(f"{name}: the eigenvalue bounds are not proved around start and goal")
-        region = Region(box, bounds, (float("nan"), float("nan")))
-        seal(gain_problem(mission, region=region), "region", {}).save(
-            folder / f"{name}.region.cert.json"
-        )
-        for ending, enclosed in (("cert", None), ("over-box.cert", enclose(mission, box))):
+        box = default_box(mission)
+        over_box = certify_region(mission, box)
+        if over_box.status != "proved" or over_box.certificate is None:
+            raise SystemExit(f"{name}: eigenvalue bounds over its box: {over_box.status}")
+        over_box.certificate.save(folder / f"{name}.region.cert.json")
+        for ending, enclosed in (("cert", None), ("over-box.cert", over_box.enclosure)):
             verdict = certify(mission, region=enclosed)
             if not isinstance(verdict, Proved):
                 raise SystemExit(f"{name}: {verdict.status}")

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from hoverproof import checker, cli
 from hoverproof.certification.gains import Proved, certify, search_weights
@@ -80,10 +82,11 @@ def test_the_mission_s_bounds_hold_around_start_and_goal(mission, region):
 def test_bounds_that_are_broken_are_not_proved_but_refuted(mission):
     wide = ((F(-1), F(6)), (F(-1), F(4)), (F(-5), F(-2)))
     assert not holds_over(mission, wide, mission.bounds.eigenvalues, most=50)
-    place, value = outside(mission, wide, mission.bounds.eigenvalues)
-    assert value < 0.01
-    exact = eigenvalues(points(mission), np.array([[float(c) for c in place]]))[0]
-    assert exact[0] == pytest.approx(value)
+    spot = outside(mission, wide, mission.bounds.eigenvalues)
+    assert spot.bound == "lower"
+    assert spot.eigenvalue < 0.01
+    exact = eigenvalues(points(mission), np.array([[float(c) for c in spot.position]]))[0]
+    assert exact[0] == pytest.approx(spot.eigenvalue)
 
 
 @pytest.mark.parametrize("side", [0, 1])
@@ -126,6 +129,7 @@ def test_searched_weights_certify_a_faster_decay(mission):
     verdict = certify(mission, weights=best)
     assert isinstance(verdict, Proved)
     assert verdict.decay_rate > plain.decay_rate * F(11, 10)
+    assert verdict.margin_above < verdict.margin * (1 + F(1, 10**6))
     checker.check(verdict.certificate.content)
     rng = np.random.default_rng(0)
     for _ in range(10):
@@ -172,3 +176,62 @@ def test_weights_that_are_none_are_refused(weights, capsys):
         cli.main(["certify", "x4-flyer", f"--weights={weights}"])
     assert exit_.value.code == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_broken_bound_is_refuted_by_a_certificate_of_its_own(mission, capsys):
+    wide = "--box=-1,6,-1,4,-5,-2"
+    with pytest.raises(SystemExit) as exit_:
+        cli.main(["region", "x4-flyer", wide, "--json", "--no-figure"])
+    answer = json.loads(capsys.readouterr().out)
+    assert exit_.value.code == 1
+    assert answer["witness"]["bound"] == "lower"
+    assert "It is not true" in checker.check_file(answer["certificate"])
+    content = json.loads(Path(answer["certificate"]).read_text())
+    spot = content["outside"]
+    for key, value, reason in (
+        ("position", ["7", "0", "-3"], "not in the box"),
+        ("position", ["0", "0", "-3"], "not shown to be out of bounds"),
+        ("direction", ["0", "0", "0"], "not shown to be out of bounds"),
+        ("bound", "upper", "not shown to be out of bounds"),
+        ("bound", "middle", "neither lower nor upper"),
+    ):
+        forged = copy.deepcopy(content)
+        forged["outside"] = spot | {key: value}
+        with pytest.raises(checker.Rejected, match=reason):
+            forged["statement"] = checker.statement(forged)
+            forged["sha256"] = checker.digest({k: v for k, v in forged.items() if k != "sha256"})
+            checker.check(forged)
+
+
+def test_a_limit_of_boxes_that_is_hit_leaves_the_question_undecided(capsys):
+    for command in ("region", "certify"):
+        with pytest.raises(SystemExit) as exit_:
+            cli.main([command, "x4-flyer", "--box=-5,5,-3,3,-6,-0.5", "--boxes=2", "--json"])
+        answer = json.loads(capsys.readouterr().out)
+        assert exit_.value.code == 3
+        assert answer["verdict"] == "undecided"
+        assert answer["certificate"] is None
+
+
+def test_a_box_beside_a_target_point_is_enclosed(mission):
+    near = ((F(9, 10), F(11, 10)), (F(9, 10), F(11, 10)), (F(-1, 2), F(-1, 20)))
+    region = enclose(mission, near)
+    values = sampled(mission, near, 20_000)
+    assert region.eigenvalues[0] < values.min()
+    assert values.max() < region.eigenvalues[1] < 2 * values.max()
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 10**6), st.integers(2, 5), st.floats(0.01, 2))
+def test_no_box_is_shown_to_hold_what_a_sample_in_it_breaks(seed, n, size):
+    rng = np.random.default_rng(seed)
+    target = [[F(int(c), 100) for c in p] for p in rng.integers(-200, 200, (n, 3))]
+    center = rng.uniform(-3, 3, 3)
+    box = [[F(float(c - size)), F(float(c + size))] for c in center]
+    ends = np.array([[float(a), float(b)] for a, b in box])
+    places = ends[:, 0] + (ends[:, 1] - ends[:, 0]) * rng.random((400, 3))
+    values = eigenvalues(np.array(target, float), places)
+    for low, high in ((1.01, 1e6), (0.99, 0.99 * values.max()), (0.99, 1.01 * values.max())):
+        bounds = F(low * values.min()), F(high)
+        if checker.eigenvalues_hold(target, box, *bounds, most=300):
+            assert low < 1 < high / values.max()

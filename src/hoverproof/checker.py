@@ -49,11 +49,12 @@ from typing import Any, NamedTuple
 Row = Sequence[Fraction]
 Matrix = list[list[Fraction]]
 Gains = dict[str, Fraction]
+Cell = list[tuple[int, int]]  # a box, its ends whole numbers of a unit of length
 
 MAX_BYTES = 1_000_000
-MAX_BOXES = 2000
+MAX_WORK = 24_000  # boxes times points in a branch and bound
 MAX_POINTS = 64
-MAX_PIECES = 20_000  # of a region of attraction
+MAX_SEARCH = 100_000  # the same for a region of attraction
 
 
 class Question(NamedTuple):
@@ -99,12 +100,12 @@ def positive_definite(matrix: Matrix) -> bool:
     return True
 
 
-def square_root(s: Fraction, bits: int = 128) -> tuple[Fraction, Fraction]:
-    """Return rationals low <= √s <= high, at most 2^-bits apart."""
-    n = (s.numerator << 2 * bits) // s.denominator
+def square_root(s: Fraction) -> tuple[Fraction, Fraction]:
+    """Return rationals low <= √s <= high, at most 2^-128 apart."""
+    n = (s.numerator << 256) // s.denominator
     r = math.isqrt(n)
-    exact = r * r == n and n * s.denominator == s.numerator << 2 * bits
-    return Fraction(r, 1 << bits), Fraction(r if exact else r + 1, 1 << bits)
+    exact = r * r == n and n * s.denominator == s.numerator << 256
+    return Fraction(r, 1 << 128), Fraction(r if exact else r + 1, 1 << 128)
 
 
 def within(inner: Sequence[Fraction], outer: Sequence[Fraction]) -> bool:
@@ -115,9 +116,7 @@ def within(inner: Sequence[Fraction], outer: Sequence[Fraction]) -> bool:
 # --- the model ----------------------------------------------------------------------------------
 
 
-def centroid_seen(
-    points: Matrix, position: Row, bits: int = 128
-) -> list[tuple[Fraction, Fraction]]:
+def centroid_seen(points: Matrix, position: Row) -> list[tuple[Fraction, Fraction]]:
     """Enclose q = Σ (P - ξ)/|P - ξ|; points at equal distance are added before rounding."""
     sums: dict[Fraction, list[Fraction]] = {}
     for point in points:
@@ -128,7 +127,7 @@ def centroid_seen(
         sums[square] = [a + b for a, b in zip(old, ray, strict=True)]
     box = []
     for i in range(3):
-        ends = [sorted(ray[i] / r for r in square_root(s, bits)) for s, ray in sums.items()]
+        ends = [sorted(ray[i] / r for r in square_root(s)) for s, ray in sums.items()]
         low, high = (sum((e[k] for e in ends), Fraction(0)) for k in (0, 1))
         box.append((low, high))
     return box
@@ -181,91 +180,132 @@ def sigma(g: Gains, w: Row, Q: Matrix, f: Fraction, q: Row) -> Matrix:
     return [[-(weight[i] * b[i][j] + weight[j] * b[j][i]) / 2 for j in n] for i in n]
 
 
+def out_of_bounds(points: Matrix, position: Row, x: Row, bound: Fraction, *, lower: bool) -> bool:
+    """Tell whether xᵀQx is shown to be below (lower) or above bound·|x|² at a position."""
+    xx, total = sum((a * a for a in x), Fraction(0)), Fraction(0)
+    for point in points:  # xᵀQx = Σ (|x|² - (x·pi)²)/ri, rounded against the claim
+        ray = [a - b for a, b in zip(point, position, strict=True)]
+        square = sum((a * a for a in ray), Fraction(0))
+        require(square > 0, "the position is that of a target point")
+        along = sum((a * b for a, b in zip(ray, x, strict=True)), Fraction(0))
+        total += (xx - along**2 / square) / square_root(square)[0 if lower else 1]
+    return total < bound * xx if lower else total > bound * xx
+
+
+class Grid(NamedTuple):
+    """Lengths as whole numbers of a unit that divides every coordinate of the target."""
+
+    unit: int  # of them are 1 m
+    points: list[list[int]]
+
+    @classmethod
+    def of(cls, points: Matrix) -> "Grid":
+        """Lay the grid of a target."""
+        unit = 2**20 * math.lcm(*(c.denominator for point in points for c in point))
+        require(unit < 10**50, "the coordinates of the target are too long")
+        return cls(unit, [[int(c * unit) for c in point] for point in points])
+
+    def cover(self, box: Matrix) -> Cell:
+        """Round a box outward."""
+        require(all(abs(end) < 10**9 for side in box for end in side), "a box is too far away")
+        return [(math.floor(a * self.unit), math.ceil(b * self.unit)) for a, b in box]
+
+
+def halves(cell: Cell) -> list[Cell]:
+    """Halve a cell along its longest side."""
+    k = max(range(len(cell)), key=lambda i: cell[i][1] - cell[i][0])
+    middle = sum(cell[k]) // 2
+    return [
+        [side if i == k else old for i, old in enumerate(cell)]
+        for side in ((cell[k][0], middle), (middle, cell[k][1]))
+    ]
+
+
 def eigenvalues_hold(
-    points: Matrix, box: Matrix, low: Fraction, high: Fraction, most: int = MAX_BOXES
+    points: Matrix, box: Matrix, low: Fraction, high: Fraction, most: int | None = None
 ) -> bool:
-    """Tell whether low I ≺ Q ≺ high I is shown for every position in a box."""
-    grid = 2**20  # a box with short ends around the given one keeps the numbers short
-    boxes = [[[Fraction(a * grid // 1, grid), Fraction(-(-b * grid // 1), grid)] for a, b in box]]
-    for _ in range(most):
-        if not boxes:
+    """Tell whether low I ≺ Q ≺ high I is shown for every position in a box, halving it at need.
+
+    The box is rounded outward to the grid, so every matrix is one of integers.
+    """
+    grid = Grid.of(points)
+    low, high = low / grid.unit, high / grid.unit
+    cells = [grid.cover(box)]
+    for _ in range(MAX_WORK // len(points) if most is None else most):
+        if not cells:
             return True
-        sides = boxes.pop()
-        if not eigenvalues_hold_near(points, sides, low, high):
-            center = [[(a + b) / 2] * 2 for a, b in sides]
-            if not eigenvalues_hold_near(points, center, low, high):
+        cell = cells.pop()
+        if not eigenvalues_hold_near(grid.points, cell, low, high):
+            center: Cell = [((a + b) // 2,) * 2 for a, b in cell]
+            if not eigenvalues_hold_near(grid.points, center, low, high):
                 return False  # not even there
-            longest = max(range(3), key=lambda i: sides[i][1] - sides[i][0])
-            start, end = sides[longest]
-            for half in ([start, (start + end) / 2], [(start + end) / 2, end]):
-                boxes.append([half if i == longest else side for i, side in enumerate(sides)])
+            cells += halves(cell)
+    return False
+
+
+def eigenvalues_hold_near(
+    points: list[list[int]], cell: Cell, low: Fraction, high: Fraction
+) -> bool:
+    """Show it for a whole cell at once, without halving, in integers; see the top of this file."""
+    _, square, radius, rays, near = around(points, cell)
+    if not largest_below(rays, near, radius, high):
+        return False
+    scale = 1 << (64 + 3 * max(near).bit_length())  # weights and bounds are multiples of 1/scale
+    weights = [scale // (d + 1 + radius) ** 3 for d in near]
+    total = sum(weights)
+    s = [sum(w * ray[i] for w, ray in zip(weights, rays, strict=True)) for i in range(3)]
+    below, lost = turns(weights, rays), turns([1], [s])
+    bottom = math.ceil(scale * low)
+    for k in (2, 4, 16, 64, 2**20):  # 1/θ = k Σ wi; the inequality is multiplied by that
+        matrix = [
+            [k * total * a - b for a, b in zip(*r, strict=True)]
+            for r in zip(below, lost, strict=True)
+        ]
+        if positive_definite_3(matrix, 1, -k * total * (bottom + (k - 1) * total * square)):
+            return True
     return False
 
 
 def around(
-    points: Matrix, box: Matrix
-) -> tuple[list[Fraction], Fraction, Matrix, list[tuple[Fraction, Fraction]]]:
-    """Return centre and radius of a box, the rays from its centre, and enclosed distances."""
-    center = [(a + b) / 2 for a, b in box]
-    radius = square_root(sum(((b - a) ** 2 / 4 for a, b in box), Fraction(0)), 32)[1]
-    rays = [[x - c for x, c in zip(point, center, strict=True)] for point in points]
-    ends = [square_root(sum((x * x for x in ray), Fraction(0)), 32) for ray in rays]
-    return center, radius, rays, ends
+    points: list[list[int]], cell: Cell
+) -> tuple[list[int], int, int, list[list[int]], list[int]]:
+    """Return the centre of a cell, ρ² and ρ, the rays from the centre, and their lengths.
+
+    A length d stands for one in [d, d + 1]; ρ is rounded up.
+    """
+    center = [(a + b) // 2 for a, b in cell]
+    square = sum((b - c) ** 2 for (_, b), c in zip(cell, center, strict=True))  # b - c >= c - a
+    rays = [[p - c for p, c in zip(point, center, strict=True)] for point in points]
+    near = [math.isqrt(sum(x * x for x in ray)) for ray in rays]
+    return center, square, math.isqrt(square) + 1, rays, near
 
 
-def largest_below(
-    radius: Fraction, rays: Matrix, ends: Sequence[tuple[Fraction, Fraction]], high: Fraction
-) -> bool:
-    """Show Q ≺ high I for all positions of a box at once."""
-    if min(near for near, _ in ends) <= radius:
+def largest_below(rays: list[list[int]], near: list[int], radius: int, high: Fraction) -> bool:
+    """Show Q ≺ high I for a whole cell at once."""
+    if min(near) <= radius:
         return False
-    if sum(1 / (near - radius) for near, _ in ends) < high:  # Q ⪯ Σ 1/ri is enough
+    scale = 1 << (64 + 3 * max(near).bit_length())
+    top = math.floor(scale * high)
+    if sum(scale // (d - radius) + 1 for d in near) < top:  # Q ⪯ Σ 1/ri is enough
         return True
-    above = scaled_identity(-high)
-    for ray, (near, _) in zip(rays, ends, strict=True):
-        add_turn(above, short(1 / near**3, up=True), ray)
-        steepness = Fraction(1155, 1000) * radius / (near - radius) ** 2
-        for i in range(3):
-            above[i][i] += short(steepness, up=True)
-    return positive_definite([[-x for x in row] for row in above])
+    steep = sum(1155 * scale * radius // (1000 * (d - radius) ** 2) + 1 for d in near)
+    return positive_definite_3(turns([scale // d**3 + 1 for d in near], rays), -1, top - steep)
 
 
-def eigenvalues_hold_near(points: Matrix, box: Matrix, low: Fraction, high: Fraction) -> bool:
-    """Show it for a whole box at once, without halving; see the top of this file."""
-    zero = Fraction(0)
-    _, radius, rays, ends = around(points, box)
-    square = sum(((b - a) ** 2 / 4 for a, b in box), zero)
-    if not largest_below(radius, rays, ends, high):
-        return False
-    weights = [short(1 / (far + radius) ** 3, up=False) for _, far in ends]
-    total = sum(weights, zero)
-    s = [sum((w * ray[i] for w, ray in zip(weights, rays, strict=True)), zero) for i in range(3)]
-    for power in (1, 2, 4, 6):  # θ Σ wi is between 2^-power and half of that
-        theta = Fraction(2) ** -(power + math.frexp(float(total))[1]) if square else zero
-        below = scaled_identity(-low - ((1 / theta - total) * square if square else 0))
-        for w, ray in zip(weights, rays, strict=True):
-            add_turn(below, w, ray)
-        add_turn(below, -theta, s)
-        if positive_definite(below):
-            return True
-    return False
+def turns(weights: Sequence[int], rays: Sequence[Sequence[int]]) -> list[list[int]]:
+    """Return the matrix of Σ wi |x × di|², that is Σ wi (|di|² I - di diᵀ)."""
+    pairs = list(zip(weights, rays, strict=True))
+    xx, yy, zz = (sum(w * d[i] * d[i] for w, d in pairs) for i in range(3))
+    xy, yz, zx = (-sum(w * d[i] * d[i - 2] for w, d in pairs) for i in range(3))
+    return [[yy + zz, xy, zx], [xy, zz + xx, yz], [zx, yz, xx + yy]]
 
 
-def short(x: Fraction, *, up: bool) -> Fraction:
-    """Round a positive number to 64 binary digits after the point, up or down."""
-    return Fraction(int(x * 2**64) + up, 2**64)
-
-
-def scaled_identity(factor: Fraction) -> Matrix:
-    """Return factor I, (3, 3)."""
-    return [[factor if i == j else Fraction(0) for j in range(3)] for i in range(3)]
-
-
-def add_turn(matrix: Matrix, factor: Fraction, d: Row) -> None:
-    """Add factor (|d|² I - d dᵀ), the matrix of factor |x × d|², to a matrix."""
-    length = sum((x * x for x in d), Fraction(0))
-    for i, j in itertools.product(range(3), repeat=2):
-        matrix[i][j] += factor * ((length if i == j else 0) - d[i] * d[j])
+def positive_definite_3(matrix: list[list[int]], sign: int, shift: int) -> bool:
+    """Tell by its leading minors whether sign·matrix + shift·I is positive definite."""
+    (a, b, c), (_, d, e), (_, _, f) = ([sign * x for x in row] for row in matrix)
+    a, d, f = a + shift, d + shift, f + shift
+    minor = a * d - b * b
+    return a > 0 and minor > 0 and f * minor > a * e * e - 2 * b * c * e + d * c * c
 
 
 def bound(
@@ -274,7 +314,7 @@ def bound(
     """Return M = Σ(λI) - (k1 ϱ/2)(τ vᵀv + uᵀu/τ) - t W."""
     low, high = eigenvalues
     middle, spread = (low + high) / 2, (high - low) / 2
-    M = sigma(g, w, scaled_identity(middle), f, q)
+    M = sigma(g, w, [[middle * (i == j) for j in range(3)] for i in range(3)], f, q)
     loss = g["k1"] * spread / 2
     for axis in range(3):  # u and v on each axis, as rows of length 11
         u, v = [Fraction(0)] * 11, [Fraction(0)] * 11
@@ -496,6 +536,30 @@ def theorem_of_region(c: Any, p: Question) -> str:
     )
 
 
+def verify_outside(c: Any, p: Question) -> None:
+    """Verify that Q has an eigenvalue out of bounds at a position in the box."""
+    spot = c["outside"]
+    position, x = numbers(spot["position"], 3), numbers(spot["direction"], 3)
+    inside = all(a <= y <= b for y, (a, b) in zip(position, p.box or (), strict=True))
+    require(inside, "the position is not in the box")
+    lower = spot["bound"] == "lower"
+    out = out_of_bounds(p.points, position, x, p.eigenvalues[0 if lower else 1], lower=lower)
+    require(out, "the eigenvalue of Q there is not shown to be out of bounds")
+
+
+def theorem_of_outside(c: Any, p: Question) -> str:
+    """Say in words what is refuted."""
+    spot = keys(c["outside"], ("position", "direction", "bound"), "outside")
+    require(spot["bound"] in ("lower", "upper"), "the bound is neither lower nor upper")
+    side = "smaller" if spot["bound"] == "lower" else "larger"
+    value = p.eigenvalues[0 if side == "smaller" else 1]
+    position = ", ".join(map(str, numbers(spot["position"], 3)))
+    return (
+        f"It is not true that {theorem_of_region(c, p)[:-1]}: at the position ({position}) m in "
+        f"that box, Q has an eigenvalue {side} than {about(value)} 1/m."
+    )
+
+
 def verify_counterexample(c: Any, p: Question) -> None:
     """Verify that Σ(Q, f) is not positive semidefinite at one admissible point."""
     point = c["counterexample"]
@@ -547,22 +611,24 @@ def about(x: Fraction) -> str:
 # --- regions of attraction ----------------------------------------------------------------------
 #
 # For an axial goal, q* = (0, 0, q3*), let G(ξ) = Σ |P'i - ξ| + q3* z, W = G - min G, e = q - q3* ρ,
-# θ = Pρ/(1 + ρ3), η = (q3* c/(m g)) (P - e3 θᵀ)(δ3 - δ2), v = e + η + δ2 = (m/k1) V. Whatever Ω is,
-# Λ = W + ½(a2|δ2|² + a3|δ3|² + a4|δ4|²) has, with u = -(a2 δ2 + a3 δ3 + a4 δ4), K = (k1 k2 + k3)/k1,
+# θ = Pρ/(1 + ρ3), η = (q3* c/(m g)) (P - e3 θᵀ)(δ3 - δ2), v = e + η + δ2 = (m/k1) V. With
+# u = -(a2 δ2 + a3 δ3 + a4 δ4), K = (k1 k2 + k3)/k1, and whatever Ω is, the derivative of
+# Λ = W + ½(a2|δ2|² + a3|δ3|² + a4|δ4|²) is given by
 #
 #   -(m/k1) Λ' = eᵀv + uᵀQv + a2 [k2|δ2|² - k2 δ2ᵀδ3 + f q3* δ2ᵀP(δ4 - δ3)]
 #                + a3 [k2 δ3ᵀδ2 - K δ3ᵀδ4 + (k3/k1)|δ3|²] + a4 [K δ4ᵀδ3 + (k4/k1)|δ4|²],
 #
-# where uᵀQv >= (λ/2)(uᵀv - ½(τ|v|² + |u|²/τ)) for 0 ⪯ Q ⪯ λ I. This is affine in f, q3* and θ, and a
-# turn about e3 carries one θ to all of its length: both ends of f and q3* and θ = (t, 0) suffice.
+# where uᵀQv >= (λ/2)(uᵀv - ½(τ|v|² + |u|²/τ)) for 0 ⪯ Q ⪯ λ I. It is affine in f, in q3* and in θ,
+# and a turn about e3 carries one θ to all of its length: both ends of f and q3*, and θ = (t, 0),
+# suffice. On {Λ <= ℓ}, |F| <= d = c √(2ℓ(1/a2 + 1/a3)): |T - m g| <= d, and the tilt φ has
+# sin φ <= d/(m g), |θ| = tan(φ/2).
 #
-# On {Λ <= ℓ}, |F| <= d = c √(2ℓ(1/a2 + 1/a3)), so |T - m g| <= d, sin φ <= d/(m g), |θ| = tan(φ/2).
-# The height obeys, with κ = (k1 k2 + k3)/m and N = z + (m/(k1 k2))(z' + z''/κ), exactly
-# N' = (k1/m) w, w <= qz - q3* + ω, ω = q3*(1 - cos φ) + sin φ √(2ℓ((1 + γ)²/a4 + γ²/a3)),
-# γ = c q3*/(T - c q3*), qz = Σ hi/ri (which grows with height). If k3 >= 3 k1 k2, let r <= s have
-# r + s = κ, r s = κ k1 k2/m: then x = z + z'/r has x' = s (N - x), z' = r (x - z), so N - x and x - z
-# keep below lags D1 >= (k1/m) w_max/s, D2 >= s D1/r; and if w <= 0 wherever z >= zb - D1 - D2, none
-# of N, x, z passes zb. See proofs/.
+# Barrier: with κ = (k1 k2 + k3)/m, N = z + (m/(k1 k2))(z' + z''/κ) obeys N' = (k1/m) w, where
+# w <= qz - q3* + ω, ω = q3*(1 - cos φ) + sin φ √(2ℓ((1 + γ)²/a4 + γ²/a3)), γ = c q3*/(T - c q3*).
+# qz = Σ hi/ri grows with height. If k3 >= 3 k1 k2, let r <= s have r + s = κ, r s = κ k1 k2/m; then
+# x = z + z'/r obeys x' = s (N - x), z' = r (x - z). So N - x and x - z keep below lags
+# D1 >= (k1/m) max w/s and D2 >= s D1/r, and if w <= 0 wherever z >= zb - D1 - D2, none of N, x, z
+# passes zb. Proofs of all this are in proofs/.
 
 
 class Attraction(NamedTuple):
@@ -571,84 +637,77 @@ class Attraction(NamedTuple):
     s: Setting
     a: list[Fraction]  # weights a2, a3, a4
     level: Fraction
-    base: tuple[Fraction, Fraction]  # holds min G
+    base: tuple[Fraction, Fraction]  # holds min G, m
     q3: tuple[Fraction, Fraction]  # holds q3*
     force: Fraction  # bounds |F|, N
     sine: Fraction  # bounds sin φ
     cosine: Fraction  # below cos φ
-    barrier: Fraction | None  # zb, m
+    bottom: Fraction | None  # zb, m
+    grid: Grid
 
 
 def read_attraction(c: Any) -> Attraction:
     """Return the numbers of the question, and bounds that follow from the level."""
     s = read_setting(c)
-    q3 = s.centroid[2]
+    q3, n = s.centroid[2], len(s.points)
     require(all(end == 0 for ends in s.centroid[:2] for end in ends), "the goal is not axial")
-    require(q3[0] > 0 and q3[1] < len(s.points), "no hover sees this q3*")
-    flat = {(x, y) for x, y, _ in s.points}
-    require(len(flat) > 1, "all target points are on one vertical line")
+    require(q3[0] > 0 and q3[1] < n, "no hover sees this q3*")
+    require(len({(x, y) for x, y, _ in s.points}) > 1, "the target is one vertical line")
     a, claim = numbers(c["weights"], 3), c["claim"]
     keys(claim, ("level", "rate", "barrier_height", "reach", "starts"), "claim")
     level = number(claim["level"])
     require(min(*a, level, number(claim["rate"])) > 0, "weights, level and rate must be positive")
     hover = numbers(c["hover"], 3)
     require(s.goal in (None, hover), "the hover point is not the goal")
-    low, high = potential(s.points, q3, hover)
-    # min G >= G(hover) - |∇G||ξ* - hover|, and G(ξ*) <= G(hover) bounds that distance
-    seen = centroid_seen(s.points, hover)
-    off = [
-        max(abs(x - y) for x in ends for y in want)
-        for ends, want in zip(seen, [(Fraction(0),), (Fraction(0),), q3], strict=True)
-    ]
-    far = 2 * (high - q3[0] * hover[2]) / (len(s.points) - q3[1])
-    base = (low - sum(off, Fraction(0)) * far, high)
-    stiffness = s.g["k1"] ** 2 * s.g["k2"] / s.m
-    weight = s.m * s.gravity
+    low, high = (  # of Σ |P'i - hover|
+        sum((r[k] for r in (square_root(length(p, hover)) for p in s.points)), Fraction(0))
+        for k in (0, 1)
+    )
+    pull = [end * hover[2] for end in q3]
+    # min G >= G(hover) - |∇G||ξ* - hover|, where G(ξ*) <= G(hover) bounds the distance
+    wanted = ((Fraction(0),) * 2, (Fraction(0),) * 2, q3)
+    seen = zip(centroid_seen(s.points, hover), wanted, strict=True)
+    slope = sum((max(abs(x - y) for x in ends for y in want) for ends, want in seen), Fraction(0))
+    base = (low + min(pull) - slope * 2 * high / (n - q3[1]), high + max(pull))
+    stiffness, weight = s.g["k1"] ** 2 * s.g["k2"] / s.m, s.m * s.gravity
     force = stiffness * square_root(2 * level * (1 / a[0] + 1 / a[1]))[1]
     require(weight - force > stiffness * q3[1], "the thrust reaches the singularity T = c q3*")
-    sine = force / weight
+    sine, bottom = force / weight, claim["barrier_height"]
+    if bottom is not None:
+        bottom = sum((p[2] for p in s.points), Fraction(0)) / n - number(bottom)
     cosine = square_root(1 - sine**2)[0]
-    height, barrier = claim["barrier_height"], None
-    if height is not None:
-        mean = sum((p[2] for p in s.points), Fraction(0)) / len(s.points)
-        barrier = mean - number(height)
-    return Attraction(s, a, level, base, q3, force, sine, cosine, barrier)
+    return Attraction(s, a, level, base, q3, force, sine, cosine, bottom, Grid.of(s.points))
 
 
-def potential(points: Matrix, q3: Row, x: Row, bits: int = 128) -> tuple[Fraction, Fraction]:
-    """Enclose G."""
-    low, high = sorted(end * x[2] for end in q3)
-    for point in points:
-        square = sum(((p - c) ** 2 for p, c in zip(point, x, strict=True)), Fraction(0))
-        near, far = square_root(square, bits)
-        low, high = low + near, high + far
-    return low, high
+def length(p: Row, q: Row) -> Fraction:
+    """Return the square of the distance of two points."""
+    return sum(((a - b) ** 2 for a, b in zip(p, q, strict=True)), Fraction(0))
 
 
 def dissipation(
     p: Attraction, high: Fraction, f: Fraction, q3: Fraction, t: Fraction, tau: Fraction
 ) -> Matrix:
     """Return the matrix of the lower bound of -(m/k1) Λ' at θ = (t, 0), for all 0 ⪯ Q ⪯ high I."""
-    k1, k2, k3, k4 = (p.s.g[k] for k in ("k1", "k2", "k3", "k4"))
-    (a2, a3, a4), K = p.a, (k1 * k2 + k3) / k1
+    k1, k2, k3, k4 = (p.s.g[k] for k in GAINS[:4])
+    (a2, a3, a4), K, one = p.a, (k1 * k2 + k3) / k1, Fraction(1)
     unit = [[Fraction(int(i == j)) for j in range(11)] for i in range(11)]
-    e, d2, d3, d4 = unit[0:3], unit[3:6], unit[6:9], [unit[9], unit[10], [Fraction(0)] * 11]
+    zero = [Fraction(0)] * 11
+    e, d2, d3, d4 = unit[0:3], unit[3:6], unit[6:9], [unit[9], unit[10], zero]
 
-    def mix(*terms: tuple[Fraction | int, Matrix]) -> Matrix:
+    def mix(*terms: tuple[Fraction, Matrix]) -> Matrix:
         return [
             [sum((c * rows[i][j] for c, rows in terms), Fraction(0)) for j in range(11)]
             for i in range(3)
         ]
 
-    eta = mix((q3 * k1**2 * k2 / (p.s.m**2 * p.s.gravity), mix((1, d3), (-1, d2))))
+    eta = mix((q3 * k1**2 * k2 / (p.s.m**2 * p.s.gravity), mix((one, d3), (-one, d2))))
     eta[2] = [-t * x for x in eta[0]]
-    v, u = mix((1, e), (1, eta), (1, d2)), mix((-a2, d2), (-a3, d3), (-a4, d4))
-    turn = mix((1, d4), (-1, d3))
-    turn[2] = [Fraction(0)] * 11
+    v, u = mix((one, e), (one, eta), (one, d2)), mix((-a2, d2), (-a3, d3), (-a4, d4))
+    turn = [*mix((one, d4), (-one, d3))[:2], zero]
     M = [[Fraction(0)] * 11 for _ in range(11)]
-    for factor, left, right in (
-        (Fraction(1), e, v),
-        (a2 * k2, d2, mix((1, d2), (-1, d3))),
+    for weight, left, right in (
+        (one, e, v),
+        (a2 * k2, d2, mix((one, d2), (-one, d3))),
         (a2 * f * q3, d2, turn),
         (a3, d3, mix((k2, d2), (-K, d4), (k3 / k1, d3))),
         (a4, d4, mix((K, d3), (k4 / k1, d4))),
@@ -659,8 +718,8 @@ def dissipation(
         for x, y in zip(left, right, strict=True):
             for i, j in itertools.product(range(11), repeat=2):
                 if x[i] and y[j]:
-                    M[i][j] += factor * x[i] * y[j] / 2
-                    M[j][i] += factor * x[i] * y[j] / 2
+                    M[i][j] += weight * x[i] * y[j] / 2
+                    M[j][i] += weight * x[i] * y[j] / 2
     return M
 
 
@@ -671,121 +730,107 @@ def verify_attraction(c: Any, p: Attraction) -> None:
     goal, span = numbers(hints["goal"], 2), numbers(hints["factor"], 2)
     tilt, high = number(hints["tilt"]), number(hints["largest_eigenvalue"])
     require(high > 0 and within(p.q3, goal), "the interval of q3* does not hold it")
-    f = [factor(s.m, s.g, weight + sign * p.force, q) for sign, q in ((1, p.q3[0]), (-1, p.q3[1]))]
-    require(within(f, span), "the interval of f does not hold f(T)")
+    low = factor(s.m, s.g, weight + p.force, p.q3[0])
+    require(
+        within((low, factor(s.m, s.g, weight - p.force, p.q3[1])), span),
+        "the interval of f does not hold f(T)",
+    )
     require(tilt * (1 + p.cosine) >= p.sine, "tan(φ/2) is not below the bound of the tilt")
     rate, multipliers = number(c["claim"]["rate"]), numbers(c["multipliers"], 2)
     require(min(multipliers) > 0, "a multiplier must be positive")
-    for (f_end, tau), q3 in itertools.product(zip(span, multipliers, strict=True), goal):
-        M = dissipation(p, high, f_end, q3, tilt, tau)
+    for (f, tau), q3 in itertools.product(zip(span, multipliers, strict=True), goal):
+        M = dissipation(p, high, f, q3, tilt, tau)
         for i in range(11):
             M[i][i] -= rate
         require(positive_definite(M), "-(m/k1) Λ' is not shown to be above rate·|Y|²")
+    starts = [*reach_starts(c), *read_starts(c)]
+    if p.bottom is not None:
+        barrier_holds(p, p.bottom, starts)
     require(positions_hold(p, high), "the largest eigenvalue of Q is not shown to be bounded")
-    starts = [read_start(start) for start in list_of(c["claim"]["starts"])]
-    starts += reach_starts(p, c)
-    if p.barrier is not None:
-        barrier_holds(p, p.barrier, starts)
     for start in starts:
         start_holds(p, start)
 
 
-def positions_hold(p: Attraction, high: Fraction, most: int = MAX_PIECES) -> bool:
+def positions_hold(p: Attraction, high: Fraction) -> bool:
     """Tell whether Q ≺ high I is shown wherever W <= ℓ and z <= zb.
 
-    Elsewhere than within n/high of some target point, Q ⪯ Σ 1/ri does not reach high.
+    Farther than n/high from every target point, Q ⪯ Σ 1/ri does not reach high.
     """
-    points, near, grid = p.s.points, len(p.s.points) / high, 2**20
-    box = []
+    near, box = len(p.s.points) / high, []
     for i in range(3):
-        low, up = min(x[i] for x in points) - near, max(x[i] for x in points) + near
-        if i == 2 and p.barrier is not None:
-            up = min(up, p.barrier)
-        box.append([Fraction(low * grid // 1, grid), Fraction(-(-up * grid // 1), grid)])
-    boxes = [box] if box[2][0] <= box[2][1] else []
-    for _ in range(most):
-        if not boxes:
+        box.append([min(x[i] for x in p.s.points) - near, max(x[i] for x in p.s.points) + near])
+    if p.bottom is not None:
+        box[2][1] = min(box[2][1], p.bottom)
+    cells = [p.grid.cover(box)] if box[2][0] <= box[2][1] else []
+    for _ in range(MAX_SEARCH // len(p.s.points)):
+        if not cells:
             return True
-        box = boxes.pop()
-        center, radius, rays, ends = around(points, box)
-        if not (largest_below(radius, rays, ends, high) or above_level(p, center, box, rays, ends)):
-            boxes += halves(box)
+        cell = cells.pop()
+        center, _, radius, rays, distances = around(p.grid.points, cell)
+        if not largest_below(rays, distances, radius, high / p.grid.unit) and not above_level(
+            p, center, cell, rays, distances
+        ):
+            cells += halves(cell)
     return False
 
 
 def above_level(
-    p: Attraction, center: Row, box: Matrix, rays: Matrix, ends: Sequence[tuple[Fraction, Fraction]]
+    p: Attraction, center: list[int], cell: Cell, rays: list[list[int]], near: list[int]
 ) -> bool:
-    """Tell whether W > ℓ on a box: W is above its tangent plane at the centre, as it is convex."""
-    if min(near for near, _ in ends) == 0:
+    """Tell whether W > ℓ on a cell: convex, W is above its tangent plane at the centre."""
+    if min(near) == 0:
         return False
-    value = sum((near for near, _ in ends), min(end * center[2] for end in p.q3)) - p.base[1]
-    if value <= p.level:
-        return False
-    for i, (a, b) in enumerate(box):
-        slope = [Fraction(0), Fraction(0)] if i < 2 else list(p.q3)
-        for ray, (near, far) in zip(rays, ends, strict=True):
-            parts = sorted((-ray[i] / near, -ray[i] / far))
-            slope = [slope[0] + parts[0], slope[1] + parts[1]]
-        value -= max(map(abs, slope)) * (b - a) / 2
-    return value > p.level
-
-
-def halves(box: Matrix) -> list[Matrix]:
-    """Halve a box along its longest side."""
-    k = max(range(len(box)), key=lambda i: box[i][1] - box[i][0])
-    middle = sum(box[k]) / 2
-    return [
-        [side if i == k else old for i, old in enumerate(box)]
-        for side in ([box[k][0], middle], [middle, box[k][1]])
-    ]
+    low = min(end * center[2] for end in p.q3) - (p.base[1] + p.level) * p.grid.unit
+    scale = 2**64
+    value = scale * (sum(near) + math.floor(low))
+    for i, (_, b) in enumerate(cell):
+        ends = [math.floor(scale * p.q3[0]), math.ceil(scale * p.q3[1])] if i == 2 else [0, 0]
+        for ray, d in zip(rays, near, strict=True):  # -ray/distance, the distance in [d, d + 1]
+            parts = (-scale * ray[i] // d, -scale * ray[i] // (d + 1))
+            ends = [ends[0] + min(parts), ends[1] + max(parts) + 1]
+        value -= max(map(abs, ends)) * (b - center[i])
+    return value > 0
 
 
 class Start(NamedTuple):
-    """A set of states: any heading, any yaw rate."""
+    """A set of states, with any heading and any yaw rate."""
 
     position: Matrix  # box, m
-    radius: Fraction | None  # horizontal distance from the axis of the goal, m
+    radius: Fraction | None  # bounds the horizontal distance from the middle of the box, m
     speed: Fraction  # bounds |V|, m/s
     tilt: Fraction  # bounds φ, rad
-    rate: Fraction  # bounds the rates of roll and pitch together, rad/s
+    rate: Fraction  # bounds √(Ω1² + Ω2²), rad/s
     thrust: Fraction  # bounds |T - m g|, N
 
 
-def list_of(value: Any) -> list[Any]:
-    """Make sure that a value is a list of reasonable length."""
-    require(isinstance(value, list) and len(value) <= 64, "not a list of at most 64 entries")
-    return list(value)
+def read_starts(c: Any) -> list[Start]:
+    """Read the sets of states that are claimed to be inside."""
+    values, starts = c["claim"]["starts"], []
+    require(isinstance(values, list) and len(values) <= 16, "starts is not a list of at most 16")
+    for value in values:
+        keys(value, ("position", "speed", "tilt", "rate", "thrust"), "a start")
+        box = numbers(value["position"], 3, 2)
+        sizes = [number(value[k]) for k in ("speed", "tilt", "rate", "thrust")]
+        require(all(a <= b for a, b in box) and min(sizes) >= 0, "a start is not in order")
+        starts.append(Start(box, None, *sizes))
+    return starts
 
 
-def read_start(value: Any) -> Start:
-    """Read a set of states."""
-    keys(value, ("position", "speed", "tilt", "rate", "thrust"), "start")
-    box = numbers(value["position"], 3, 2)
-    sizes = [number(value[k]) for k in ("speed", "tilt", "rate", "thrust")]
-    require(all(a <= b for a, b in box), "a box of starts is not in order")
-    require(min(sizes) >= 0, "a size is negative")
-    return Start(box, None, *sizes)
-
-
-def reach_starts(p: Attraction, c: Any) -> list[Start]:
-    """Return the hovers about the goal that are claimed: a disc at its height, up, and down."""
+def reach_starts(c: Any) -> list[Start]:
+    """Return the hovers about the goal: a disc at its height, and a line from below to above."""
     reach = keys(c["claim"]["reach"], ("sideways", "up", "down"), "reach")
     x, y, z = numbers(c["hover"], 3)
     side, up, down = (number(reach[k]) for k in ("sideways", "up", "down"))
     require(min(side, up, down) >= 0, "a reach is negative")
     still = (Fraction(0),) * 4
     disc = [[x - side, x + side], [y - side, y + side], [z, z]]
-    return [
-        Start(disc, side, *still),
-        Start([[x, x], [y, y], [z - up, z + down]], None, *still),
-    ]
+    return [Start(disc, side, *still), Start([[x, x], [y, y], [z - up, z + down]], None, *still)]
 
 
 def barrier_holds(p: Attraction, bottom: Fraction, starts: Sequence[Start]) -> None:
     """Verify that no motion from the starts passes below z = bottom while Λ <= ℓ."""
     s, (_, a3, a4), weight = p.s, p.a, p.s.m * p.s.gravity
-    k1, k2, k3 = (s.g[k] for k in ("k1", "k2", "k3"))
+    k1, k2, k3 = (s.g[k] for k in GAINS[:3])
     require(k3 >= 3 * k1 * k2, "a barrier needs k3 >= 3 k1 k2")
     singular = k1**2 * k2 / s.m * p.q3[1]
     gamma = singular / (weight - p.force - singular)
@@ -793,126 +838,132 @@ def barrier_holds(p: Attraction, bottom: Fraction, starts: Sequence[Start]) -> N
     omega = p.q3[1] * (1 - p.cosine) + p.sine * spread
     limit, most = p.q3[0] - omega, len(s.points) - p.q3[0] + omega
     require(limit > 0, "the tilt lifts the barrier out of reach")
-    kappa, product = (k1 * k2 + k3) / s.m, (k1 * k2 + k3) * k1 * k2 / s.m**2
-    root = square_root(kappa**2 - 4 * product)
-    r, fast = [(kappa - end) / 2 for end in reversed(root)], [(kappa + end) / 2 for end in root]
-    require(r[0] > 0, "a root is too near zero")
-    first, second = k1 / s.m * most / fast[0], Fraction(0)
-    for start in starts:  # z' <= speed and z'' <= |F|/m at the start
-        pull = (start.thrust + weight * start.tilt) / s.m
-        first = max(first, (pull + r[1] * start.speed) / product)
-        second = max(second, start.speed / r[0])
-        ahead = max(start.speed / r[0], (start.speed + pull / kappa) * s.m / (k1 * k2))
+    kappa, product = (k1 * k2 + k3) / s.m, (k1 * k2 + k3) * k1 * k2 / s.m**2  # r + s, r s
+    low, high = square_root(kappa**2 - 4 * product)
+    slow, slow_above, fast, fast_above = ((kappa + x) / 2 for x in (-high, -low, low, high))
+    require(slow > 0, "a pole is too near zero")
+    first, second = k1 / s.m * most / fast, Fraction(0)
+    for start in starts:  # z' <= speed and z'' <= |F|/m there
+        second_rate = (start.thrust + weight * start.tilt) / s.m
+        first = max(first, (second_rate + slow_above * start.speed) / product)
+        second = max(second, start.speed / slow)
+        ahead = max(start.speed / slow, s.m / (k1 * k2) * (start.speed + second_rate / kappa))
         require(start.position[2][1] + ahead <= bottom, "a start sinks below the barrier")
-    lag = first + max(second, fast[1] * first / r[0])
-    require(centroid_below(s.points, bottom - lag, limit), "the barrier is not shown to hold")
+    lag = first + max(second, fast_above * first / slow)
+    require(height_part_below(p, bottom - lag, limit), "the barrier is not shown to hold")
 
 
-def centroid_below(points: Matrix, z: Fraction, limit: Fraction, most: int = MAX_PIECES) -> bool:
-    """Tell whether Σ hi/ri < limit is shown for all positions at a height."""
-    heights = [max(p[2] - z, Fraction(0)) for p in points]
-    around_it = sum(heights) / limit  # farther out every ri is above it
-    boxes: list[Matrix] = [
-        [
-            [min(p[i] for p in points) - around_it, max(p[i] for p in points) + around_it]
-            for i in range(2)
-        ]
-    ]
-    for _ in range(most):
-        if not boxes:
+def height_part_below(p: Attraction, z: Fraction, limit: Fraction) -> bool:
+    """Tell whether qz = Σ hi/ri < limit is shown for all positions at a height."""
+    heights = [max(math.ceil((point[2] - z) * p.grid.unit), 0) for point in p.s.points]
+    far = Fraction(sum(heights) + 1, p.grid.unit) / limit  # farther out every ri is above it
+    ends = [[x[i] for x in p.s.points] for i in (0, 1)]
+    cells = [p.grid.cover([[min(line) - far, max(line) + far] for line in ends])]
+    scale = 2**64
+    for _ in range(MAX_SEARCH // len(p.s.points)):
+        if not cells:
             return True
-        box, total = boxes.pop(), Fraction(0)
-        for point, h in zip(points, heights, strict=True):
-            gaps = (max(a - x, x - b, Fraction(0)) for x, (a, b) in zip(point, box, strict=False))
-            near = square_root(sum((gap * gap for gap in gaps), h * h), 32)[0]
-            total += h / near if h else Fraction(0)
-        if total >= limit:
-            boxes += halves(box)
+        cell, total = cells.pop(), 0
+        for point, h in zip(p.grid.points, heights, strict=True):
+            gaps = (max(a - x, x - b, 0) for x, (a, b) in zip(point, cell, strict=False))
+            total += scale * h // max(math.isqrt(sum((g * g for g in gaps), h * h)), 1) + 1
+        if total >= scale * limit:
+            cells += halves(cell)
     return False
 
 
-def start_holds(p: Attraction, start: Start, most: int = MAX_PIECES) -> None:
+def start_holds(p: Attraction, start: Start) -> None:
     """Verify that Λ <= ℓ in a set of states, and that the thrust is above the singularity."""
     weight, stiffness = p.s.m * p.s.gravity, p.s.g["k1"] ** 2 * p.s.g["k2"] / p.s.m
     require(weight - start.thrust > stiffness * p.q3[1], "a thrust at the start is too low")
-    bottom = p.barrier
-    require(bottom is None or start.position[2][1] <= bottom, "a start is below the barrier")
-    boxes = [start.position]
-    for _ in range(most):
-        if not boxes:
+    require(p.bottom is None or start.position[2][1] <= p.bottom, "a start is below the barrier")
+    cells = [p.grid.cover(start.position)]
+    middle = [sum(side) for side in cells[0][:2]]
+    for _ in range(MAX_SEARCH // len(p.s.points)):
+        if not cells:
             return
-        box, square = boxes.pop(), Fraction(0)
+        cell = cells.pop()
         if start.radius is not None:  # leave out what is farther from the axis
-            for (a, b), (u, v) in zip(box[:2], start.position, strict=False):
-                square += max(a - (u + v) / 2, (u + v) / 2 - b, Fraction(0)) ** 2
-            if square > start.radius**2:
+            gaps = (max(2 * a - x, x - 2 * b, 0) for (a, b), x in zip(cell, middle, strict=False))
+            if sum(gap * gap for gap in gaps) > (2 * p.grid.unit * start.radius + 2) ** 2:
                 continue
-        terms = start_terms(p, start, box)
-        if terms is None or sum(w * x for w, x in zip((1, *p.a), terms, strict=True)) > p.level:
-            longest = max(b - a for a, b in box)
-            require(longest > Fraction(1, 2**16), "a start is not shown to have Λ <= level")
-            boxes += halves(box)
+        terms = start_terms(p, start, cell)
+        if terms is None or terms[0] + dot(p.a, terms[1:]) > p.level:
+            widest = max(b - a for a, b in cell)
+            require(widest > p.grid.unit >> 16, "a start is not shown to have Λ <= level")
+            cells += halves(cell)
     raise Rejected("a set of starts is not shown to have Λ <= level")
 
 
-def start_terms(p: Attraction, start: Start, box: Matrix) -> tuple[Fraction, ...] | None:
-    """Bound W and half the squares of δ2, δ3 and δ4 for the positions of a box; None if too near.
+def dot(x: Row, y: Row) -> Fraction:
+    """Return xᵀy."""
+    return sum((a * b for a, b in zip(x, y, strict=True)), Fraction(0))
 
-    W is convex, so its corners bound it; q changes by at most Σ 1/ri a metre. To lean by φ moves ρ
-    and unit vectors by at most φ, and F by m g φ.
+
+def start_terms(p: Attraction, start: Start, cell: Cell) -> list[Fraction] | None:
+    """Bound W and half the squares of δ2, δ3, δ4 for positions in a cell; None if too near.
+
+    W is convex, so its corners bound it; q changes by at most Σ 1/ri a metre. To lean by φ turns
+    unit vectors by at most φ, and adds at most m g φ to |F|.
     """
-    s, weight, n = p.s, p.s.m * p.s.gravity, len(p.s.points)
-    k1, k2, k3 = (s.g[k] for k in ("k1", "k2", "k3"))
-    stiffness = k1**2 * k2 / s.m
-    center, radius, _, ends = around(s.points, box)
-    if min(near for near, _ in ends) <= radius:
+    s, weight, n, unit = p.s, p.s.m * p.s.gravity, len(p.s.points), p.grid.unit
+    k1, k2, k3 = (s.g[k] for k in GAINS[:3])
+    stiffness, scale = k1**2 * k2 / s.m, 2**32
+    _, _, radius, rays, near = around(p.grid.points, cell)
+    if min(near) <= radius:
         return None
-    corners = itertools.product(*(sorted(set(side)) for side in box))
-    W = max(potential(s.points, p.q3, corner, 32)[1] for corner in corners) - p.base[0]
-    change = radius * sum(1 / (near - radius) for near, _ in ends)
-    x, y, up = centroid_seen(s.points, center, 32)
-    flat = square_root(max(x[0] ** 2, x[1] ** 2) + max(y[0] ** 2, y[1] ** 2), 32)[1]
-    rise = max(abs(a - b) for a in up for b in p.q3)
-    d1 = square_root(flat**2 + rise**2, 32)[1] + change + p.q3[1] * start.tilt
-    moved = s.m / k1 * start.speed
-    lean = weight / stiffness * start.tilt
+    W = Fraction(0)
+    for corner in itertools.product(*(sorted(set(side)) for side in cell)):
+        squares = (sum((a - b) ** 2 for a, b in zip(x, corner, strict=True)) for x in p.grid.points)
+        distances = sum(math.isqrt(square) + 1 for square in squares)
+        W = max(W, (distances + max(x * corner[2] for x in p.q3)) / unit - p.base[0])
+    change = Fraction(sum(scale * radius // (d - radius) + 1 for d in near), scale)
+    ends = [[Fraction(0)] * 2, [Fraction(0)] * 2, [-p.q3[1], -p.q3[0]]]  # of q - q* at the centre
+    for ray, d in zip(rays, near, strict=True):
+        for i, x in enumerate(ray):
+            parts = (scale * x // d, scale * x // (d + 1))
+            ends[i][0] += Fraction(min(parts), scale)
+            ends[i][1] += Fraction(max(parts) + 1, scale)
+    x, y, up = (max(map(abs, pair)) for pair in ends)
+    flat = square_root(x**2 + y**2)[1] + change
+    d1 = square_root(x**2 + y**2 + up**2)[1] + change + p.q3[1] * start.tilt
+    moved, lean = s.m / k1 * start.speed, weight / stiffness * start.tilt
     room = weight + start.thrust - stiffness * p.q3[0]
     turned = s.m / (stiffness * (k1 * k2 + k3)) * room * start.rate
     d2 = moved + d1
     d3 = start.thrust / stiffness + lean + d2
-    d4 = turned + lean + moved + flat + change + n * start.tilt
-    return (W, d2**2 / 2, d3**2 / 2, d4**2 / 2)
+    d4 = turned + lean + moved + flat + n * start.tilt
+    return [W, d2**2 / 2, d3**2 / 2, d4**2 / 2]
 
 
 def theorem_of_attraction(c: Any, p: Attraction) -> str:
     """Say in words what is proved."""
-    claim, s = c["claim"], p.s
+    s, claim = p.s, c["claim"]
     gains = ", ".join(f"{k} = {s.g[k]}" for k in GAINS[:4])
-    a = ", ".join(map(about, p.a))
-    q3 = f"{float(sum(p.q3) / 2):.12g}"
-    kept, barrier = "{Λ <= level, T > 0}", ""
-    if p.barrier is not None:
-        kept = "{Λ <= level, T > 0, height kept by the barrier}"
-        barrier = (
-            f" The vehicle never comes nearer to the target than the height "
-            f"{about(number(claim['barrier_height']))} m above its mean."
-        )
-    reach = [about(number(claim["reach"][k])) for k in ("sideways", "up", "down")]
-    starts = [
-        f"position in {sides(start.position)} m, speed <= {about(start.speed)} m/s, tilt <= "
-        f"{about(start.tilt)} rad, roll and pitch rates <= {about(start.rate)} rad/s, thrust "
-        f"within {about(start.thrust)} N of m g"
-        for start in (read_start(x) for x in list_of(claim["starts"]))
-    ]
-    others = "".join(f"; from every state with {text}" for text in starts)
+    height = (
+        "" if p.bottom is None else f" and height >= {about(number(claim['barrier_height']))} m"
+    )
+    states, above = "state of the set {Λ <= level, T > 0}", ""
+    if height:
+        states = f"level hover at rest with Λ <= level{height}"
+        above = f"; their motions stay in {{Λ <= level, T > 0}} at{height[4:]}"
+    side, up, down = (about(number(claim["reach"][k])) for k in ("sideways", "up", "down"))
+    others = "".join(
+        f", and from every state with position in {sides(start.position)} m, |V| <= "
+        f"{about(start.speed)} m/s, tilt <= {about(start.tilt)} rad, √(Ω1² + Ω2²) <= "
+        f"{about(start.rate)} rad/s, |T - m g| <= {about(start.thrust)} N"
+        for start in read_starts(c)
+    )
     return (
-        f"For the mission {s.name} (m = {s.m} kg, {gains}, axial goal, q3* = {q3} to 12 digits) let "
-        f"W = Σ|P'i - ξ| + q3* z less its minimum, Λ = W + ½(a2|δ2|² + a3|δ3|² + a4|δ4|²), (a2, a3, "
-        f"a4) = ({a}), level = {about(p.level)}. The exact model in continuous time, with any "
-        f"heading and yaw rate, does not leave the set {kept}; Λ' <= -(k1/m) "
-        f"{about(number(claim['rate']))} |Y|² in it, Y = (q - q3* ρ, δ2, δ3, δ4), and every motion "
-        f"in it converges to the hover at the goal.{barrier} So it does from every level hover up "
-        f"to {reach[0]} m sideways of the goal, {reach[1]} m above or {reach[2]} m below it{others}."
+        f"For the mission {s.name} (m = {s.m} kg, g = {s.gravity} m/s², {gains}, goal straight "
+        f"below with q3* = {float(sum(p.q3) / 2):.12g} to 12 digits) let Λ = W + ½(a2|δ2|² + "
+        f"a3|δ3|² + a4|δ4|²), W = Σ|P'i - ξ| + q3* z less its minimum, (a2, a3, a4) = "
+        f"({', '.join(map(about, p.a))}), level = {about(p.level)}. With the exact model and "
+        f"controller in continuous time, all target points seen, from every {states}, with any "
+        f"heading and yaw rate, the motion converges to the hover at the goal{above}. On the way "
+        f"Λ <= level and Λ' <= -(k1/m) {about(number(claim['rate']))} (|q - q3* ρ|² + |δ2|² + |δ3|²"
+        f" + |δ4|²). This holds from every level hover at rest up to {side} m sideways of the goal "
+        f"at its height, up to {up} m above it and {down} m below it{others}."
     )
 
 
@@ -925,28 +976,24 @@ class Kind(NamedTuple):
     """A kind of certificate: its own keys, how they are read, what it says and how it is shown."""
 
     keys: tuple[str, ...]
-    read: Callable[[Any], Any]
     theorem: Callable[[Any, Any], str]
     verify: Callable[[Any, Any], None]
+    read: Callable[[Any], Any] = read_mission
 
 
 LYAPUNOV = ("weights", "region")
 KINDS = {
-    "gains": Kind(
-        (*LYAPUNOV, "enclosures", "vertices", "claim"), read_mission, theorem_of_gains, verify_gains
-    ),
+    "gains": Kind((*LYAPUNOV, "enclosures", "vertices", "claim"), theorem_of_gains, verify_gains),
     "counterexample": Kind(
-        (*LYAPUNOV, "counterexample"),
-        read_mission,
-        theorem_of_counterexample,
-        verify_counterexample,
+        (*LYAPUNOV, "counterexample"), theorem_of_counterexample, verify_counterexample
     ),
-    "region": Kind(LYAPUNOV, read_mission, theorem_of_region, verify_region),
+    "region": Kind(LYAPUNOV, theorem_of_region, verify_region),
+    "outside": Kind((*LYAPUNOV, "outside"), theorem_of_outside, verify_outside),
     "attraction": Kind(
         ("weights", "hover", "enclosures", "multipliers", "claim"),
-        read_attraction,
         theorem_of_attraction,
         verify_attraction,
+        read_attraction,
     ),
 }
 

@@ -91,13 +91,18 @@ def seal_content(mission: Mission, kind: str, parts: dict[str, Any], model: str)
         "mission": numbers,
         "mission_sha256": checker.digest(numbers),
         "model_sha256": model,
-        "tools": {name: version(name) for name in ("hoverproof", "casadi", "cvxpy", "clarabel")},
+        "tools": dict(_tools()),
         "goal_position": exact(hover_goal(mission).position) if by_height else None,
         **exact(parts),
     }
     content["statement"] = checker.statement(content)
     content["sha256"] = checker.digest(content)
     return Certificate(content)
+
+
+@cache
+def _tools() -> tuple[tuple[str, str], ...]:
+    return tuple((name, version(name)) for name in ("hoverproof", "casadi", "cvxpy", "clarabel"))
 
 
 @cache

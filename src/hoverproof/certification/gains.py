@@ -169,11 +169,12 @@ def certify(
     for f, attained in zip(problem.factor, problem.factor_attained, strict=True):
         vertex = _vertex(problem, f)
         try:
-            tau = _short_multiplier(best_multiplier(vertex))
+            best = best_multiplier(vertex)
         except RuntimeError as error:
             return Undecided(None, str(error), problem)
+        tau = _short_multiplier(best)
         estimate = vertex.margin(float(tau))
-        candidates.append((estimate, attained, worst_direction(vertex, float(tau))))
+        candidates.append((estimate, attained, worst_direction(vertex, best)))
         vertices.append(_Vertex(f, tau, _proved_margin(problem, f, tau, estimate)))
     _, attained, direction = min(candidates, key=lambda candidate: candidate[0])
     worst = _worst_case(problem, direction, attained, WITNESS_BITS)

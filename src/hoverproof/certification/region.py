@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Box = tuple[Interval, ...]
 
 WIDEN = Fraction(1, 10)
-SLACKS = ((0.03, 1500), (0.1, checker.MAX_BOXES), (0.3, checker.MAX_BOXES))
+SLACKS = (Fraction(1, 100), Fraction(3, 100), Fraction(1, 10), Fraction(3, 10), Fraction(3, 5))
 GRID = 25
 
 
@@ -90,71 +90,101 @@ def _depth_matrices(points: Array, positions: Array) -> Array:
     return np.asarray(((np.eye(3) - p * p.swapaxes(2, 3)) / distance).sum(axis=1))
 
 
-def enclose(mission: Mission, box: Box) -> Region:
+def enclose(mission: Mission, box: Box, most: int | None = None) -> Region | None:
     """Find and prove an interval that holds every eigenvalue of Q over a box.
 
     Parameters
     ----------
     mission : Mission
     box : (3,) of (low, high), world frame, m
+    most : int, optional
+        Most boxes in the branch and bound; by default, and at most, as many as the checker takes.
+
+    Returns
+    -------
+    Region or None
+        None if nothing is proved within that many boxes.
 
     Raises
     ------
     InputError
-        If the box comes too near to a target point for a proof.
+        If the box holds a target point, where Q is infinite.
     """
     _check_box(mission, box)
     low, high = _extremes(mission, box)
-    for slack, most in SLACKS:
+    for slack in SLACKS:
         bounds = (
-            decimal_below(Fraction(low) * Fraction(1 - slack), 3),
-            decimal_above(Fraction(high) * Fraction(1 + slack), 3),
+            decimal_below(Fraction(low) * (1 - slack), 3),
+            decimal_above(Fraction(high) * (1 + slack), 3),
         )
         if holds_over(mission, box, bounds, most):
             return Region(box, bounds, (low, high))
-    raise InputError(mission.source, "--box", "comes too near to a target point for a proof")
-
-
-def holds_over(mission: Mission, box: Box, bounds: Interval, most: int = checker.MAX_BOXES) -> bool:
-    """Tell whether it is proved that every eigenvalue of Q over a box lies within bounds.
-
-    The proof is the checker's branch and bound, in rational arithmetic.
-    """
-    points = [list(p) for p in mission.target.points]
-    return checker.eigenvalues_hold(points, [list(side) for side in box], *bounds, most)
-
-
-def outside(mission: Mission, box: Box, bounds: Interval) -> tuple[list[Fraction], float] | None:
-    """Return a position in a box, and the eigenvalue there that is out of bounds; None if none is.
-
-    The position is rational, and that the eigenvalue is out of bounds is decided exactly.
-    """
-    places = _samples(box)
-    values = eigenvalues(_points(mission), places)
-    for index, value, bound, sign in (
-        (int(values[:, 0].argmin()), float(values[:, 0].min()), bounds[0], 1),
-        (int(values[:, 2].argmax()), float(values[:, 2].max()), bounds[1], -1),
-    ):
-        place = [Fraction(float(x)).limit_denominator(10**6) for x in places[index]]
-        if _is_outside(mission, place, bound, sign):
-            return place, value
     return None
 
 
-def _is_outside(mission: Mission, place: list[Fraction], bound: Fraction, sign: int) -> bool:
-    """Decide exactly whether some x has sign·(xᵀQx - bound xᵀx) < 0 at a position."""
-    (matrix,) = _depth_matrices(_points(mission), np.array([place], float))
-    _, vectors = np.linalg.eigh(matrix)
-    x = [Fraction(float(c)).limit_denominator(10**6) for c in vectors[:, 0 if sign > 0 else 2]]
-    total = Fraction(0)
-    for point in mission.target.points:
-        ray = [a - b for a, b in zip(point, place, strict=True)]
-        square = sum((c * c for c in ray), Fraction(0))
-        along = sum((a * b for a, b in zip(ray, x, strict=True)), Fraction(0))
-        part = sum((c * c for c in x), Fraction(0)) - along**2 / square  # |x|² - (p·x)² >= 0
-        below, above = sqrt_enclosure(square)
-        total += part / (below if sign > 0 else above)
-    return sign * (total - bound * sum((c * c for c in x), Fraction(0))) < 0
+def holds_over(mission: Mission, box: Box, bounds: Interval, most: int | None = None) -> bool:
+    """Tell whether it is proved that every eigenvalue of Q over a box lies within bounds.
+
+    The proof is the checker's branch and bound, in exact arithmetic.
+
+    Parameters
+    ----------
+    mission : Mission
+    box : (3,) of (low, high), world frame, m
+    bounds : (low, high), 1/m
+    most : int, optional
+        See `enclose`.
+    """
+    points = [list(p) for p in mission.target.points]
+    limit = checker.MAX_WORK // len(points)
+    limit = limit if most is None else min(limit, most)
+    return checker.eigenvalues_hold(points, [list(side) for side in box], *bounds, limit)
+
+
+@dataclass(frozen=True)
+class Outside:
+    """A position where Q has an eigenvalue out of bounds, shown exactly.
+
+    Attributes
+    ----------
+    position : (3,) Fractions
+        World frame, m.
+    direction : (3,) Fractions
+        A vector x with xᵀQx out of bounds·|x|².
+    bound : str
+        Which bound does not hold, ``"lower"`` or ``"upper"``.
+    eigenvalue : float
+        The eigenvalue there, 1/m.
+    """
+
+    position: list[Fraction]
+    direction: list[Fraction]
+    bound: str
+    eigenvalue: float
+
+
+def outside(mission: Mission, box: Box, bounds: Interval) -> Outside | None:
+    """Return a position in a box with an eigenvalue of Q out of bounds; None if none is found."""
+    places, points = _samples(box), _points(mission)
+    values = eigenvalues(points, places)
+    for column, index, bound in (
+        (0, int(values[:, 0].argmin()), "lower"),
+        (2, int(values[:, 2].argmax()), "upper"),
+    ):
+        place = [_within(x, side) for x, side in zip(places[index], box, strict=True)]
+        (matrix,) = _depth_matrices(points, np.array([place], float))
+        ends, vectors = np.linalg.eigh(matrix)
+        x = [Fraction(float(c)).limit_denominator(10**6) for c in vectors[:, column]]
+        target = [list(p) for p in mission.target.points]
+        lower = bound == "lower"
+        if checker.out_of_bounds(target, place, x, bounds[0 if lower else 1], lower=lower):
+            return Outside(place, x, bound, float(ends[column]))
+    return None
+
+
+def _within(x: float, side: Interval) -> Fraction:
+    """Return a short rational near x in an interval."""
+    return min(max(Fraction(float(x)).limit_denominator(10**6), side[0]), side[1])
 
 
 def _extremes(mission: Mission, box: Box) -> tuple[float, float]:

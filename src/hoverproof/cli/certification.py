@@ -12,6 +12,7 @@ from cyclopts import Parameter
 from hoverproof.cli.console import (
     EXIT,
     Box,
+    Boxes,
     Json,
     MissionName,
     Set,
@@ -40,6 +41,7 @@ def certify(
         Parameter(negative="", help="Use eigenvalue bounds proved over a box (see `region`)."),
     ] = False,
     box: Box = None,
+    boxes: Boxes = None,
     weights: Annotated[
         str | None,
         Parameter(help="Weights of L: four numbers w1,w2,w3,w4, or `search` for the best ones."),
@@ -54,14 +56,21 @@ def certify(
 
     Example: `hoverproof certify x4-flyer --set gains.k4=0.1`
     """
-    from hoverproof.certification.gains import Proved, Refuted, Undecided, as_json
+    from hoverproof.certification.gains import Proved, Refuted, Undecided, Verdict, as_json
     from hoverproof.certification.gains import certify as decide
+    from hoverproof.certification.problem import gain_problem
     from hoverproof.certification.region import enclose
     from hoverproof.paper.conditions import printed_demands
 
     loaded = load_mission(mission, set_)
-    region = enclose(loaded, box_sides(loaded, box)) if over_box or box else None
-    verdict = decide(loaded, weights=parse_weights(loaded, weights, region), region=region)
+    over_box = over_box or box is not None
+    region = enclose(loaded, box_sides(loaded, box), boxes) if over_box else None
+    verdict: Verdict
+    if over_box and region is None:
+        reason = "the eigenvalues of Q over the box were not enclosed within the limit of boxes"
+        verdict = Undecided(None, reason, gain_problem(loaded))
+    else:
+        verdict = decide(loaded, weights=parse_weights(loaded, weights, region), region=region)
     path = None
     if not isinstance(verdict, Undecided):
         ending = "cert" if isinstance(verdict, Proved) else "refutation"
@@ -116,6 +125,7 @@ def region(
     *,
     box: Box = None,
     out: Annotated[Path | None, Parameter(help="Certificate file to write.")] = None,
+    boxes: Boxes = None,
     figure: Annotated[bool, Parameter(help="Draw the region beside the file.")] = True,
     set_: Set = None,
     json_: Json = False,
@@ -126,57 +136,63 @@ def region(
 
     Example: `hoverproof region x4-flyer --box=-1,5,-1,3,-4.5,-2.5`
     """
-    from hoverproof.certification.certificate import seal
-    from hoverproof.certification.problem import gain_problem
-    from hoverproof.certification.region import Region, enclose, holds_over, outside
+    from hoverproof.certification.over_box import certify_region
     from hoverproof.show.region import save_region_figure
 
     loaded = load_mission(mission, set_)
     sides = box_sides(loaded, box)
-    enclosed = enclose(loaded, sides)
-    wanted = loaded.bounds.eigenvalues
-    inside = wanted[0] <= enclosed.eigenvalues[0] and enclosed.eigenvalues[1] <= wanted[1]
-    witness = None if inside else outside(loaded, sides, wanted)
-    proved = inside or (witness is None and holds_over(loaded, sides, wanted))
-    verdict = "proved" if proved else "undecided" if witness is None else "refuted"
-    shown = Region(sides, wanted, enclosed.attained) if proved else enclosed
-    path = out or Path(f"{loaded.name}.region.cert.json")
-    seal(gain_problem(loaded, region=shown), "region", {}).save(path)
-    picture = path.with_name(f"{path.name.removesuffix('.cert.json')}.png")
+    verdict = certify_region(loaded, sides, boxes)
+    found, spot, wanted = verdict.enclosure, verdict.outside, loaded.bounds.eigenvalues
+    ending = "refutation" if spot else "cert"
+    path = out or Path(f"{loaded.name}.region.{ending}.json")
+    picture = path.with_name(f"{path.name.removesuffix('.json').removesuffix(f'.{ending}')}.png")
+    if verdict.certificate is not None:
+        verdict.certificate.save(path)
     if figure:
-        save_region_figure(loaded, enclosed, picture)
+        save_region_figure(loaded, sides, picture)
 
     if json_:
+        witness = spot and {
+            "position": [str(c) for c in spot.position],
+            "eigenvalue": spot.eigenvalue,
+            "bound": spot.bound,
+        }
         print_json(
             {
                 "mission": loaded.name,
-                "verdict": verdict,
+                "verdict": verdict.status,
                 "box": [[float(end) for end in side] for side in sides],
                 "bounds": [float(x) for x in wanted],
-                "enclosure": [float(x) for x in enclosed.eigenvalues],
-                "attained": list(enclosed.attained),
-                "witness": None
-                if witness is None
-                else {"position": [str(c) for c in witness[0]], "eigenvalue": witness[1]},
-                "certificate": str(path),
+                "enclosure": found and [float(x) for x in found.eigenvalues],
+                "attained": found and list(found.attained),
+                "witness": witness,
+                "certificate": str(path) if verdict.certificate else None,
                 "figure": str(picture) if figure else None,
+                "units": {"box": "m", "bounds": "1/m", "enclosure": "1/m", "attained": "1/m"},
             }
         )
-        return EXIT[verdict]
-    print(f"{loaded.name}: {verdict}")
+        return EXIT[verdict.status]
+    print(f"{loaded.name}: {verdict.status}")
     print(f"  bounds {interval(wanted)} 1/m of the eigenvalues of Q")
     print(f"  for every position in the box {sides_text(sides)} m")
-    print(f"  proved there            {interval(enclosed.eigenvalues)} 1/m")
-    print(f"  found there             {interval(enclosed.attained)} 1/m")
-    if witness is not None:
-        print(f"  out of bounds           {number(witness[1])} 1/m at {position_text(witness[0])}")
-    print(
-        f"  certificate             {path} ({'the bounds' if proved else 'what is proved there'})"
-    )
+    if found is None:
+        print("  nothing is proved there within the limit of boxes (--boxes)")
+    else:
+        print(f"  proved there            {interval(found.eigenvalues)} 1/m")
+        print(f"  found there             {interval(found.attained)} 1/m")
+    if spot is not None:
+        value, place = number(spot.eigenvalue), position_text(spot.position)
+        print(f"  {spot.bound} bound broken      {value} 1/m at {place}")
+    if verdict.certificate is not None:
+        contents = {"proved": "the bounds", "refuted": "where they break"}
+        what = contents.get(verdict.status, "what is proved there")
+        print(f"  certificate             {path} ({what})")
     if figure:
         print(f"  figure                  {picture}")
-    print(f"Next: hoverproof certify {mission} --over-box")
-    return EXIT[verdict]
+    if found is not None:
+        given = "--over-box" if box is None else f"--box={box}"
+        print(f"Next: hoverproof certify {mission} {given}")
+    return EXIT[verdict.status]
 
 
 @app.command

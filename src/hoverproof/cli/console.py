@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
-from cyclopts import App, Parameter
+from cyclopts import App, Parameter, validators
 
 from hoverproof import __version__
 from hoverproof.errors import InputError
@@ -34,6 +34,13 @@ Set = Annotated[
 Box = Annotated[
     str | None,
     Parameter(help="Positions x0,x1,y0,y1,z0,z1 in m; by default around start and goal."),
+]
+Boxes = Annotated[
+    int | None,
+    Parameter(
+        help="Most boxes in the branch and bound; fewer answer sooner, perhaps with undecided.",
+        validator=validators.Number(gte=1),
+    ),
 ]
 EXIT = {"proved": 0, "refuted": 1, "undecided": 3}
 

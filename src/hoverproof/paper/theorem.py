@@ -148,8 +148,9 @@ def _judge_33(claim: Claim) -> Judgement:
     """Units of the bracket; then, with √(2L) replaced by the proved 2√L, a smaller level."""
     from_weight, goal_part = m * g / (k1**2 * k2), number(2) * q3_star
     fault = Equation(from_weight, goal_part).unit_fault()
-    if not fault or Equation(m * g / c, goal_part).unit_fault():
-        return claim.judged(Verdict.UNPROVED, "the units are not as expected")
+    counterexample = _level_counterexample()
+    if not fault or Equation(m * g / c, goal_part).unit_fault() or counterexample is None:
+        return claim.judged(Verdict.UNPROVED, "units or counterexample are not as expected")
     return claim.judged(
         Verdict.CORRECTED,
         "units: m g/(k1² k2) is in "
@@ -159,19 +160,20 @@ def _judge_33(claim: Claim) -> Judgement:
             r"\mathcal{L}(0) < \tfrac14\left(\frac{m^2g}{k_1^2k_2} - 2|q^*|\right)^2",
         ),
         difference="printed ½ and m g/(k1² k2); derived ¼ and m² g/(k1² k2)",
-        counterexample=_level_counterexample(),
+        counterexample=counterexample,
     )
 
 
-def _level_counterexample() -> dict[str, str]:
-    """Give a level that (33) allows as printed, with m g - c√(2L) < 2c|q*|, exactly."""
+def _level_counterexample() -> dict[str, str] | None:
+    """Give a level that (33) allows as printed, with m g - c√(2L) < 2c|q*|, decided exactly."""
     mass, gravity, level, goal = _exact(Fraction(1, 2), 10, 4, 1)
     product = Fraction(1)  # k1² k2
     stiffness = product / mass
     printed = level < (mass * gravity / product - 2 * goal) ** 2 / 2
     root_below, _ = sqrt_enclosure(2 * level)
     broken = mass * gravity - stiffness * root_below < 2 * stiffness * goal
-    assert printed and broken
+    if not (printed and broken):
+        return None
     return exact_point(m=mass, g=gravity, k1=1, k2=1, q_star=[0, 0, goal], level=level)
 
 
@@ -220,6 +222,9 @@ def _judge_thrust_by_level(claim: Claim) -> Judgement:
 
 
 def _judge_start_thrust(claim: Claim) -> Judgement:
+    counterexample = _level_counterexample()
+    if counterexample is None:
+        return claim.judged(Verdict.UNPROVED, "the counterexample fails")
     return claim.judged(
         Verdict.CORRECTED,
         "it does not follow from (33) as printed; it does with 2√L for √(2L) and (33) corrected",
@@ -228,7 +233,7 @@ def _judge_start_thrust(claim: Claim) -> Judgement:
             r"2c|q^*| < mg - 2c\sqrt{\mathcal{L}_0} \le T_0 \le mg + 2c\sqrt{\mathcal{L}_0}",
         ),
         difference="printed √(2L0) and strict bounds; derived 2√L0",
-        counterexample=_level_counterexample(),
+        counterexample=counterexample,
     )
 
 

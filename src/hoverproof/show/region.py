@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from hoverproof.certification.region import Box, Region, eigenvalues
+from hoverproof.certification.region import Box, eigenvalues
 from hoverproof.files import replacing
 from hoverproof.mission import Mission
 from hoverproof.plant.goal import hover_goal
@@ -17,20 +17,20 @@ from hoverproof.show.figures import COLOURS
 CELLS = 400
 
 
-def region_figure(mission: Mission, region: Region) -> Figure:
+def region_figure(mission: Mission, box: Box) -> Figure:
     """Draw the cross-section through the goal in the (x, z) plane, computed in floating point.
 
     Parameters
     ----------
     mission : Mission
-    region : Region
-        A box with proved bounds; its outline is drawn.
+    box : (3,) of (low, high)
+        World frame, m; its outline is drawn.
     """
     points = np.array(mission.target.points, float)
     goal = np.array([float(c) for c in hover_goal(mission).position])
     start = np.array([float(c) for c in mission.start.position])
     low, high = (float(x) for x in mission.bounds.eigenvalues)
-    x, z = _window(points, goal, start, region.box)
+    x, z = _window(points, goal, start, box)
     grid_x, grid_z = np.meshgrid(np.linspace(*x, CELLS), np.linspace(*z, CELLS))
     places = np.stack([grid_x, np.full_like(grid_x, goal[1]), grid_z], axis=-1).reshape(-1, 3)
     values = eigenvalues(points, places)
@@ -45,9 +45,9 @@ def region_figure(mission: Mission, region: Region) -> Figure:
             axes.contour(grid_x, grid_z, data, levels=[level], colors=[colour], linewidths=1.5)
             which = "lowest" if data is lowest else "highest"
             axes.plot([], [], color=colour, label=f"{which} eigenvalue = {level:g} 1/m")
-    (x0, x1), _, (z0, z1) = [[float(end) for end in side] for side in region.box]
+    (x0, x1), _, (z0, z1) = [[float(end) for end in side] for side in box]
     outline = Rectangle((x0, z0), x1 - x0, z1 - z0, fill=False, linestyle="--", linewidth=1.5)
-    outline.set_label("box with proved bounds")
+    outline.set_label("the box of the question")
     axes.add_patch(outline)
     axes.plot(points[:, 0], points[:, 2], "s", color="black", label="target points")
     axes.plot(goal[0], goal[2], "*", color=COLOURS[2], markersize=13, label="goal")
@@ -62,12 +62,12 @@ def region_figure(mission: Mission, region: Region) -> Figure:
     return figure
 
 
-def save_region_figure(mission: Mission, region: Region, path: Path) -> None:
+def save_region_figure(mission: Mission, box: Box, path: Path) -> None:
     """Write the figure as PNG.
 
     Parameters
     ----------
-    mission, region
+    mission, box
         See `region_figure`.
     path : Path
 
@@ -77,7 +77,7 @@ def save_region_figure(mission: Mission, region: Region, path: Path) -> None:
         If the file cannot be written.
     """
     with replacing(path) as beside:
-        region_figure(mission, region).savefig(beside, dpi=130, format="png")
+        region_figure(mission, box).savefig(beside, dpi=130, format="png")
 
 
 Range = tuple[float, float]

@@ -128,6 +128,12 @@ class AttractionForm:
         )
 
 
+def half_squares(weights: ca.SX, e: Errors) -> ca.SX:
+    """Return ½(a2|δ2|² + a3|δ3|² + a4|δ4|²), (1, 1)."""
+    squares = ca.vertcat(*(ca.dot(part, part) for part in (e.d2, e.d3, e.d4)))
+    return ca.dot(weights, squares) / 2
+
+
 @cache
 def derive_form() -> AttractionForm:
     """Differentiate Λ along the derived closed loop in the errors, and put δ1 = e + η."""
@@ -141,7 +147,7 @@ def derive_form() -> AttractionForm:
     eta = q3 * d.stiffness / (d.mass * d.gravity) * to_tilt @ (part.d3 - part.d2)
     back = ca.vertcat(part.d1 + eta, Y[3:])
     e = Errors.from_vector(x)
-    energy = sum(weights[i] * ca.dot(p, p) / 2 for i, p in enumerate((e.d2, e.d3, e.d4)))
+    energy = half_squares(weights, e)
     rate = lie_derivative(energy, x, loop.rate)  # without the potential, whose rate is -eᵀV
 
     def put(value: ca.SX) -> ca.SX:

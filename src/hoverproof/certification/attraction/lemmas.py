@@ -14,7 +14,12 @@ import casadi as ca
 
 from hoverproof.algebra.identity import prove_equal, prove_zero
 from hoverproof.algebra.linear import lie_derivative
-from hoverproof.certification.attraction.form import AttractionForm, axial_loop, derive_form
+from hoverproof.certification.attraction.form import (
+    AttractionForm,
+    axial_loop,
+    derive_form,
+    half_squares,
+)
 from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.rigid_body import E3
 from hoverproof.servo.error_chain import errors
@@ -60,7 +65,7 @@ def _potential() -> dict[str, bool]:
     hessian, _ = ca.hessian(distance, xi)
     x = ca.SX.sym("x", 3)
     turned = ca.cross(ray / r, x)
-    height = -ray[2]
+    height = ray[2]
     return {
         "d/dt (|P' - ξ| + q3* e3ᵀξ) = -eᵀV": bool(
             prove_equal(lie_derivative(W, xi, rotation @ velocity), -e.T @ velocity, roots)
@@ -71,10 +76,8 @@ def _potential() -> dict[str, bool]:
         "xᵀ(I - ppᵀ)x/r = |p × x|²/r": bool(
             prove_equal(x.T @ hessian @ x, ca.dot(turned, turned) / r, roots)
         ),
-        "∂(h/r)/∂h = d²/r³, h the height above the point, d² = r² - h²": bool(
-            prove_equal(
-                ca.jacobian(height / distance, xi)[2] * r**3, -(r**2 - height**2) * -1, roots
-            )
+        "∂(h/r)/∂z = -d²/r³, h the height above the point, d² = r² - h²": bool(
+            prove_equal(ca.jacobian(height / distance, xi[2]), (height**2 - r**2) / r**3, roots)
         ),
     }
 
@@ -131,10 +134,10 @@ def _quadratic_form() -> dict[str, bool]:
     loop, form = axial_loop(), derive_form()
     d, e, z = loop.design, loop.errors, loop.measured
     a = form.weights
-    energy = sum(a[i] * ca.dot(part, part) / 2 for i, part in enumerate((e.d2, e.d3, e.d4)))
+    energy = half_squares(a, e)
     potential_rate = -ca.dot(z.centroid - d.goal_centroid[2] * z.gravity_direction, z.velocity)
     rate = -d.mass / d.k1 * (potential_rate + loop.dot(energy))
-    theta = form.theta  # the state as a function of Y's symbols is not needed: put Y of the state
+    theta = form.theta
     size = ca.dot(theta, theta)
     rho = ca.vertcat(2 * theta, 1 - size) / (1 + size)
     Y = ca.vertcat(z.centroid - d.goal_centroid[2] * z.gravity_direction, e.d2, e.d3, e.d4)
@@ -143,13 +146,34 @@ def _quadratic_form() -> dict[str, bool]:
         ca.vertcat(form.design.vector(), form.f, form.Q_lower, form.errors),
         ca.vertcat(d.vector(), loop.factor, loop.Q_lower, Y),
     )
-    both = [
-        ca.substitute(
-            ca.substitute(side, d.goal_centroid[:2], ca.SX.zeros(2)), z.gravity_direction, rho
-        )
-        for side in (rate, claimed)
-    ]
-    return {"-(m/k1) Λ' = the quadratic form in Y, any Ω": bool(prove_equal(*both))}
+
+    def at_tilt(value: ca.SX) -> ca.SX:
+        return ca.substitute(loop.axial(value), z.gravity_direction, rho)
+
+    return {
+        "-(m/k1) Λ' = the form in Y, any Ω": bool(prove_equal(at_tilt(rate), at_tilt(claimed))),
+        "the form as stated": bool(prove_equal(form.dissipation, _stated_form(form))),
+    }
+
+
+def _stated_form(form: AttractionForm) -> ca.SX:
+    """Return the quadratic form as the lemma states it."""
+    d, Y, f, (a2, a3, a4) = form.design, form.errors, form.f, ca.vertsplit(form.weights)
+    e, d2, d3, d4 = Y[0:3], Y[3:6], Y[6:9], ca.vertcat(Y[9:11], 0)
+    q3, K = d.goal_centroid[2], (d.k1 * d.k2 + d.k3) / d.k1
+    lean = P - E3 @ ca.vertcat(form.theta, 0).T
+    eta = q3 * d.stiffness / (d.mass * d.gravity) * lean @ (d3 - d2)
+    v = e + eta + d2
+    flow = form.Q @ v
+    second = d.k2 * ca.dot(d2, d2) - d.k2 * ca.dot(d2, d3) + f * q3 * ca.dot(d2, P @ (d4 - d3))
+    third = d.k2 * ca.dot(d3, d2) - K * ca.dot(d3, d4) + d.k3 / d.k1 * ca.dot(d3, d3)
+    fourth = K * ca.dot(d4, d3) + d.k4 / d.k1 * ca.dot(d4, d4)
+    return (
+        ca.dot(e, v)
+        + a2 * (second - ca.dot(d2, flow))
+        + a3 * (third - ca.dot(d3, flow))
+        + a4 * (fourth - ca.dot(d4, flow))
+    )
 
 
 def _convexity() -> dict[str, bool]:
@@ -312,7 +336,7 @@ LEMMAS = (
         "W ≥ 0 with equality at ξ* alone, and its level sets are compact. The height part "
         "qz = Σ hᵢ/rᵢ of the centroid grows with height, everywhere.",
         "Its Hessian is Q ⪰ 0, its gradient -Re vanishes at ξ*, so ξ* is a minimum. Were Q(ξ*) "
-        "singular, all rays from ξ* would lie on one line; their unit vectors add up to q3* e3 ≠ 0, "
+        "singular, all rays from ξ* would be on one line; their unit vectors add up to q3* e3 ≠ 0, "
         "so that line were vertical, with all points on it. Hence the minimum is strict, and by "
         "convexity unique. W ≥ (n - q3*)|ξ - ξ*| - constant, so level sets are bounded.",
         _potential,
@@ -358,10 +382,10 @@ LEMMAS = (
     Lemma(
         "corners",
         "corners suffice",
-        "If the form minus ε|Y|² is positive for every Q in [0, λ], at both ends of f and of q3*, and "
+        "If the form minus ε|Y|² is positive for every Q in [0, λ], at both ends of f and q3*, and "
         "at the one tilt θ = (t, 0), it is so for all f and q3* between and all |θ| <= t.",
-        "A turn about e3 carries θ = (t, 0) to any θ with |θ| = t, and the set of all Q into itself. "
-        "For fixed Q the form is affine in each of f, q3* and θ, and a disc is the hull of its edge.",
+        "A turn about e3 carries θ = (t, 0) to any θ with |θ| = t, and the set of all Q to itself. "
+        "For fixed Q the form is affine in each of f, q3*, θ, and a disc is the hull of its edge.",
         lambda: _convexity() | _symmetry(),
     ),
     Lemma(
@@ -394,9 +418,9 @@ LEMMAS = (
         "w <= 0 wherever z >= z_s. With lags D1 >= (k1/m) w_max/s, D2 >= s D1/r and "
         "z_b = z_s + D1 + D2, the set of z <= z_b, x = z + z'/r <= z_b, N <= z_b, N - x <= D1, "
         "x - z <= D2 is not left. From hover, the least lags will do: D1 + D2 = w_max/k2.",
-        "The discriminant is not negative as κ >= 4 k1 k2/m. N - x and x - z keep below their bounds "
-        "by their equations. Where N >= z_b, z = N - (N - x) - (x - z) >= z_s, so N' <= 0: N cannot "
-        "pass z_b; x follows N and z follows x.",
+        "As κ >= 4 k1 k2/m, the roots are real. N - x and x - z keep below their bounds by their "
+        "equations. Where N >= z_b, z = N - (N - x) - (x - z) >= z_s, so N' <= 0: N cannot pass "
+        "z_b; x follows N and z follows x.",
         _cascade,
     ),
     Lemma(

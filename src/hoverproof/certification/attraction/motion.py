@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.certification.attraction.form import half_squares
 from hoverproof.certification.attraction.proof import Proved
 from hoverproof.mission import Mission
 from hoverproof.plant.camera import body_points
@@ -38,7 +39,7 @@ def energy_function(n: int) -> ca.Function:
     e = errors(measured, d)
     q3 = d.goal_centroid[2]
     W = ca.sum2(distance - at_goal) + q3 * (body.position[2] - goal[2])
-    energy = W + sum(a[i] * ca.dot(p, p) / 2 for i, p in enumerate((e.d2, e.d3, e.d4)))
+    energy = W + half_squares(a, e)
     Y = ca.vertcat(q - q3 * body.gravity_direction, e.d2, e.d3, e.d4)
     return ca.Function(
         "energy",
@@ -63,9 +64,10 @@ def energies(region: Proved, states: Array) -> Array:
     read = energy_function(points.shape[1]).map(len(states))
     design, goal, a = numbers(mission, region)
     k = len(states)
-    held = (np.tile(design[:, None], k), np.tile(points, k))
-    held += (np.tile(goal[:, None], k), np.tile(a[:, None], k))
-    return np.array(read(states.T, *held)[0])[0]
+    held = [np.tile(design[:, None], k), np.tile(points, k)]
+    held += [np.tile(goal[:, None], k), np.tile(a[:, None], k)]
+    value: Array = np.array(read(states.T, *held)[0])[0]
+    return value
 
 
 def numbers(mission: Mission, region: Proved) -> tuple[Array, Array, Array]:

@@ -237,8 +237,9 @@ def _draft(mission: Mission, found: Found, starts: Sequence[Start]) -> dict[str,
     bottom = None if height is None else float(plane - height)
 
     def reach(*directions: tuple[float, float, float]) -> Fraction:
-        least = min(reach_along(potential, np.array(d), a and np.array(a), size, bottom)
-                    for d in directions)
+        least = min(
+            reach_along(potential, np.array(d), np.array(a), size, bottom) for d in directions
+        )
         return decimal_below(least * 0.995, 3)
 
     turns = np.linspace(0, 2 * np.pi, 72, endpoint=False)
@@ -267,8 +268,10 @@ def _complete(draft: dict[str, Any], mission: Mission, found: Found) -> None:
     p = bounds_of(mission, draft)
     s, weight = p.s, p.s.m * p.s.gravity
     goal = [_down(p.q3[0]), _up(p.q3[1])]
-    ends = [checker.factor(s.m, s.g, weight + sign * p.force, q)
-            for sign, q in ((1, p.q3[0]), (-1, p.q3[1]))]
+    ends = [
+        checker.factor(s.m, s.g, weight + sign * p.force, q)
+        for sign, q in ((1, p.q3[0]), (-1, p.q3[1]))
+    ]
     factor = [decimal_below(ends[0], 12), decimal_above(ends[1], 12)]
     tilt = decimal_above(p.sine / (1 + p.cosine), 9)
     largest = decimal_above(found.largest, 5)
@@ -276,10 +279,10 @@ def _complete(draft: dict[str, Any], mission: Mission, found: Found) -> None:
     weights = np.array([float(a) for a in p.a])
     rates, multipliers = [], []
     for f in factor:
-        rate, tau = rate_and_multiplier(
+        least, tau = rate_and_multiplier(
             loop, weights, f=float(f), theta=float(tilt), largest=float(largest)
         )
-        rates.append(rate)
+        rates.append(least)
         multipliers.append(decimal_below(tau, DIGITS))
     rate = decimal_below(min(rates) * (1 - 1e-6), DIGITS)
     if rate <= 0:
@@ -287,7 +290,10 @@ def _complete(draft: dict[str, Any], mission: Mission, found: Found) -> None:
     draft["claim"]["rate"] = rate
     draft["multipliers"] = multipliers
     draft["enclosures"] = {
-        "goal": goal, "factor": factor, "tilt": tilt, "largest_eigenvalue": largest
+        "goal": goal,
+        "factor": factor,
+        "tilt": tilt,
+        "largest_eigenvalue": largest,
     }
 
 
@@ -338,14 +344,18 @@ def _start_terms(
         return np.zeros((0, 4))
     one = Fraction(1)
     tiny = {"level": Fraction(1, 10**9), "rate": one, "barrier_height": None}
-    claim = {**tiny, "reach": {"sideways": one, "up": one, "down": one}, "starts": []}
+    claim: dict[str, Any] = {
+        **tiny,
+        "reach": {"sideways": one, "up": one, "down": one},
+        "starts": [],
+    }
     draft = {"weights": [one] * 3, "hover": list(hover_goal(mission).position), "claim": claim}
     p = bounds_of(mission, draft)
     rows = []
     for start in starts:
         for corner in np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3):
             place = [[side[k]] * 2 for side, k in zip(start.position, corner, strict=True)]
-            terms = checker.start_terms(p, start.for_checker(), place)
+            terms = checker.start_terms(p, start.for_checker(), p.grid.cover(place))
             assert terms is not None  # the starts are clear of the target points
             rows.append([float(x) * 1.001 for x in terms])
     return np.unique(np.array(rows), axis=0)

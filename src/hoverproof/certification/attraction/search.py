@@ -29,7 +29,7 @@ class Slack:
     omega: float
 
 
-SLACKS = (Slack(0.03, 0.02, 0.02), Slack(0.08, 0.05, 0.05), Slack(0.2, 0.1, 0.1))
+SLACKS = (Slack(0.03, 0.03, 0.03), Slack(0.08, 0.06, 0.06), Slack(0.2, 0.1, 0.1))
 
 
 @dataclass(frozen=True)
@@ -185,8 +185,8 @@ def find(search: Search, objective: Objective, starts: Array) -> Found | None:
         if len(starts) and (starts @ [1, *s.weights]).max() > s.level:
             return 1e3 * s.fill
         if objective == "volume":
-            return -np.log(grid.volume(s.weights, s.level, b.bottom))
-        return -np.log(grid.radius(s.weights, s.level, b.bottom))
+            return -float(np.log(grid.volume(s.weights, s.level, b.bottom)))
+        return -float(np.log(grid.radius(s.weights, s.level, b.bottom)))
 
     found, size, bottom = None, 0.1 * p.height(float(p.goal[2])), None
     for _ in range(8):  # aim at the ball, or the set, that was reached, a little larger
