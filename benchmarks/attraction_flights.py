@@ -1,6 +1,7 @@
 """Fly from random states of certified regions: ``python benchmarks/attraction_flights.py``.
 
-Every state is drawn inside a proved set, hover or not, any heading. In every flight Λ must fall at
+Every state is drawn inside a proved set, hover or not, any heading, where the camera sees the
+target. In every flight Λ must fall at
 each sample, the set must not be left, and the goal must be reached. At more random states inside,
 Λ' <= -(k1/m) ε |Y|² must hold, Λ' by differentiation of Λ along the simulated closed loop.
 """
@@ -101,6 +102,8 @@ class Case:
                 omega = np.array([s[1], -s[0]])
                 if self.bottom is not None and not self.above(x[2], rho @ V, rho @ F / self.m):
                     continue
+            if (R[:, 2] @ rays.T).min() <= 0:
+                continue  # a point is behind the image plane: inside, but the camera is blind
             yaw_rate = 0.0 if hover else rng.normal() * 0.5
             return np.concatenate([x, V, R.T.ravel(), omega, [yaw_rate, T]])
 
@@ -133,13 +136,17 @@ def rotation_with(rho, heading):
 
 
 def fly(case, machine, energy, start, duration):
-    """Fly until the goal is reached; return (reached, largest rise of Λ, Λ/ℓ, lowest height)."""
+    """Fly until the goal is reached.
+
+    Return whether it is, whether the camera lost the target, the largest rise of Λ, the largest
+    Λ/ℓ, and how far below the barrier it came, m.
+    """
     state = np.concatenate([start, np.full(len(GUARDS), np.finfo(float).max)])
     every = max(1, int(duration / STEP / SAMPLES))
     for _ in range(12):
         states, good = machine.run(state, case.design, case.points, STEP, SAMPLES, every)
         if not good:
-            return False, np.inf, np.inf, -np.inf
+            return False, True, -np.inf, 0, -np.inf
         track = np.vstack([state, states])[:, :STATE_SIZE]
         value = energy(track)
         rise = np.diff(value).max(initial=-np.inf, where=value[:-1] > 1e-8)
@@ -147,7 +154,7 @@ def fly(case, machine, energy, start, duration):
             break
         state = states[-1].copy()
     lowest = -np.inf if case.bottom is None else track[:, 2].max() - case.bottom
-    return value[-1] < REACHED, rise, value.max() / case.level, lowest
+    return value[-1] < REACHED, False, rise, value.max() / case.level, lowest
 
 
 def rates(case, states):
@@ -193,18 +200,21 @@ def main():
 
         with ThreadPoolExecutor(options.threads) as pool:
             flown = list(pool.map(one, starts))
-        reached, rise, fill, low = (np.array(v) for v in zip(*flown, strict=True))
+        reached, lost, rise, fill, low = (np.array(v) for v in zip(*flown, strict=True))
         print(
             f"{name}: {count} flights, {int(reached.sum())} reach the goal, Λ rises in "
             f"{int((rise > 0).sum())}, {int((fill > 1).sum())} leave the level, "
-            f"{int((low > 0).sum())} pass the barrier, {time.perf_counter() - began:.0f} s"
+            f"{int((low > 0).sum())} pass the barrier, {int(lost.sum())} lose the target, "
+            f"{time.perf_counter() - began:.0f} s",
+            flush=True,
         )
         states = round(share * options.states)
         margin = np.array([case.draw(rng, hover=False) for _ in range(states)])
         excess, square = rates(case, margin)
         print(
             f"{name}: {states} states, Λ' > -(k1/m) ε|Y|² at {int((excess > 0).sum())}, "
-            f"-(m/k1) Λ'/|Y|² - ε is at least {-(excess / square).max() * case.m / case.k1:.3g}"
+            f"-(m/k1) Λ'/|Y|² - ε is at least {-(excess / square).max() * case.m / case.k1:.3g}",
+            flush=True,
         )
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from hoverproof.certification.attraction.proof import attraction as attraction
     from hoverproof.certification.gains import certify as certify
     from hoverproof.checker import check_file as check
     from hoverproof.errors import InputError as InputError
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "InputError": ("hoverproof.errors", "InputError"),
+    "attraction": ("hoverproof.certification.attraction.proof", "attraction"),
     "certify": ("hoverproof.certification.gains", "certify"),
     "check": ("hoverproof.checker", "check_file"),
     "derive": ("hoverproof.paper.ledger", "derive"),
@@ -32,7 +34,17 @@ _HOMES = {
     "simulate": ("hoverproof.simulation.flight", "simulate"),
 }
 
-__all__ = ["InputError", "__version__", "certify", "check", "derive", "load", "presets", "simulate"]
+__all__ = [
+    "InputError",
+    "__version__",
+    "attraction",
+    "certify",
+    "check",
+    "derive",
+    "load",
+    "presets",
+    "simulate",
+]
 
 
 def __getattr__(name: str) -> Any:

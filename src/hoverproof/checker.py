@@ -915,8 +915,8 @@ def start_terms(p: Attraction, start: Start, cell: Cell) -> list[Fraction] | Non
     W = Fraction(0)
     for corner in itertools.product(*(sorted(set(side)) for side in cell)):
         squares = (sum((a - b) ** 2 for a, b in zip(x, corner, strict=True)) for x in p.grid.points)
-        distances = sum(math.isqrt(square) + 1 for square in squares)
-        W = max(W, (distances + max(x * corner[2] for x in p.q3)) / unit - p.base[0])
+        far = sum((Fraction(math.isqrt(square) + 1) for square in squares), Fraction(0))
+        W = max(W, (far + max(x * corner[2] for x in p.q3)) / unit - p.base[0])
     change = Fraction(sum(scale * radius // (d - radius) + 1 for d in near), scale)
     ends = [[Fraction(0)] * 2, [Fraction(0)] * 2, [-p.q3[1], -p.q3[0]]]  # of q - q* at the centre
     for ray, d in zip(rays, near, strict=True):

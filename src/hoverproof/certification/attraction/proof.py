@@ -21,6 +21,7 @@ from hoverproof.certification.attraction.search import (
     Found,
     Objective,
     Search,
+    Slack,
     find,
     reach_along,
 )
@@ -32,6 +33,7 @@ from hoverproof.plant.goal import hover_goal
 
 BITS = 64
 DIGITS = 6
+MOST_STARTS = 16
 NOT_COVERED = (
     "goals whose centroid is not straight below",
     "sampling, delay and noise of measurements",
@@ -152,6 +154,8 @@ def attraction(
     wanted = tuple(starts) if starts is not None else ()
     if objective == "start" and not wanted:
         wanted = (Start.of(mission),)
+    if len(wanted) > MOST_STARTS:
+        raise InputError("--start", "", f"at most {MOST_STARTS} starts go into one certificate")
     _require_clear(mission, potential, wanted)
     gains = mission.gains
     possible = gains.k3 >= 3 * gains.k1 * gains.k2
@@ -167,6 +171,53 @@ def attraction(
     return Undecided("; ".join(reasons), mission)
 
 
+def estimate(mission: Mission, *, objective: Objective = "radius", barrier: bool = False) -> Found:
+    """Search without proving: for tuning, where many gains are tried.
+
+    Parameters
+    ----------
+    mission : Mission
+    objective, barrier
+        See `attraction`.
+
+    Returns
+    -------
+    Found
+        In floating point; `hover_radius` of `search` tells its size.
+
+    Raises
+    ------
+    InputError
+        See `attraction`.
+    ValueError
+        If no weights satisfy the inequality.
+    """
+    potential = Potential.of(mission)
+    loop = Loop.of(mission, potential.q3)
+    starts = (Start.of(mission),) if objective == "start" else ()
+    search = _search(mission, potential, loop, SLACKS[0], barrier, starts)
+    found = find(search, objective, _start_terms(mission, potential, starts))
+    if found is None:
+        raise ValueError("no weights satisfy the inequality for these gains")
+    return found
+
+
+def _search(
+    mission: Mission,
+    potential: Potential,
+    loop: Loop,
+    slack: Slack,
+    barrier: bool,
+    starts: Sequence[Start],
+) -> Search:
+    k2 = float(mission.gains.k2)
+
+    def lag(most: float) -> float:
+        return max(most / k2, _lag_of(mission, starts, most))
+
+    return Search(potential, loop, slack, barrier, lag)
+
+
 def _attempt(
     mission: Mission,
     potential: Potential,
@@ -177,16 +228,12 @@ def _attempt(
     tell: Progress,
 ) -> Proved | str:
     """Search with more and more room for the proof; return what was proved, or why not."""
-    k2 = float(mission.gains.k2)
     terms = _start_terms(mission, potential, starts)
     reason = ""
     for slack in SLACKS:
         tell("searching for weights" + (" with a barrier" if barrier else ""))
 
-        def lag(most: float) -> float:
-            return max(most / k2, _lag_of(mission, starts, most))
-
-        search = Search(potential, loop, k2, slack, barrier, lag)
+        search = _search(mission, potential, loop, slack, barrier, starts)
         found = find(search, objective, terms)
         if found is None:
             return reason or "no weights satisfy the inequality for these gains"

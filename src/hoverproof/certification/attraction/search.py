@@ -82,17 +82,15 @@ class Search:
     ----------
     potential : Potential
     loop : Loop
-    k2 : float
-        1/m.
     slack : Slack
     barrier : bool
     lag : callable
-        Takes the least lag w_max/k2, m, and w_max; returns that of the starts.
+        Takes w_max; returns the lag of the height, m: how far a motion may still sink below where
+        w turns negative.
     """
 
     potential: Potential
     loop: Loop
-    k2: float
     slack: Slack
     barrier: bool
     lag: Callable[[float], float]
