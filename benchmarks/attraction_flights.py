@@ -172,6 +172,41 @@ def rates(case, states):
     return rate + case.k1 / case.m * float(case.region.rate) * square, square
 
 
+def trial(region, flights, states, threads=2, seed=1):
+    """Fly from random states of a region, and differentiate Λ at more of them.
+
+    Return what the flights came to, and Λ'/((k1/m)|Y|²) + ε at the states.
+    """
+    case, rng = Case(region), np.random.default_rng(seed)
+    machine, duration = runner(case.points.shape[1]), 4 / slowest_rate(region.mission)
+    read, k = energy_function(case.points.shape[1]).map(SAMPLES + 1), SAMPLES + 1
+    held = [np.tile(case.design[:, None], k), np.tile(case.points, k)]
+    held += [np.tile(v[:, None], k) for v in (case.goal, case.a)]
+
+    def one(start):
+        def energy(track):
+            return np.array(read(track.T, *held)[0])[0]
+
+        return fly(case, machine, energy, start, duration)
+
+    starts = [case.draw(rng, hover=i % 3 == 0) for i in range(flights)]
+    with ThreadPoolExecutor(threads) as pool:
+        reached, lost, rise, fill, low = (
+            np.array(v) for v in zip(*pool.map(one, starts), strict=True)
+        )
+    flown = {
+        "flights": flights,
+        "reach the goal": int(reached.sum()),
+        "Λ rises": int((rise > 0).sum()),
+        "leave the level": int((fill > 1).sum()),
+        "pass the barrier": int((low > 0).sum()),
+        "lose the target": int(lost.sum()),
+    }
+    drawn = np.array([case.draw(rng, hover=False) for _ in range(states)])
+    excess, square = rates(case, drawn)
+    return flown, excess / square * case.m / case.k1
+
+
 def main():
     """Fly, and print what came of it."""
     parser = argparse.ArgumentParser()
@@ -180,40 +215,20 @@ def main():
     parser.add_argument("--threads", type=int, default=2)
     options = parser.parse_args()
     for name, overrides, asked, share in CASES:
+        began = time.perf_counter()
         region = attraction(load("x4-flyer", overrides), **asked)
         assert isinstance(region, Proved), region
-        case, rng, began = Case(region), np.random.default_rng(1), time.perf_counter()
-        machine, duration = runner(4), 4 / slowest_rate(region.mission)
-        read = energy_function(4).map(SAMPLES + 1)
-        held = [np.tile(v[:, None], SAMPLES + 1) for v in (case.design,)]
-        held += [np.tile(case.points, SAMPLES + 1)]
-        held += [np.tile(v[:, None], SAMPLES + 1) for v in (case.goal, case.a)]
-
-        def energy(track, read=read, held=held):
-            return np.array(read(track.T, *held)[0])[0]
-
-        count = round(share * options.flights)
-        starts = [case.draw(rng, hover=i % 3 == 0) for i in range(count)]
-
-        def one(start, case=case, machine=machine, energy=energy, duration=duration):
-            return fly(case, machine, energy, start, duration)
-
-        with ThreadPoolExecutor(options.threads) as pool:
-            flown = list(pool.map(one, starts))
-        reached, lost, rise, fill, low = (np.array(v) for v in zip(*flown, strict=True))
-        print(
-            f"{name}: {count} flights, {int(reached.sum())} reach the goal, Λ rises in "
-            f"{int((rise > 0).sum())}, {int((fill > 1).sum())} leave the level, "
-            f"{int((low > 0).sum())} pass the barrier, {int(lost.sum())} lose the target, "
-            f"{time.perf_counter() - began:.0f} s",
-            flush=True,
+        flown, excess = trial(
+            region,
+            round(share * options.flights),
+            round(share * options.states),
+            options.threads,
         )
-        states = round(share * options.states)
-        margin = np.array([case.draw(rng, hover=False) for _ in range(states)])
-        excess, square = rates(case, margin)
+        print(f"{name}: {', '.join(f'{word} {count}' for word, count in flown.items())};")
         print(
-            f"{name}: {states} states, Λ' > -(k1/m) ε|Y|² at {int((excess > 0).sum())}, "
-            f"-(m/k1) Λ'/|Y|² - ε is at least {-(excess / square).max() * case.m / case.k1:.3g}",
+            f"  {len(excess)} states, Λ' > -(k1/m) ε|Y|² at {int((excess > 0).sum())}, "
+            f"least -(m/k1) Λ'/|Y|² - ε = {-excess.max():.3g}; "
+            f"{time.perf_counter() - began:.0f} s",
             flush=True,
         )
 

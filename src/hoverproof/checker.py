@@ -924,9 +924,9 @@ def start_terms(p: Attraction, start: Start, cell: Cell) -> list[Fraction] | Non
             parts = (scale * x // d, scale * x // (d + 1))
             ends[i][0] += Fraction(min(parts), scale)
             ends[i][1] += Fraction(max(parts) + 1, scale)
-    x, y, up = (max(map(abs, pair)) for pair in ends)
-    flat = square_root(x**2 + y**2)[1] + change
-    d1 = square_root(x**2 + y**2 + up**2)[1] + change + p.q3[1] * start.tilt
+    across, ahead, up = (max(map(abs, pair)) for pair in ends)
+    flat = square_root(across**2 + ahead**2)[1] + change
+    d1 = square_root(across**2 + ahead**2 + up**2)[1] + change + p.q3[1] * start.tilt
     moved, lean = s.m / k1 * start.speed, weight / stiffness * start.tilt
     room = weight + start.thrust - stiffness * p.q3[0]
     turned = s.m / (stiffness * (k1 * k2 + k3)) * room * start.rate

@@ -183,7 +183,7 @@ def estimate(mission: Mission, *, objective: Objective = "radius", barrier: bool
     Returns
     -------
     Found
-        In floating point; `hover_radius` of `search` tells its size.
+        In floating point; `HoverGrid.of(potential).radius` or `volume` tells its size.
 
     Raises
     ------
