@@ -9,11 +9,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from test_hostile import floats, mutants, put
 
 from hoverproof import checker
 from hoverproof.certification.attraction.proof import attraction
 from hoverproof.mission import load
+from test_hostile import floats, mutants, put
 
 F = Fraction
 STEP = 7  # of so many mutants one gets its hashes made anew: reading it takes far longer
@@ -141,7 +141,7 @@ class Truth:
         assert min(side, up, down) >= 0
         angles = rng.uniform(0, 2 * np.pi, 20)
         places = [self.hover + side * np.array([np.cos(b), np.sin(b), 0]) for b in angles]
-        places += [self.hover - [0, 0, up], self.hover + [0, 0, down]]
+        places += [self.hover + np.array([0, 0, z]) for z in (-up, down)]
         for start in self.content["claim"]["starts"]:
             low, high = floats(start["position"]).T
             assert (low <= high).all()
