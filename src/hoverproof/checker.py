@@ -816,12 +816,18 @@ def read_starts(c: Any) -> list[Start]:
     return starts
 
 
+def reach_of(c: Any) -> list[Fraction]:
+    """Read how far hovers are certified: sideways, up and down, m."""
+    names = ("sideways", "up", "down")
+    reach = [number(keys(c["claim"]["reach"], names, "reach")[k]) for k in names]
+    require(min(reach) >= 0, "a reach is negative")
+    return reach
+
+
 def reach_starts(c: Any) -> list[Start]:
     """Return the hovers about the goal: a disc at its height, and a line from below to above."""
-    reach = keys(c["claim"]["reach"], ("sideways", "up", "down"), "reach")
     x, y, z = numbers(c["hover"], 3)
-    side, up, down = (number(reach[k]) for k in ("sideways", "up", "down"))
-    require(min(side, up, down) >= 0, "a reach is negative")
+    side, up, down = reach_of(c)
     still = (Fraction(0),) * 4
     disc = [[x - side, x + side], [y - side, y + side], [z, z]]
     return [Start(disc, side, *still), Start([[x, x], [y, y], [z - up, z + down]], None, *still)]
@@ -947,7 +953,7 @@ def theorem_of_attraction(c: Any, p: Attraction) -> str:
     if height:
         states = f"level hover at rest with Λ <= level{height}"
         above = f"; their motions stay in {{Λ <= level, T > 0}} at{height[4:]}"
-    side, up, down = (about(number(claim["reach"][k])) for k in ("sideways", "up", "down"))
+    side, up, down = map(about, reach_of(c))
     others = "".join(
         f", and from every state with position in {sides(start.position)} m, |V| <= "
         f"{about(start.speed)} m/s, tilt <= {about(start.tilt)} rad, √(Ω1² + Ω2²) <= "

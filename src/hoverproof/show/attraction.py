@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.motion import energies, numbers
@@ -121,8 +122,8 @@ def fly(region: Proved, view: View, count: int = FLIGHTS) -> Flights:
     mission, p = region.mission, view.potential
     rng = np.random.default_rng(0)
     across = rng.uniform(-view.side, view.side, count)
-    low = max(0.02 * view.top, p.height(float(p.points[:, 2].min())) + 0.02)
-    height = low + (view.top - low) * rng.uniform(0, 1, count) ** 1.5
+    low = p.height(float(p.points[:, 2].min())) + 0.005 * view.top
+    height = low + (view.top - low) * rng.uniform(0, 1, count) ** 2
     places = view.places(across, height)
     design, _, _ = numbers(mission, region)
     rate, weight = slowest_rate(mission), float(mission.vehicle.weight)
@@ -158,8 +159,8 @@ def attraction_figure(region: Proved) -> Figure:
     """
     view = View.of(region)
     flights = fly(region, view)
-    figure = Figure(figsize=(15, 6.2), layout="constrained")
-    grid = figure.add_gridspec(1, 3, width_ratios=(1.25, 1, 1))
+    figure = Figure(figsize=(16, 6.6), layout="constrained")
+    grid = figure.add_gridspec(1, 3, width_ratios=(1.2, 1.1, 0.9), wspace=0.08)
     figure.suptitle(f"{region.mission.name}: where the controller may be switched on (proved)")
     section = figure.add_subplot(grid[0])
     _draw_section(section, region, view, flights)
@@ -264,14 +265,16 @@ def _draw_space(axes: Any, region: Proved, view: View) -> None:
     )
     x, y, z = p.goal
     axes.scatter([x], [y], [p.plane - z], marker="*", s=120, color="black")
-    axes.set_xlabel("x (m)")
-    axes.set_ylabel("y (m)")
-    axes.set_zlabel("height above the target (m)")
+    axes.set_xlabel("x (m)", labelpad=8)
+    axes.set_ylabel("y (m)", labelpad=8)
+    axes.set_zlabel("height (m)")
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_major_locator(MaxNLocator(4))
     cut = bool((last == len(steps) - 1).any())
     axes.set_title(
         "certified hovers" + (f", cut at {steps[-1]:.3g} m from the goal" if cut else "")
     )
-    axes.set_box_aspect([np.ptp(edge[..., k]) for k in range(3)])
+    axes.set_box_aspect([np.ptp(edge[..., k]) for k in range(3)], zoom=0.88)
     axes.view_init(elev=18, azim=-60)
 
 
