@@ -163,8 +163,8 @@ print("two lags, together w/k2 at most: proved")
 # %% [markdown]
 # So if $w \le 0$ at and below a depth $z_s$, a motion from hover passes no depth below
 # $z_s + \bar w/k_2$. That, a level of $\Lambda$, and a bound $\lambda$ of $Q$ above that depth hold
-# each other up: none can be the first to fail. `hoverproof attraction` finds numbers that fit and proves
-# them in exact arithmetic; the theorem stands in `proofs/`.
+# each other up: none can be the first to fail. `hoverproof attraction` finds numbers that fit
+# and proves them in exact arithmetic; the theorem stands in `proofs/`.
 #
 # ## What is not claimed
 #

@@ -6,7 +6,8 @@ import sys
 from pathlib import Path
 
 from hoverproof.certification.attraction.lemmas import LEMMAS
-from hoverproof.certification.attraction.proof import Undecided, attraction
+from hoverproof.certification.attraction.proof import attraction
+from hoverproof.certification.attraction.verdict import Undecided
 from hoverproof.certification.gains import Proved, certify
 from hoverproof.certification.over_box import certify_region
 from hoverproof.certification.region import default_box

@@ -18,15 +18,10 @@ from hoverproof.algebra.identity import prove_equal
 from hoverproof.certification.attraction.form import derive_form
 from hoverproof.certification.attraction.lemmas import LEMMAS
 from hoverproof.certification.attraction.potential import Potential
-from hoverproof.certification.attraction.proof import (
-    Proved,
-    Undecided,
-    attraction,
-    bounds_of,
-    estimate,
-)
+from hoverproof.certification.attraction.proof import attraction, bounds_of, estimate
 from hoverproof.certification.attraction.search import HoverGrid
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.attraction.verdict import Proved, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission import load
 from hoverproof.servo.error_chain import Design

@@ -23,8 +23,8 @@ from hoverproof.cli.console import (
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
-    from hoverproof.certification.attraction.proof import Proved
     from hoverproof.certification.attraction.starts import Start
+    from hoverproof.certification.attraction.verdict import Proved
 
 
 @app.command
@@ -62,8 +62,8 @@ def attraction(
 
     Example: `hoverproof attraction x4-flyer --start 20,0,-20`
     """
-    from hoverproof.certification.attraction.proof import NOT_COVERED, Undecided, as_json
     from hoverproof.certification.attraction.proof import attraction as decide
+    from hoverproof.certification.attraction.verdict import NOT_COVERED, Undecided, as_json
 
     loaded = load_mission(mission, set_)
     sizes = {

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.motion import energies, numbers
 from hoverproof.certification.attraction.potential import Potential
-from hoverproof.certification.attraction.proof import Proved, attraction
+from hoverproof.certification.attraction.proof import attraction
+from hoverproof.certification.attraction.verdict import Proved
 from hoverproof.certification.region import eigenvalues
 from hoverproof.files import replacing
 from hoverproof.mission import Mission

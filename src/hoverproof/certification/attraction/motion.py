@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.form import half_squares
-from hoverproof.certification.attraction.proof import Proved
+from hoverproof.certification.attraction.verdict import Proved
 from hoverproof.mission import Mission
 from hoverproof.plant.camera import body_points
 from hoverproof.plant.goal import hover_goal
