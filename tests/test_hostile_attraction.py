@@ -16,7 +16,7 @@ from hoverproof.mission import load
 from test_hostile import floats, mutants, put
 
 F = Fraction
-STEP = 7  # of so many mutants one gets its hashes made anew: reading it takes far longer
+STEP = 5  # of so many mutants one gets its hashes made anew: reading it takes far longer
 NAMES = ("barrier", "no barrier")
 
 
@@ -204,9 +204,10 @@ def test_no_mutant_is_accepted_unless_true(certificates, name):
     tried(content, tally)
     assert tally["accepted"] == 1
     for number, mutant in mutants(content):
-        if number % 3 == 0:
+        if number % 2 == 0:
             tried(mutant, tally)
         if number % STEP == 0:
             tried(remade(mutant), tally)
     print(f"{name}:", dict(tally))
-    assert tally["mutants"] >= 1000
+    assert tally["accepted"] > 20
+    assert tally["mutants"] >= 1200  # 2,400 with both names

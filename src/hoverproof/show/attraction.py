@@ -326,9 +326,12 @@ def trade_off_figure(missions: Sequence[Mission], labels: Sequence[str]) -> Figu
     ):
         axes.plot(speed, [row[column] for row in rows], marker, color=colour, label=word)
     for row in rows:
-        axes.annotate(row[3], (row[0], row[2]), xytext=(0, 8), textcoords="offset points")
-    axes.set_xscale("log")
-    axes.set_ylim(bottom=0)
+        highest = max(row[1], row[2])
+        axes.annotate(
+            row[3], (row[0], highest), xytext=(0, 8), textcoords="offset points", ha="center"
+        )
+    axes.set_xlim(0, 1.1 * max(speed, default=1.0))
+    axes.set_ylim(0, 1.2 * max((max(row[1], row[2]) for row in rows), default=1.0))
     axes.set_xlabel("slowest eigenvalue of the loop at the goal (1/s)")
     axes.set_ylabel("certified hovers reach from the goal (m)")
     axes.set_title("region and speed, without a barrier")
