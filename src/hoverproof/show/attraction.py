@@ -21,7 +21,7 @@ from hoverproof.certification.region import eigenvalues
 from hoverproof.files import replacing
 from hoverproof.mission import Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
-from hoverproof.show.figures import COLOURS
+from hoverproof.show.style import COLOURS
 from hoverproof.simulation.closed_loop import GUARDS
 from hoverproof.simulation.compiled import runner
 from hoverproof.simulation.flight import slowest_rate
