@@ -30,7 +30,7 @@ from hoverproof.simulation.flight import slowest_rate
 F = Fraction
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "benchmarks"))
-TUNED = {"gains.k1": "1", "gains.k4": "10"}
+TUNED = {"gains.k1": "1.01", "gains.k4": "10"}
 
 
 @pytest.fixture(scope="module")
@@ -152,7 +152,7 @@ def test_the_region_without_a_barrier_is_as_large_as_asked(without_barrier):
 @pytest.mark.slow
 def test_tuned_gains_are_five_times_as_fast_with_a_region_as_large_as_asked():
     tuned = load("x4-flyer", TUNED)
-    assert slowest_rate(tuned) >= 4.99 * slowest_rate(load("x4-flyer"))
+    assert slowest_rate(tuned) >= 5 * slowest_rate(load("x4-flyer"))
     region = attraction(tuned, objective="volume", barrier=False)
     assert isinstance(region, Proved)
     assert region.reach.sideways >= 2

@@ -54,7 +54,7 @@ Cell = list[tuple[int, int]]  # a box, its ends whole numbers of a unit of lengt
 MAX_BYTES = 1_000_000
 MAX_WORK = 24_000  # boxes times points in a branch and bound
 MAX_POINTS = 64
-MAX_SEARCH = 100_000  # the same for a region of attraction
+MAX_SEARCH = 100_000  # the same for the positions of a region of attraction
 
 
 class Question(NamedTuple):
@@ -866,7 +866,7 @@ def height_part_below(p: Attraction, z: Fraction, limit: Fraction) -> bool:
     ends = [[x[i] for x in p.s.points] for i in (0, 1)]
     cells = [p.grid.cover([[min(line) - far, max(line) + far] for line in ends])]
     scale = 2**64
-    for _ in range(MAX_SEARCH // len(p.s.points)):
+    for _ in range(MAX_WORK // len(p.s.points)):
         if not cells:
             return True
         cell, total = cells.pop(), 0
@@ -885,7 +885,7 @@ def start_holds(p: Attraction, start: Start) -> None:
     require(p.bottom is None or start.position[2][1] <= p.bottom, "a start is below the barrier")
     cells = [p.grid.cover(start.position)]
     middle = [sum(side) for side in cells[0][:2]]
-    for _ in range(MAX_SEARCH // len(p.s.points)):
+    for _ in range(MAX_WORK // len(p.s.points)):
         if not cells:
             return
         cell = cells.pop()
@@ -954,6 +954,7 @@ def theorem_of_attraction(c: Any, p: Attraction) -> str:
         states = f"level hover at rest with Λ <= level{height}"
         above = f"; their motions stay in {{Λ <= level, T > 0}} at{height[4:]}"
     side, up, down = map(about, reach_of(c))
+    hover = ", ".join(map(about, numbers(c["hover"], 3)))
     others = "".join(
         f", and from every state with position in {sides(start.position)} m, |V| <= "
         f"{about(start.speed)} m/s, tilt <= {about(start.tilt)} rad, √(Ω1² + Ω2²) <= "
@@ -968,8 +969,8 @@ def theorem_of_attraction(c: Any, p: Attraction) -> str:
         f"controller in continuous time, all target points seen, from every {states}, with any "
         f"heading and yaw rate, the motion converges to the hover at the goal{above}. On the way "
         f"Λ <= level and Λ' <= -(k1/m) {about(number(claim['rate']))} (|q - q3* ρ|² + |δ2|² + |δ3|²"
-        f" + |δ4|²). This holds from every level hover at rest up to {side} m sideways of the goal "
-        f"at its height, up to {up} m above it and {down} m below it{others}."
+        f" + |δ4|²). This holds from every level hover at rest up to {side} m sideways of the "
+        f"point ({hover}) m at its height, up to {up} m above it and {down} m below it{others}."
     )
 
 
