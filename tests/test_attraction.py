@@ -227,6 +227,7 @@ def test_a_goal_by_centroid_over_an_uneven_target_is_proved():
     assert region.reach.sideways > 1
 
 
+@pytest.mark.slow
 def test_an_estimate_for_tuning_is_near_what_is_proved(x4):
     found = estimate(x4)
     grid = HoverGrid.of(Potential.of(x4))
@@ -321,6 +322,7 @@ def test_a_barrier_without_real_poles_is_rejected(paper):
         checker.check(claimed(forged))
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_certificate_and_tells_in_json(capsys):
     with pytest.raises(SystemExit) as done:
         cli.main(["attraction", "x4-flyer", "--no-figure", "--json"])

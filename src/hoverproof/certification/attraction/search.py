@@ -15,7 +15,7 @@ from hoverproof.certification.attraction.potential import Potential, sphere
 
 Array = NDArray[np.float64]
 Objective = Literal["start", "radius", "volume"]
-EVALUATIONS = 45
+EVALUATIONS = 32
 LARGEST_RADIUS = 1e4
 """m; nobody flies farther from a target that a camera is to see."""
 
