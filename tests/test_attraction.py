@@ -128,7 +128,7 @@ def test_the_statement_says_what_it_is_about(paper):
         "exact model",
         "all target points seen",
         "converges",
-        "[5, 5] x [5/2, 5/2] x [-4, -4] m",
+        "level hover at rest with position in (5, 5/2, -4) m",
     ):
         assert part in words
 

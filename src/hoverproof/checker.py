@@ -955,12 +955,7 @@ def theorem_of_attraction(c: Any, p: Attraction) -> str:
         above = f"; their motions stay in {{Λ <= level, T > 0}} at{height[4:]}"
     side, up, down = map(about, reach_of(c))
     hover = ", ".join(map(about, numbers(c["hover"], 3)))
-    others = "".join(
-        f", and from every state with position in {sides(start.position)} m, |V| <= "
-        f"{about(start.speed)} m/s, tilt <= {about(start.tilt)} rad, √(Ω1² + Ω2²) <= "
-        f"{about(start.rate)} rad/s, |T - m g| <= {about(start.thrust)} N"
-        for start in read_starts(c)
-    )
+    others = "".join(f", and from every {state_of(start)}" for start in read_starts(c))
     return (
         f"For the mission {s.name} (m = {s.m} kg, g = {s.gravity} m/s², {gains}, goal straight "
         f"below with q3* = {float(sum(p.q3) / 2):.12g} to 12 digits) let Λ = W + ½(a2|δ2|² + "
@@ -974,9 +969,16 @@ def theorem_of_attraction(c: Any, p: Attraction) -> str:
     )
 
 
-def sides(box: Matrix) -> str:
-    """Write a box."""
-    return " x ".join(f"[{about(a)}, {about(b)}]" for a, b in box)
+def state_of(start: Start) -> str:
+    """Describe a set of states."""
+    sides = [about(a) if a == b else f"[{about(a)}, {about(b)}]" for a, b in start.position]
+    place = f"position in ({', '.join(sides)}) m"
+    if not any((start.speed, start.tilt, start.rate, start.thrust)):
+        return f"level hover at rest with {place}"
+    return (
+        f"state with {place}, |V| <= {about(start.speed)} m/s, tilt <= {about(start.tilt)} rad, "
+        f"√(Ω1² + Ω2²) <= {about(start.rate)} rad/s, |T - m g| <= {about(start.thrust)} N"
+    )
 
 
 class Kind(NamedTuple):
