@@ -135,11 +135,18 @@ def _search(
     starts: Sequence[Start],
 ) -> Search:
     k2 = float(mission.gains.k2)
+    sinking = [_sinking(mission, start) for start in starts]
+    deepest = max((z for z, _, _ in sinking), default=-float("inf"))
+    first = max((x for _, x, _ in sinking), default=0.0)
+    second = max((x for _, _, x in sinking), default=0.0)
+    mass, k1 = float(mission.vehicle.mass), float(mission.gains.k1)
+    slow, fast = _poles(mission)
 
     def lag(most: float) -> float:
-        return max(most / k2, _lag_of(mission, starts, most))
+        one = max(first, k1 / mass * most / fast)
+        return max(most / k2, one + max(second, fast * one / slow))
 
-    return Search(potential, loop, slack, barrier, lag)
+    return Search(potential, loop, slack, barrier, deepest, lag)
 
 
 def _attempt(
@@ -160,7 +167,8 @@ def _attempt(
         search = _search(mission, potential, loop, slack, barrier, starts)
         found = find(search, objective, terms)
         if found is None:
-            return reason or "no weights satisfy the inequality for these gains"
+            below = ", with a barrier below the starts" if barrier and starts else ""
+            return reason or f"no weights were found that satisfy the inequality{below}"
         if starts and found.fill > 1:
             return (
                 f"Λ at the start is {found.fill:.3g} times the highest level found "
@@ -332,20 +340,24 @@ def _start_terms(
     return np.unique(np.array(rows), axis=0)
 
 
-def _lag_of(mission: Mission, starts: Sequence[Start], most: float) -> float:
-    """Return D1 + D2 that the starts need; see `checker.barrier_holds`."""
-    v, k = mission.vehicle, mission.gains
-    m, k1, k2, k3 = (float(x) for x in (v.mass, k.k1, k.k2, k.k3))
-    kappa = (k1 * k2 + k3) / m
-    product = kappa * k1 * k2 / m
-    root = np.sqrt(max(kappa**2 - 4 * product, 0.0))
-    slow, fast = (kappa - root) / 2, (kappa + root) / 2
-    first, second = k1 / m * most / fast, 0.0
-    for start in starts:
-        pull = float(start.thrust + v.weight * start.tilt) / m
-        first = max(first, (pull + slow * float(start.speed)) / product)
-        second = max(second, float(start.speed) / slow)
-    return float(first + max(second, fast * first / slow))
+def _poles(mission: Mission) -> tuple[float, float]:
+    """Return r <= s of the height's equation, 1/s; see `checker.barrier_holds`."""
+    m, k = float(mission.vehicle.mass), mission.gains
+    k12 = float(k.k1 * k.k2)
+    kappa = (k12 + float(k.k3)) / m
+    root = np.sqrt(max(kappa**2 - 4 * kappa * k12 / m, 0.0))
+    return float((kappa - root) / 2), float((kappa + root) / 2)
+
+
+def _sinking(mission: Mission, start: Start) -> tuple[float, float, float]:
+    """Return how deep (z, m) a start sinks by its own motion, and the two lags it has, m."""
+    slow, fast = _poles(mission)
+    speed = float(start.speed)
+    v = mission.vehicle
+    second_rate = float((start.thrust + v.weight * start.tilt) / v.mass)
+    ahead = max(speed / slow, (speed + second_rate / (slow + fast)) * (1 / slow + 1 / fast))
+    lag = (second_rate + slow * speed) / (slow * fast)
+    return float(start.position[2][1]) + ahead, lag, speed / slow
 
 
 def _require_clear(mission: Mission, potential: Potential, starts: Sequence[Start]) -> None:

@@ -84,6 +84,8 @@ class Search:
     loop : Loop
     slack : Slack
     barrier : bool
+    deepest : float
+        z, m, that the starts may sink to by their own motion: the barrier must not be above it.
     lag : callable
         Takes w_max; returns the lag of the height, m: how far a motion may still sink below where
         w turns negative.
@@ -93,6 +95,7 @@ class Search:
     loop: Loop
     slack: Slack
     barrier: bool
+    deepest: float
     lag: Callable[[float], float]
 
     def bounds(self, x: Sequence[float]) -> Bounds | None:
@@ -108,7 +111,7 @@ class Search:
         if omega <= 0 or omega >= p.q3:
             return None
         bottom = z + self.lag(p.n - p.q3 + omega) * (1 + self.slack.omega / 10)
-        if bottom > p.points[:, 2].min() - 1e-3:
+        if not self.deepest <= bottom <= p.points[:, 2].min() - 1e-3:
             return None
         largest = p.largest_eigenvalue(bottom) * (1 + self.slack.eigenvalue)
         return Bounds(force, largest, bottom, omega, np.inf)
@@ -133,7 +136,7 @@ class Search:
         p = self.potential
         if self.barrier:
             above = p.height(float(p.goal[2]))
-            second = [np.log(above * share) for share in (0.85, 0.7, 0.5)]
+            second = [np.log(above * share) for share in (0.85, 0.6, 0.3, 0.15)]
         else:
             here = p.largest_eigenvalue(float(p.goal[2]))
             second = [np.log(here * times) for times in (2.0, 4.0)]
