@@ -291,7 +291,7 @@ def _draw_energy(axes: Axes, region: Proved, flights: Flights) -> None:
             axes.plot([], [], color=colour, label=label)
     largest = max(np.nanmax(flights.energy), level)
     axes.axhline(level, color="black", linestyle="--", label=f"proved level {level:.4g}")
-    axes.set_ylim(1e-6 * largest, 3 * largest)
+    axes.set_ylim(1e-6 * largest, 300 * largest)  # room for the legend
     axes.set_xlim(0, flights.time[-1])
     axes.set_xlabel("time (s)")
     axes.set_ylabel("Λ (m)")
