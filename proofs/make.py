@@ -5,6 +5,9 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from hoverproof.certification.attraction.lemmas import LEMMAS
+from hoverproof.certification.attraction.proof import attraction
+from hoverproof.certification.attraction.verdict import Undecided
 from hoverproof.certification.gains import Proved, certify
 from hoverproof.certification.over_box import certify_region
 from hoverproof.certification.region import default_box
@@ -12,7 +15,8 @@ from hoverproof.mission import load, presets
 
 
 def make(folder: Path) -> None:
-    """Write, for each preset, NAME.cert.json, NAME.region.cert.json and NAME.over-box.cert.json."""
+    """Write the certificates of each preset: gains, region, over-box and attraction; the lemmas."""
+    (folder / "attraction-lemmas.md").write_text(lemmas(), encoding="utf-8")
     for name in presets():
         mission = load(name)
         box = default_box(mission)
@@ -25,6 +29,29 @@ def make(folder: Path) -> None:
             if not isinstance(verdict, Proved):
                 raise SystemExit(f"{name}: {verdict.status}")
             verdict.certificate.save(folder / f"{name}.{ending}.json")
+        attracted = attraction(mission)
+        if isinstance(attracted, Undecided):
+            raise SystemExit(f"{name}: region of attraction: {attracted.reason}")
+        attracted.certificate.save(folder / f"{name}.attraction.cert.json")
+
+
+def lemmas() -> str:
+    """Return the ledger of lemmas as Markdown; each identity is proved now."""
+    parts = ["# The lemmas behind a region of attraction\n\nMade by `make proofs`.\n"]
+    for lemma in LEMMAS:
+        identities = lemma.identities()
+        if not all(identities.values()):
+            raise SystemExit(f"lemma {lemma.id}: not proved: {identities}")
+        parts.append(f"## {lemma.id}: {lemma.title}\n\n{_plain(lemma.statement)}\n")
+        parts.append(f"*Proof.* {_plain(lemma.proof)} ∎\n")
+        parts.append("Proved exactly, all parameters symbolic:\n")
+        parts.append("".join(f"- {_plain(name)}\n" for name in identities))
+    return "\n".join(parts)
+
+
+def _plain(words: str) -> str:
+    """Escape what Markdown would read as markup."""
+    return "".join(rf"\{c}" if c in "*_[]<>|" else c for c in words)
 
 
 if __name__ == "__main__":

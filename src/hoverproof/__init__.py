@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from hoverproof.certification.atlas import atlas as atlas
+    from hoverproof.certification.attraction.proof import attraction as attraction
     from hoverproof.certification.gains import certify as certify
     from hoverproof.certification.tuning import tune as tune
     from hoverproof.checker import check_file as check
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "InputError": ("hoverproof.errors", "InputError"),
     "atlas": ("hoverproof.certification.atlas", "atlas"),
+    "attraction": ("hoverproof.certification.attraction.proof", "attraction"),
     "certify": ("hoverproof.certification.gains", "certify"),
     "check": ("hoverproof.checker", "check_file"),
     "derive": ("hoverproof.paper.ledger", "derive"),
@@ -45,6 +47,7 @@ __all__ = [
     "InputError",
     "__version__",
     "atlas",
+    "attraction",
     "certify",
     "check",
     "derive",

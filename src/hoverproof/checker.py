@@ -49,10 +49,12 @@ from typing import Any, NamedTuple
 Row = Sequence[Fraction]
 Matrix = list[list[Fraction]]
 Gains = dict[str, Fraction]
+Cell = list[tuple[int, int]]  # a box, its ends whole numbers of a unit of length
 
 MAX_BYTES = 1_000_000
 MAX_WORK = 24_000  # boxes times points in a branch and bound
 MAX_POINTS = 64
+MAX_SEARCH = 100_000  # the same for the positions of a region of attraction
 
 
 class Question(NamedTuple):
@@ -190,55 +192,65 @@ def out_of_bounds(points: Matrix, position: Row, x: Row, bound: Fraction, *, low
     return total < bound * xx if lower else total > bound * xx
 
 
+class Grid(NamedTuple):
+    """Lengths as whole numbers of a unit that divides every coordinate of the target."""
+
+    unit: int  # of them are 1 m
+    points: list[list[int]]
+
+    @classmethod
+    def of(cls, points: Matrix) -> "Grid":
+        """Lay the grid of a target."""
+        unit = 2**20 * math.lcm(*(c.denominator for point in points for c in point))
+        require(unit < 10**50, "the coordinates of the target are too long")
+        return cls(unit, [[int(c * unit) for c in point] for point in points])
+
+    def cover(self, box: Matrix) -> Cell:
+        """Round a box outward."""
+        require(all(abs(end) < 10**9 for side in box for end in side), "a box is too far away")
+        return [(math.floor(a * self.unit), math.ceil(b * self.unit)) for a, b in box]
+
+
+def halves(cell: Cell) -> list[Cell]:
+    """Halve a cell along its longest side."""
+    k = max(range(len(cell)), key=lambda i: cell[i][1] - cell[i][0])
+    middle = sum(cell[k]) // 2
+    return [
+        [side if i == k else old for i, old in enumerate(cell)]
+        for side in ((cell[k][0], middle), (middle, cell[k][1]))
+    ]
+
+
 def eigenvalues_hold(
     points: Matrix, box: Matrix, low: Fraction, high: Fraction, most: int | None = None
 ) -> bool:
     """Tell whether low I ≺ Q ≺ high I is shown for every position in a box, halving it at need.
 
-    Lengths are whole numbers of a unit that divides every coordinate of the target; the box is
-    rounded outward. So every matrix is one of integers.
+    The box is rounded outward to the grid, so every matrix is one of integers.
     """
-    unit = 2**20 * math.lcm(*(c.denominator for point in points for c in point))
-    require(unit < 10**50, "the coordinates of the target are too long")
-    require(all(abs(end) < 10**9 for side in box for end in side), "the box is too far away")
-    rays = [[int(c * unit) for c in point] for point in points]
-    boxes = [[(math.floor(a * unit), math.ceil(b * unit)) for a, b in box]]
+    grid = Grid.of(points)
+    low, high = low / grid.unit, high / grid.unit
+    cells = [grid.cover(box)]
     for _ in range(MAX_WORK // len(points) if most is None else most):
-        if not boxes:
+        if not cells:
             return True
-        sides = boxes.pop()
-        if not eigenvalues_hold_near(rays, sides, low / unit, high / unit):
-            center = [((a + b) // 2,) * 2 for a, b in sides]
-            if not eigenvalues_hold_near(rays, center, low / unit, high / unit):
+        cell = cells.pop()
+        if not eigenvalues_hold_near(grid.points, cell, low, high):
+            center: Cell = [((a + b) // 2,) * 2 for a, b in cell]
+            if not eigenvalues_hold_near(grid.points, center, low, high):
                 return False  # not even there
-            longest = max(range(3), key=lambda i: sides[i][1] - sides[i][0])
-            middle = center[longest][0]
-            for half in ((sides[longest][0], middle), (middle, sides[longest][1])):
-                boxes.append([half if i == longest else side for i, side in enumerate(sides)])
+            cells += halves(cell)
     return False
 
 
 def eigenvalues_hold_near(
-    points: Sequence[Sequence[int]],
-    box: Sequence[tuple[int, int]],
-    low: Fraction,
-    high: Fraction,
+    points: list[list[int]], cell: Cell, low: Fraction, high: Fraction
 ) -> bool:
-    """Show it for a whole box at once, without halving, in integers; see the top of this file."""
-    center = [(a + b) // 2 for a, b in box]
-    square = sum((b - c) ** 2 for (_, b), c in zip(box, center, strict=True))  # ρ², b - c >= c - a
-    radius = math.isqrt(square) + 1
-    rays = [[p - c for p, c in zip(point, center, strict=True)] for point in points]
-    near = [math.isqrt(sum(x * x for x in ray)) for ray in rays]  # near <= di <= near + 1
-    if min(near) <= radius:
+    """Show it for a whole cell at once, without halving, in integers; see the top of this file."""
+    _, square, radius, rays, near = around(points, cell)
+    if not largest_below(rays, near, radius, high):
         return False
     scale = 1 << (64 + 3 * max(near).bit_length())  # weights and bounds are multiples of 1/scale
-    top = math.floor(scale * high)
-    if sum(scale // (d - radius) + 1 for d in near) >= top:  # else Q ⪯ Σ 1/ri is enough
-        steep = sum(1155 * scale * radius // (1000 * (d - radius) ** 2) + 1 for d in near)
-        above = turns([scale // d**3 + 1 for d in near], rays)
-        if not positive_definite_3(above, -1, top - steep):
-            return False
     weights = [scale // (d + 1 + radius) ** 3 for d in near]
     total = sum(weights)
     s = [sum(w * ray[i] for w, ray in zip(weights, rays, strict=True)) for i in range(3)]
@@ -252,6 +264,32 @@ def eigenvalues_hold_near(
         if positive_definite_3(matrix, 1, -k * total * (bottom + (k - 1) * total * square)):
             return True
     return False
+
+
+def around(
+    points: list[list[int]], cell: Cell
+) -> tuple[list[int], int, int, list[list[int]], list[int]]:
+    """Return the centre of a cell, ρ² and ρ, the rays from the centre, and their lengths.
+
+    A length d stands for one in [d, d + 1]; ρ is rounded up.
+    """
+    center = [(a + b) // 2 for a, b in cell]
+    square = sum((b - c) ** 2 for (_, b), c in zip(cell, center, strict=True))  # b - c >= c - a
+    rays = [[p - c for p, c in zip(point, center, strict=True)] for point in points]
+    near = [math.isqrt(sum(x * x for x in ray)) for ray in rays]
+    return center, square, math.isqrt(square) + 1, rays, near
+
+
+def largest_below(rays: list[list[int]], near: list[int], radius: int, high: Fraction) -> bool:
+    """Show Q ≺ high I for a whole cell at once."""
+    if min(near) <= radius:
+        return False
+    scale = 1 << (64 + 3 * max(near).bit_length())
+    top = math.floor(scale * high)
+    if sum(scale // (d - radius) + 1 for d in near) < top:  # Q ⪯ Σ 1/ri is enough
+        return True
+    steep = sum(1155 * scale * radius // (1000 * (d - radius) ** 2) + 1 for d in near)
+    return positive_definite_3(turns([scale // d**3 + 1 for d in near], rays), -1, top - steep)
 
 
 def turns(weights: Sequence[int], rays: Sequence[Sequence[int]]) -> list[list[int]]:
@@ -334,13 +372,25 @@ def digest(value: Any) -> str:
 
 COMMON = (
     *("format", "version", "kind", "statement", "mission", "mission_sha256", "model_sha256"),
-    *("tools", "goal_position", "weights", "region", "sha256"),
+    *("tools", "goal_position", "sha256"),
 )
 GAINS = ("k1", "k2", "k3", "k4", "k_yaw")
 
 
-def read_mission(c: Any) -> Question:
-    """Return the numbers of the mission that bear on the claim, and enclosures made from them."""
+class Setting(NamedTuple):
+    """What a mission says of vehicle, target and goal; q* is enclosed."""
+
+    name: str
+    m: Fraction  # mass, kg
+    gravity: Fraction  # m/s²
+    g: Gains
+    points: Matrix
+    centroid: list[tuple[Fraction, Fraction]]
+    goal: list[Fraction] | None  # position, m
+
+
+def read_setting(c: Any) -> Setting:
+    """Return the numbers of vehicle, gains, target and goal."""
     mission = c["mission"]
     keys(mission, ("name", "vehicle", "target", "goal", "gains", "bounds", "start"), "mission")
     named = isinstance(mission["name"], str) and re.fullmatch(
@@ -354,10 +404,33 @@ def read_mission(c: Any) -> Question:
     g = {k: number(v) for k, v in keys(mission["gains"], GAINS, "gains").items()}
     m, gravity = number(vehicle["mass"]), number(vehicle["gravity"])
     require(min(m, gravity, *g.values()) > 0, "mass, gravity and gains must be positive")
-    w = numbers(c["weights"], 4)
+    points = numbers(keys(mission["target"], ("points",), "target")["points"], None, 3)
+    require(2 <= len(points) <= MAX_POINTS, f"a target has 2 to {MAX_POINTS} points")
+    goal = mission["goal"]
+    require(isinstance(goal, dict), "goal is not an object")
+    if "height" in goal:
+        height = number(keys(goal, ("height",), "goal")["height"])
+        position = numbers(c["goal_position"], 3)
+        mean = sum(p[2] for p in points) / len(points)
+        require(position[2] == mean - height, "the goal is not at the height of the mission")
+        require(all(p[2] > position[2] for p in points), "a target point is above the goal")
+        centroid = centroid_seen(points, position)
+        level_off = max(abs(end) for ends in centroid[:2] for end in ends)
+        require(level_off < Fraction(1, 10**9), "the centroid at the goal is not vertical")
+    else:
+        q = numbers(keys(goal, ("centroid",), "goal")["centroid"], 3)
+        require(c["goal_position"] is None, "a goal by centroid has no position here")
+        require(q[2] > 0 and sum(x * x for x in q) < len(points) ** 2, "no hover sees this q*")
+        position, centroid = None, [(x, x) for x in q]
+    return Setting(mission["name"], m, gravity, g, points, centroid, position)
+
+
+def read_mission(c: Any) -> Question:
+    """Return the numbers of the mission that bear on the claim, and enclosures made from them."""
+    name, m, gravity, g, points, centroid, _ = read_setting(c)
+    w, bounds = numbers(c["weights"], 4), c["mission"]["bounds"]
     require(min(w) > 0, "weights must be positive")
-    bounds, goal = mission["bounds"], mission["goal"]
-    require(isinstance(bounds, dict) and isinstance(goal, dict), "bounds or goal is not an object")
+    require(isinstance(bounds, dict), "bounds is not an object")
     stiffness = g["k1"] ** 2 * g["k2"] / m
 
     keys(bounds, ("eigenvalues", "thrust" if "thrust" in bounds else "level"), "bounds")
@@ -380,29 +453,12 @@ def read_mission(c: Any) -> Question:
         box = numbers(region["box"], 3, 2)
         require(all(a <= b for a, b in box), "the box is not in order")
 
-    points = numbers(keys(mission["target"], ("points",), "target")["points"], None, 3)
-    require(2 <= len(points) <= MAX_POINTS, f"a target has 2 to {MAX_POINTS} points")
-    if "height" in goal:
-        height = number(keys(goal, ("height",), "goal")["height"])
-        position = numbers(c["goal_position"], 3)
-        mean = sum(p[2] for p in points) / len(points)
-        require(position[2] == mean - height, "the goal is not at the height of the mission")
-        require(all(p[2] > position[2] for p in points), "a target point is above the goal")
-        centroid = centroid_seen(points, position)
-        level_off = max(abs(end) for ends in centroid[:2] for end in ends)
-        require(level_off < Fraction(1, 10**9), "the centroid at the goal is not vertical")
-    else:
-        q = numbers(keys(goal, ("centroid",), "goal")["centroid"], 3)
-        require(c["goal_position"] is None, "a goal by centroid has no position here")
-        require(q[2] > 0 and sum(x * x for x in q) < len(points) ** 2, "no hover sees this q*")
-        centroid = [(x, x) for x in q]
-
     def f(thrust: Fraction, q3: Fraction) -> Fraction:
         return factor(m, g, thrust, q3)
 
     (low, high), (q_low, q_high) = thrust, centroid[2]
     return Question(
-        name=mission["name"],
+        name=name,
         m=m,
         g=g,
         w=w,
@@ -552,25 +608,409 @@ def about(x: Fraction) -> str:
     return str(x) if len(str(x)) < 6 else f"{x} (about {float(x):.6g})"
 
 
+# --- regions of attraction ----------------------------------------------------------------------
+#
+# For an axial goal, q* = (0, 0, q3*), let G(ξ) = Σ |P'i - ξ| + q3* z, W = G - min G, e = q - q3* ρ,
+# θ = Pρ/(1 + ρ3), η = (q3* c/(m g)) (P - e3 θᵀ)(δ3 - δ2), v = e + η + δ2 = (m/k1) V. With
+# u = -(a2 δ2 + a3 δ3 + a4 δ4), K = (k1 k2 + k3)/k1, and whatever Ω is, the derivative of
+# Λ = W + ½(a2|δ2|² + a3|δ3|² + a4|δ4|²) is given by
+#
+#   -(m/k1) Λ' = eᵀv + uᵀQv + a2 [k2|δ2|² - k2 δ2ᵀδ3 + f q3* δ2ᵀP(δ4 - δ3)]
+#                + a3 [k2 δ3ᵀδ2 - K δ3ᵀδ4 + (k3/k1)|δ3|²] + a4 [K δ4ᵀδ3 + (k4/k1)|δ4|²],
+#
+# where uᵀQv >= (λ/2)(uᵀv - ½(τ|v|² + |u|²/τ)) for 0 ⪯ Q ⪯ λ I. It is affine in f, in q3* and in θ,
+# and a turn about e3 carries one θ to all of its length: both ends of f and q3*, and θ = (t, 0),
+# suffice. On {Λ <= ℓ}, |F| <= d = c √(2ℓ(1/a2 + 1/a3)): |T - m g| <= d, and the tilt φ has
+# sin φ <= d/(m g), |θ| = tan(φ/2).
+#
+# Barrier: with κ = (k1 k2 + k3)/m, N = z + (m/(k1 k2))(z' + z''/κ) obeys N' = (k1/m) w, where
+# w <= qz - q3* + ω, ω = q3*(1 - cos φ) + sin φ √(2ℓ((1 + γ)²/a4 + γ²/a3)), γ = c q3*/(T - c q3*).
+# qz = Σ hi/ri grows with height. If k3 >= 3 k1 k2, let r <= s have r + s = κ, r s = κ k1 k2/m; then
+# x = z + z'/r obeys x' = s (N - x), z' = r (x - z). So N - x and x - z keep below lags
+# D1 >= (k1/m) max w/s and D2 >= s D1/r, and if w <= 0 wherever z >= zb - D1 - D2, none of N, x, z
+# passes zb. Proofs of all this are in proofs/.
+
+
+class Attraction(NamedTuple):
+    """What follows from mission, weights and level before anything about positions is shown."""
+
+    s: Setting
+    a: list[Fraction]  # weights a2, a3, a4
+    level: Fraction
+    base: tuple[Fraction, Fraction]  # holds min G, m
+    q3: tuple[Fraction, Fraction]  # holds q3*
+    force: Fraction  # bounds |F|, N
+    sine: Fraction  # bounds sin φ
+    cosine: Fraction  # below cos φ
+    bottom: Fraction | None  # zb, m
+    grid: Grid
+
+
+def read_attraction(c: Any) -> Attraction:
+    """Return the numbers of the question, and bounds that follow from the level."""
+    s = read_setting(c)
+    q3, n = s.centroid[2], len(s.points)
+    require(all(end == 0 for ends in s.centroid[:2] for end in ends), "the goal is not axial")
+    require(q3[0] > 0 and q3[1] < n, "no hover sees this q3*")
+    require(len({(x, y) for x, y, _ in s.points}) > 1, "the target is one vertical line")
+    a, claim = numbers(c["weights"], 3), c["claim"]
+    keys(claim, ("level", "rate", "barrier_height", "reach", "starts"), "claim")
+    level = number(claim["level"])
+    require(min(*a, level, number(claim["rate"])) > 0, "weights, level and rate must be positive")
+    hover = numbers(c["hover"], 3)
+    require(s.goal in (None, hover), "the hover point is not the goal")
+    low, high = (  # of Σ |P'i - hover|
+        sum((r[k] for r in (square_root(length(p, hover)) for p in s.points)), Fraction(0))
+        for k in (0, 1)
+    )
+    pull = [end * hover[2] for end in q3]
+    # min G >= G(hover) - |∇G||ξ* - hover|, where G(ξ*) <= G(hover) bounds the distance
+    wanted = ((Fraction(0),) * 2, (Fraction(0),) * 2, q3)
+    seen = zip(centroid_seen(s.points, hover), wanted, strict=True)
+    slope = sum((max(abs(x - y) for x in ends for y in want) for ends, want in seen), Fraction(0))
+    base = (low + min(pull) - slope * 2 * high / (n - q3[1]), high + max(pull))
+    stiffness, weight = s.g["k1"] ** 2 * s.g["k2"] / s.m, s.m * s.gravity
+    force = stiffness * square_root(2 * level * (1 / a[0] + 1 / a[1]))[1]
+    require(weight - force > stiffness * q3[1], "the thrust reaches the singularity T = c q3*")
+    sine, bottom = force / weight, claim["barrier_height"]
+    if bottom is not None:
+        bottom = sum((p[2] for p in s.points), Fraction(0)) / n - number(bottom)
+    cosine = square_root(1 - sine**2)[0]
+    return Attraction(s, a, level, base, q3, force, sine, cosine, bottom, Grid.of(s.points))
+
+
+def length(p: Row, q: Row) -> Fraction:
+    """Return the square of the distance of two points."""
+    return sum(((a - b) ** 2 for a, b in zip(p, q, strict=True)), Fraction(0))
+
+
+def dissipation(
+    p: Attraction, high: Fraction, f: Fraction, q3: Fraction, t: Fraction, tau: Fraction
+) -> Matrix:
+    """Return the matrix of the lower bound of -(m/k1) Λ' at θ = (t, 0), for all 0 ⪯ Q ⪯ high I."""
+    k1, k2, k3, k4 = (p.s.g[k] for k in GAINS[:4])
+    (a2, a3, a4), K, one = p.a, (k1 * k2 + k3) / k1, Fraction(1)
+    unit = [[Fraction(int(i == j)) for j in range(11)] for i in range(11)]
+    zero = [Fraction(0)] * 11
+    e, d2, d3, d4 = unit[0:3], unit[3:6], unit[6:9], [unit[9], unit[10], zero]
+
+    def mix(*terms: tuple[Fraction, Matrix]) -> Matrix:
+        return [
+            [sum((c * rows[i][j] for c, rows in terms), Fraction(0)) for j in range(11)]
+            for i in range(3)
+        ]
+
+    eta = mix((q3 * k1**2 * k2 / (p.s.m**2 * p.s.gravity), mix((one, d3), (-one, d2))))
+    eta[2] = [-t * x for x in eta[0]]
+    v, u = mix((one, e), (one, eta), (one, d2)), mix((-a2, d2), (-a3, d3), (-a4, d4))
+    turn = [*mix((one, d4), (-one, d3))[:2], zero]
+    M = [[Fraction(0)] * 11 for _ in range(11)]
+    for weight, left, right in (
+        (one, e, v),
+        (a2 * k2, d2, mix((one, d2), (-one, d3))),
+        (a2 * f * q3, d2, turn),
+        (a3, d3, mix((k2, d2), (-K, d4), (k3 / k1, d3))),
+        (a4, d4, mix((K, d3), (k4 / k1, d4))),
+        (high / 2, u, v),
+        (-high * tau / 4, v, v),
+        (-high / (4 * tau), u, u),
+    ):
+        for x, y in zip(left, right, strict=True):
+            for i, j in itertools.product(range(11), repeat=2):
+                if x[i] and y[j]:
+                    M[i][j] += weight * x[i] * y[j] / 2
+                    M[j][i] += weight * x[i] * y[j] / 2
+    return M
+
+
+def verify_attraction(c: Any, p: Attraction) -> None:
+    """Verify that the set is not left, and that Λ falls in it as claimed."""
+    s, weight = p.s, p.s.m * p.s.gravity
+    hints = keys(c["enclosures"], ("goal", "factor", "tilt", "largest_eigenvalue"), "enclosures")
+    goal, span = numbers(hints["goal"], 2), numbers(hints["factor"], 2)
+    tilt, high = number(hints["tilt"]), number(hints["largest_eigenvalue"])
+    require(high > 0 and within(p.q3, goal), "the interval of q3* does not hold it")
+    low = factor(s.m, s.g, weight + p.force, p.q3[0])
+    require(
+        within((low, factor(s.m, s.g, weight - p.force, p.q3[1])), span),
+        "the interval of f does not hold f(T)",
+    )
+    require(tilt * (1 + p.cosine) >= p.sine, "tan(φ/2) is not below the bound of the tilt")
+    rate, multipliers = number(c["claim"]["rate"]), numbers(c["multipliers"], 2)
+    require(min(multipliers) > 0, "a multiplier must be positive")
+    for (f, tau), q3 in itertools.product(zip(span, multipliers, strict=True), goal):
+        M = dissipation(p, high, f, q3, tilt, tau)
+        for i in range(11):
+            M[i][i] -= rate
+        require(positive_definite(M), "-(m/k1) Λ' is not shown to be above rate·|Y|²")
+    starts = [*reach_starts(c), *read_starts(c)]
+    if p.bottom is not None:
+        barrier_holds(p, p.bottom, starts)
+    require(positions_hold(p, high), "the largest eigenvalue of Q is not shown to be bounded")
+    for start in starts:
+        start_holds(p, start)
+
+
+def positions_hold(p: Attraction, high: Fraction) -> bool:
+    """Tell whether Q ≺ high I is shown wherever W <= ℓ and z <= zb.
+
+    Farther than n/high from every target point, Q ⪯ Σ 1/ri does not reach high.
+    """
+    near, box = len(p.s.points) / high, []
+    for i in range(3):
+        box.append([min(x[i] for x in p.s.points) - near, max(x[i] for x in p.s.points) + near])
+    if p.bottom is not None:
+        box[2][1] = min(box[2][1], p.bottom)
+    cells = [p.grid.cover(box)] if box[2][0] <= box[2][1] else []
+    for _ in range(MAX_SEARCH // len(p.s.points)):
+        if not cells:
+            return True
+        cell = cells.pop()
+        center, _, radius, rays, distances = around(p.grid.points, cell)
+        if not largest_below(rays, distances, radius, high / p.grid.unit) and not above_level(
+            p, center, cell, rays, distances
+        ):
+            cells += halves(cell)
+    return False
+
+
+def above_level(
+    p: Attraction, center: list[int], cell: Cell, rays: list[list[int]], near: list[int]
+) -> bool:
+    """Tell whether W > ℓ on a cell: convex, W is above its tangent plane at the centre."""
+    if min(near) == 0:
+        return False
+    low = min(end * center[2] for end in p.q3) - (p.base[1] + p.level) * p.grid.unit
+    scale = 2**64
+    value = scale * (sum(near) + math.floor(low))
+    for i, (_, b) in enumerate(cell):
+        ends = [math.floor(scale * p.q3[0]), math.ceil(scale * p.q3[1])] if i == 2 else [0, 0]
+        for ray, d in zip(rays, near, strict=True):  # -ray/distance, the distance in [d, d + 1]
+            parts = (-scale * ray[i] // d, -scale * ray[i] // (d + 1))
+            ends = [ends[0] + min(parts), ends[1] + max(parts) + 1]
+        value -= max(map(abs, ends)) * (b - center[i])
+    return value > 0
+
+
+class Start(NamedTuple):
+    """A set of states, with any heading and any yaw rate."""
+
+    position: Matrix  # box, m
+    radius: Fraction | None  # bounds the horizontal distance from the middle of the box, m
+    speed: Fraction  # bounds |V|, m/s
+    tilt: Fraction  # bounds φ, rad
+    rate: Fraction  # bounds √(Ω1² + Ω2²), rad/s
+    thrust: Fraction  # bounds |T - m g|, N
+
+
+def read_starts(c: Any) -> list[Start]:
+    """Read the sets of states that are claimed to be inside."""
+    values, starts = c["claim"]["starts"], []
+    require(isinstance(values, list) and len(values) <= 16, "starts is not a list of at most 16")
+    for value in values:
+        keys(value, ("position", "speed", "tilt", "rate", "thrust"), "a start")
+        box = numbers(value["position"], 3, 2)
+        sizes = [number(value[k]) for k in ("speed", "tilt", "rate", "thrust")]
+        require(all(a <= b for a, b in box) and min(sizes) >= 0, "a start is not in order")
+        starts.append(Start(box, None, *sizes))
+    return starts
+
+
+def reach_of(c: Any) -> list[Fraction]:
+    """Read how far hovers are certified: sideways, up and down, m."""
+    names = ("sideways", "up", "down")
+    reach = [number(keys(c["claim"]["reach"], names, "reach")[k]) for k in names]
+    require(min(reach) >= 0, "a reach is negative")
+    return reach
+
+
+def reach_starts(c: Any) -> list[Start]:
+    """Return the hovers about the goal: a disc at its height, and a line from below to above."""
+    x, y, z = numbers(c["hover"], 3)
+    side, up, down = reach_of(c)
+    still = (Fraction(0),) * 4
+    disc = [[x - side, x + side], [y - side, y + side], [z, z]]
+    return [Start(disc, side, *still), Start([[x, x], [y, y], [z - up, z + down]], None, *still)]
+
+
+def barrier_holds(p: Attraction, bottom: Fraction, starts: Sequence[Start]) -> None:
+    """Verify that no motion from the starts passes below z = bottom while Λ <= ℓ."""
+    s, (_, a3, a4), weight = p.s, p.a, p.s.m * p.s.gravity
+    k1, k2, k3 = (s.g[k] for k in GAINS[:3])
+    require(k3 >= 3 * k1 * k2, "a barrier needs k3 >= 3 k1 k2")
+    singular = k1**2 * k2 / s.m * p.q3[1]
+    gamma = singular / (weight - p.force - singular)
+    spread = square_root(2 * p.level * ((1 + gamma) ** 2 / a4 + gamma**2 / a3))[1]
+    omega = p.q3[1] * (1 - p.cosine) + p.sine * spread
+    limit, most = p.q3[0] - omega, len(s.points) - p.q3[0] + omega
+    require(limit > 0, "the tilt lifts the barrier out of reach")
+    kappa, product = (k1 * k2 + k3) / s.m, (k1 * k2 + k3) * k1 * k2 / s.m**2  # r + s, r s
+    low, high = square_root(kappa**2 - 4 * product)
+    slow, slow_above, fast, fast_above = ((kappa + x) / 2 for x in (-high, -low, low, high))
+    require(slow > 0, "a pole is too near zero")
+    first, second = k1 / s.m * most / fast, Fraction(0)
+    for start in starts:  # z' <= speed and z'' <= |F|/m there
+        second_rate = (start.thrust + weight * start.tilt) / s.m
+        first = max(first, (second_rate + slow_above * start.speed) / product)
+        second = max(second, start.speed / slow)
+        ahead = max(start.speed / slow, s.m / (k1 * k2) * (start.speed + second_rate / kappa))
+        require(start.position[2][1] + ahead <= bottom, "a start sinks below the barrier")
+    lag = first + max(second, fast_above * first / slow)
+    require(height_part_below(p, bottom - lag, limit), "the barrier is not shown to hold")
+
+
+def height_part_below(p: Attraction, z: Fraction, limit: Fraction) -> bool:
+    """Tell whether qz = Σ hi/ri < limit is shown for all positions at a height."""
+    heights = [max(math.ceil((point[2] - z) * p.grid.unit), 0) for point in p.s.points]
+    far = Fraction(sum(heights) + 1, p.grid.unit) / limit  # farther out every ri is above it
+    ends = [[x[i] for x in p.s.points] for i in (0, 1)]
+    cells = [p.grid.cover([[min(line) - far, max(line) + far] for line in ends])]
+    scale = 2**64
+    for _ in range(MAX_WORK // len(p.s.points)):
+        if not cells:
+            return True
+        cell, total = cells.pop(), 0
+        for point, h in zip(p.grid.points, heights, strict=True):
+            gaps = (max(a - x, x - b, 0) for x, (a, b) in zip(point, cell, strict=False))
+            total += scale * h // max(math.isqrt(sum((g * g for g in gaps), h * h)), 1) + 1
+        if total >= scale * limit:
+            cells += halves(cell)
+    return False
+
+
+def start_holds(p: Attraction, start: Start) -> None:
+    """Verify that Λ <= ℓ in a set of states, and that the thrust is above the singularity."""
+    weight, stiffness = p.s.m * p.s.gravity, p.s.g["k1"] ** 2 * p.s.g["k2"] / p.s.m
+    require(weight - start.thrust > stiffness * p.q3[1], "a thrust at the start is too low")
+    require(p.bottom is None or start.position[2][1] <= p.bottom, "a start is below the barrier")
+    cells = [p.grid.cover(start.position)]
+    middle = [sum(side) for side in cells[0][:2]]
+    for _ in range(MAX_WORK // len(p.s.points)):
+        if not cells:
+            return
+        cell = cells.pop()
+        if start.radius is not None:  # leave out what is farther from the axis
+            gaps = (max(2 * a - x, x - 2 * b, 0) for (a, b), x in zip(cell, middle, strict=False))
+            if sum(gap * gap for gap in gaps) > (2 * p.grid.unit * start.radius + 2) ** 2:
+                continue
+        terms = start_terms(p, start, cell)
+        if terms is None or terms[0] + dot(p.a, terms[1:]) > p.level:
+            widest = max(b - a for a, b in cell)
+            require(widest > p.grid.unit >> 16, "a start is not shown to have Λ <= level")
+            cells += halves(cell)
+    raise Rejected("a set of starts is not shown to have Λ <= level")
+
+
+def dot(x: Row, y: Row) -> Fraction:
+    """Return xᵀy."""
+    return sum((a * b for a, b in zip(x, y, strict=True)), Fraction(0))
+
+
+def start_terms(p: Attraction, start: Start, cell: Cell) -> list[Fraction] | None:
+    """Bound W and half the squares of δ2, δ3, δ4 for positions in a cell; None if too near.
+
+    W is convex, so its corners bound it; q changes by at most Σ 1/ri a metre. To lean by φ turns
+    unit vectors by at most φ, and adds at most m g φ to |F|.
+    """
+    s, weight, n, unit = p.s, p.s.m * p.s.gravity, len(p.s.points), p.grid.unit
+    k1, k2, k3 = (s.g[k] for k in GAINS[:3])
+    stiffness, scale = k1**2 * k2 / s.m, 2**32
+    _, _, radius, rays, near = around(p.grid.points, cell)
+    if min(near) <= radius:
+        return None
+    W = Fraction(0)
+    for corner in itertools.product(*(sorted(set(side)) for side in cell)):
+        squares = (sum((a - b) ** 2 for a, b in zip(x, corner, strict=True)) for x in p.grid.points)
+        far = sum((Fraction(math.isqrt(square) + 1) for square in squares), Fraction(0))
+        W = max(W, (far + max(x * corner[2] for x in p.q3)) / unit - p.base[0])
+    change = Fraction(sum(scale * radius // (d - radius) + 1 for d in near), scale)
+    ends = [[Fraction(0)] * 2, [Fraction(0)] * 2, [-p.q3[1], -p.q3[0]]]  # of q - q* at the centre
+    for ray, d in zip(rays, near, strict=True):
+        for i, x in enumerate(ray):
+            parts = (scale * x // d, scale * x // (d + 1))
+            ends[i][0] += Fraction(min(parts), scale)
+            ends[i][1] += Fraction(max(parts) + 1, scale)
+    across, ahead, up = (max(map(abs, pair)) for pair in ends)
+    flat = square_root(across**2 + ahead**2)[1] + change
+    d1 = square_root(across**2 + ahead**2 + up**2)[1] + change + p.q3[1] * start.tilt
+    moved, lean = s.m / k1 * start.speed, weight / stiffness * start.tilt
+    room = weight + start.thrust - stiffness * p.q3[0]
+    turned = s.m / (stiffness * (k1 * k2 + k3)) * room * start.rate
+    d2 = moved + d1
+    d3 = start.thrust / stiffness + lean + d2
+    d4 = turned + lean + moved + flat + n * start.tilt
+    return [W, d2**2 / 2, d3**2 / 2, d4**2 / 2]
+
+
+def theorem_of_attraction(c: Any, p: Attraction) -> str:
+    """Say in words what is proved."""
+    s, claim = p.s, c["claim"]
+    gains = ", ".join(f"{k} = {s.g[k]}" for k in GAINS[:4])
+    height = (
+        "" if p.bottom is None else f" and height >= {about(number(claim['barrier_height']))} m"
+    )
+    states, above = "state of the set {Λ <= level, T > 0}", ""
+    if height:
+        states = f"level hover at rest with Λ <= level{height}"
+        above = f"; their motions stay in {{Λ <= level, T > 0}} at{height[4:]}"
+    side, up, down = map(about, reach_of(c))
+    hover = ", ".join(map(about, numbers(c["hover"], 3)))
+    others = "".join(f", and from every {state_of(start)}" for start in read_starts(c))
+    return (
+        f"For the mission {s.name} (m = {s.m} kg, g = {s.gravity} m/s², {gains}, goal straight "
+        f"below with q3* = {float(sum(p.q3) / 2):.12g} to 12 digits) let Λ = W + ½(a2|δ2|² + "
+        f"a3|δ3|² + a4|δ4|²), W = Σ|P'i - ξ| + q3* z less its minimum, (a2, a3, a4) = "
+        f"({', '.join(map(about, p.a))}), level = {about(p.level)}. With the exact model and "
+        f"controller in continuous time, all target points seen, from every {states}, with any "
+        f"heading and yaw rate, the motion converges to the hover at the goal{above}. On the way "
+        f"Λ <= level and Λ' <= -(k1/m) {about(number(claim['rate']))} (|q - q3* ρ|² + |δ2|² + |δ3|²"
+        f" + |δ4|²). This holds from every level hover at rest up to {side} m sideways of the "
+        f"point ({hover}) m at its height, up to {up} m above it and {down} m below it{others}."
+    )
+
+
+def state_of(start: Start) -> str:
+    """Describe a set of states."""
+    sides = [about(a) if a == b else f"[{about(a)}, {about(b)}]" for a, b in start.position]
+    place = f"position in ({', '.join(sides)}) m"
+    if not any((start.speed, start.tilt, start.rate, start.thrust)):
+        return f"level hover at rest with {place}"
+    return (
+        f"state with {place}, |V| <= {about(start.speed)} m/s, tilt <= {about(start.tilt)} rad, "
+        f"√(Ω1² + Ω2²) <= {about(start.rate)} rad/s, |T - m g| <= {about(start.thrust)} N"
+    )
+
+
 class Kind(NamedTuple):
-    """A kind of certificate: its own keys, what it says, and how that is verified."""
+    """A kind of certificate: its own keys, how they are read, what it says and how it is shown."""
 
     keys: tuple[str, ...]
-    theorem: Callable[[Any, Question], str]
-    verify: Callable[[Any, Question], None]
+    theorem: Callable[[Any, Any], str]
+    verify: Callable[[Any, Any], None]
+    read: Callable[[Any], Any] = read_mission
 
 
+LYAPUNOV = ("weights", "region")
 KINDS = {
-    "gains": Kind(("enclosures", "vertices", "claim"), theorem_of_gains, verify_gains),
-    "counterexample": Kind(("counterexample",), theorem_of_counterexample, verify_counterexample),
-    "region": Kind((), theorem_of_region, verify_region),
-    "outside": Kind(("outside",), theorem_of_outside, verify_outside),
+    "gains": Kind((*LYAPUNOV, "enclosures", "vertices", "claim"), theorem_of_gains, verify_gains),
+    "counterexample": Kind(
+        (*LYAPUNOV, "counterexample"), theorem_of_counterexample, verify_counterexample
+    ),
+    "region": Kind(LYAPUNOV, theorem_of_region, verify_region),
+    "outside": Kind((*LYAPUNOV, "outside"), theorem_of_outside, verify_outside),
+    "attraction": Kind(
+        ("weights", "hover", "enclosures", "multipliers", "claim"),
+        theorem_of_attraction,
+        verify_attraction,
+        read_attraction,
+    ),
 }
 
 
 def statement(certificate: Any) -> str:
     """Return the theorem that a certificate claims, in words."""
-    return KINDS[certificate["kind"]].theorem(certificate, read_mission(certificate))
+    kind = KINDS[certificate["kind"]]
+    return kind.theorem(certificate, kind.read(certificate))
 
 
 def check(certificate: Any) -> str:
@@ -594,7 +1034,7 @@ def checked(certificate: Any) -> str:
     require(head == ("hoverproof certificate", 1), "not version 1 of the format")
     rest = {k: v for k, v in certificate.items() if k != "sha256"}
     require(certificate["sha256"] == digest(rest), "the file was changed after it was written")
-    question = read_mission(certificate)
+    question = KINDS[kind].read(certificate)
     theorem = KINDS[kind].theorem(certificate, question)
     require(certificate["statement"] == theorem, f"the statement is not what is proved: {theorem}")
     KINDS[kind].verify(certificate, question)

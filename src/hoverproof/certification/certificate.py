@@ -15,6 +15,8 @@ from hoverproof import checker
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.problem import GainProblem, sigma_function
 from hoverproof.files import write_text
+from hoverproof.mission import Mission
+from hoverproof.plant.goal import hover_goal
 
 
 @dataclass(frozen=True)
@@ -60,20 +62,37 @@ def seal(problem: GainProblem, kind: str, parts: dict[str, Any]) -> Certificate:
     parts : dict
         What belongs to this kind; Fractions become exact strings.
     """
-    mission = problem.mission.exact()
-    by_height = problem.mission.goal.height is not None
+    own = {
+        "weights": problem.weights,
+        "region": {"box": problem.box, "eigenvalues": problem.eigenvalues},
+        **parts,
+    }
+    return seal_content(problem.mission, kind, own, model_fingerprint())
+
+
+def seal_content(mission: Mission, kind: str, parts: dict[str, Any], model: str) -> Certificate:
+    """Complete a certificate of any kind about a mission.
+
+    Parameters
+    ----------
+    mission : Mission
+    kind, parts
+        See `seal`.
+    model : str
+        SHA-256 of the graph from which the claim was computed.
+    """
+    numbers = mission.exact()
+    by_height = mission.goal.height is not None
     content: dict[str, Any] = {
         "format": "hoverproof certificate",
         "version": 1,
         "kind": kind,
         "statement": "",
-        "mission": mission,
-        "mission_sha256": checker.digest(mission),
-        "model_sha256": model_fingerprint(),
+        "mission": numbers,
+        "mission_sha256": checker.digest(numbers),
+        "model_sha256": model,
         "tools": dict(_tools()),
-        "goal_position": exact(problem.goal.position) if by_height else None,
-        "weights": exact(problem.weights),
-        "region": exact({"box": problem.box, "eigenvalues": problem.eigenvalues}),
+        "goal_position": exact(hover_goal(mission).position) if by_height else None,
         **exact(parts),
     }
     content["statement"] = checker.statement(content)

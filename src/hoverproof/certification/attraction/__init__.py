@@ -1,0 +1,1 @@
+"""A proved region of attraction: where the controller may be switched on."""

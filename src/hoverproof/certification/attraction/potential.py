@@ -1,0 +1,142 @@
+"""The natural potential and what bounds positions, in floating point: hints for a proof."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.certification.region import eigenvalues
+from hoverproof.errors import InputError
+from hoverproof.mission import Mission
+from hoverproof.plant.goal import hover_goal
+
+Array = NDArray[np.float64]
+UP = np.array([0.0, 0.0, -1.0])
+
+
+@dataclass(frozen=True)
+class Potential:
+    """W(ξ) = Σ |P'ᵢ - ξ| + q3* z less its minimum, for an axial goal.
+
+    Attributes
+    ----------
+    points : (n, 3)
+        Target, world frame, m.
+    goal : (3,)
+        Hover point ξ*, world frame, m.
+    q3 : float
+        q3* of q* = (0, 0, q3*).
+    """
+
+    points: Array
+    goal: Array
+    q3: float
+
+    @classmethod
+    def of(cls, mission: Mission) -> Potential:
+        """Take the potential of a mission.
+
+        Raises
+        ------
+        InputError
+            If the goal is not axial: q1* = q2* = 0 exactly.
+        """
+        goal = hover_goal(mission)
+        if any(end != 0 for ends in goal.centroid[:2] for end in ends):
+            key = "goal.centroid" if mission.goal.height is None else "goal.height"
+            raise InputError(
+                mission.source,
+                key,
+                "is not axial: a region of attraction needs q1* = q2* = 0 exactly; "
+                "give centroid = [0, 0, q3]",
+            )
+        if len({(x, y) for x, y, _ in mission.target.points}) == 1:
+            raise InputError(mission.source, "target.points", "all lie on one vertical line")
+        points = np.array(mission.target.points, float)
+        position = np.array([float(c) for c in goal.position])
+        return cls(points, position, float(goal.centroid_midpoint[2]))
+
+    @property
+    def n(self) -> int:
+        """Number of target points."""
+        return len(self.points)
+
+    @property
+    def plane(self) -> float:
+        """Mean z of the target, m."""
+        return float(self.points[:, 2].mean())
+
+    def height(self, z: float) -> float:
+        """Return the height above the mean of the target, m."""
+        return self.plane - z
+
+    def value(self, positions: Array) -> Array:
+        """Return W, (k,), at positions (k, 3)."""
+
+        def raw(x: Array) -> Array:
+            rays = self.points[None] - x[:, None]
+            return np.asarray(np.linalg.norm(rays, axis=2).sum(axis=1) + self.q3 * x[:, 2])
+
+        return np.asarray(raw(positions) - raw(self.goal[None]))
+
+    def centroid(self, positions: Array) -> Array:
+        """Return q of a level camera, (k, 3), at positions (k, 3)."""
+        rays = self.points[None] - positions[:, None]
+        return np.asarray((rays / np.linalg.norm(rays, axis=2)[..., None]).sum(axis=1))
+
+    def hover_terms(self, positions: Array) -> Array:
+        """Return (k, 4): Λ = terms · (1, a2, a3, a4) for a level hover at positions (k, 3)."""
+        d1 = self.centroid(positions) - [0, 0, self.q3]
+        whole, flat = (d1**2).sum(axis=1) / 2, (d1[:, :2] ** 2).sum(axis=1) / 2
+        return np.stack([self.value(positions), whole, whole, flat], axis=1)
+
+    def largest_eigenvalue(self, bottom: float) -> float:
+        """Return the largest eigenvalue of Q, 1/m, found at and above z = bottom."""
+        best = 0.0
+        span = self._span()
+        for rise in (0.0, 0.1):
+            places = self._plane_grid(bottom - rise * span)
+            best = max(best, float(eigenvalues(self.points, places)[:, 2].max()))
+        return best
+
+    def largest_height_part(self, z: float) -> float:
+        """Return the largest qz = Σ hᵢ/rᵢ found on the plane at z."""
+        return float(self.centroid(self._plane_grid(z))[:, 2].max())
+
+    def level_limit(self, largest: float, bottom: float | None) -> float:
+        """Return the lowest W found where an eigenvalue of Q reaches `largest`, z <= bottom.
+
+        Infinite if that is nowhere.
+        """
+        directions = sphere(200)
+        radii = np.linspace(0.05, 1.0, 40) * self.n / largest
+        best = np.inf
+        for point in self.points:
+            places = (point + directions[:, None] * radii[None, :, None]).reshape(-1, 3)
+            kept = eigenvalues(self.points, places)[:, 2] >= largest
+            if bottom is not None:
+                kept &= places[:, 2] <= bottom
+            if kept.any():
+                best = min(best, float(self.value(places[kept]).min()))
+        return best
+
+    def _span(self) -> float:
+        return float(np.ptp(self.points[:, :2], axis=0).max())
+
+    def _plane_grid(self, z: float, cells: int = 81) -> Array:
+        low, high = self.points[:, :2].min(axis=0), self.points[:, :2].max(axis=0)
+        room = 0.5 * (high - low).max()
+        x, y = (np.linspace(a, b, cells) for a, b in zip(low - room, high + room, strict=True))
+        grid = np.stack(np.meshgrid(x, y, [z]), axis=-1).reshape(-1, 3)
+        over = np.column_stack([self.points[:, :2], np.full(self.n, z)])
+        return np.vstack([grid, over])
+
+
+def sphere(k: int) -> Array:
+    """Return k directions spread over the sphere, (k, 3)."""
+    i = np.arange(k) + 0.5
+    polar, around = np.arccos(1 - 2 * i / k), np.pi * (1 + 5**0.5) * i
+    flat = np.sin(polar)
+    return np.stack([flat * np.cos(around), flat * np.sin(around), np.cos(polar)], axis=1)

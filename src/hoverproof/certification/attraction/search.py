@@ -1,0 +1,290 @@
+"""Find weights, level and bounds that fit each other, in floating point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from hoverproof.certification.attraction.inequality import Loop, Solution, solve
+from hoverproof.certification.attraction.potential import Potential, sphere
+
+Array = NDArray[np.float64]
+Objective = Literal["start", "radius", "volume"]
+EVALUATIONS = 32
+LARGEST_RADIUS = 1e4
+"""m; nobody flies farther from a target that a camera is to see."""
+
+
+@dataclass(frozen=True)
+class Slack:
+    """By what share bounds are kept from where they fail, so that a proof has room."""
+
+    level: float
+    eigenvalue: float
+    omega: float
+
+
+SLACKS = (Slack(0.03, 0.03, 0.03), Slack(0.08, 0.06, 0.06), Slack(0.2, 0.1, 0.1))
+
+
+@dataclass(frozen=True)
+class Found:
+    """A consistent set of numbers, to be rounded and proved.
+
+    Attributes
+    ----------
+    weights : (3,)
+        a2, a3, a4.
+    level : float
+        ℓ.
+    force : float
+        Bound of |F|, N.
+    largest : float
+        λ₊, 1/m.
+    bottom : float or None
+        z of the barrier, m.
+    fill : float
+        Largest Λ/ℓ of the wanted starts; they are inside if it is below 1.
+    binding : str
+        What keeps the level from being higher.
+    """
+
+    weights: Array
+    level: float
+    force: float
+    largest: float
+    bottom: float | None
+    fill: float
+    binding: str
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What a choice of parameters leaves to the semidefinite program."""
+
+    force: float
+    largest: float
+    bottom: float | None
+    omega: float | None
+    most_level: float
+
+
+@dataclass(frozen=True)
+class Search:
+    """The parameters of the search: the force, and λ₊ or the height where the barrier acts.
+
+    Attributes
+    ----------
+    potential : Potential
+    loop : Loop
+    slack : Slack
+    barrier : bool
+    deepest : float
+        z, m, that the starts may sink to by their own motion: the barrier must not be above it.
+    lag : callable
+        Takes w_max; returns the lag of the height, m: how far a motion may still sink below where
+        w turns negative.
+    """
+
+    potential: Potential
+    loop: Loop
+    slack: Slack
+    barrier: bool
+    deepest: float
+    lag: Callable[[float], float]
+
+    def bounds(self, x: Sequence[float]) -> Bounds | None:
+        """Return the bounds of a point of the search, (2,); None if they contradict each other."""
+        force = self.loop.largest_force / (1 + np.exp(-x[0]))
+        if not self.barrier:
+            largest = float(np.exp(x[1]))
+            limit = self.potential.level_limit(largest, None)
+            return Bounds(force, largest, None, None, limit * (1 - self.slack.level))
+        p = self.potential
+        z = p.plane - float(np.exp(x[1]))
+        omega = (p.q3 - p.largest_height_part(z)) * (1 - self.slack.omega)
+        if omega <= 0 or omega >= p.q3:
+            return None
+        bottom = z + self.lag(p.n - p.q3 + omega) * (1 + self.slack.omega / 10)
+        if not self.deepest <= bottom <= p.points[:, 2].min() - 1e-3:
+            return None
+        largest = p.largest_eigenvalue(bottom) * (1 + self.slack.eigenvalue)
+        return Bounds(force, largest, bottom, omega, np.inf)
+
+    def solve(self, x: Sequence[float], hovers: Array) -> tuple[Bounds, Solution] | None:
+        """Return the best weights at a point of the search."""
+        b = self.bounds(x)
+        if b is None:
+            return None
+        found = solve(
+            self.loop,
+            force=b.force,
+            largest=b.largest,
+            hovers=hovers,
+            most_level=b.most_level,
+            omega=b.omega,
+        )
+        return None if found is None else (b, found)
+
+    def first_guess(self) -> list[tuple[float, float]]:
+        """Return points from which to search."""
+        p = self.potential
+        if self.barrier:
+            above = p.height(float(p.goal[2]))
+            second = [np.log(above * share) for share in (0.85, 0.6, 0.3, 0.15)]
+        else:
+            here = p.largest_eigenvalue(float(p.goal[2]))
+            second = [np.log(here * times) for times in (2.0, 4.0)]
+        return [(-np.log(1 / share - 1), y) for y in second for share in (0.003, 0.03, 0.2)]
+
+    def best(self, hovers: Array, value: Callable[[Bounds, Solution], float]) -> Found | None:
+        """Minimise a value of the solution over the parameters."""
+
+        def cost(x: Sequence[float]) -> float:
+            found = self.solve(x, hovers)
+            return 1e6 if found is None else value(*found)
+
+        guesses = [(cost(x), x) for x in self.first_guess()]
+        start = min(guesses)[1]
+        simplex = [start, (start[0] + 0.5, start[1]), (start[0], start[1] + 0.15)]
+        result = minimize(
+            cost,
+            start,
+            method="Nelder-Mead",
+            options={"maxfev": EVALUATIONS, "initial_simplex": simplex, "fatol": 1e-3},
+        )
+        found = self.solve(result.x, hovers)
+        if found is None:
+            return None
+        b, s = found
+        return Found(s.weights, s.level, b.force, b.largest, b.bottom, s.fill, _binding(self, b, s))
+
+
+def find(search: Search, objective: Objective, starts: Array) -> Found | None:
+    """Search for what is asked for.
+
+    Parameters
+    ----------
+    search : Search
+    objective : {"start", "radius", "volume"}
+        Bring the starts as deep inside as can be; or make the ball of certified hovers about the
+        goal, or the volume of all certified hovers, as large as can be.
+    starts : (k, 4)
+        Terms of the wanted starts; see `Potential.hover_terms`.
+    """
+    if objective == "start":
+        return search.best(starts, lambda b, s: s.fill)
+    p = search.potential
+    grid = HoverGrid.of(p)
+
+    def cost(b: Bounds, s: Solution) -> float:
+        if len(starts) and (starts @ [1, *s.weights]).max() > s.level:
+            return 1e3 * s.fill
+        if objective == "volume":
+            return -float(np.log(grid.volume(s.weights, s.level, b.bottom)))
+        return -float(np.log(grid.radius(s.weights, s.level, b.bottom)))
+
+    found, size, bottom = None, 0.1 * p.height(float(p.goal[2])), None
+    for _ in range(8):  # aim at the ball, or the set, that was reached, a little larger
+        places = p.goal + size * sphere(200)
+        rows = p.hover_terms(places if bottom is None else places[places[:, 2] <= bottom])
+        wanted = np.vstack([starts, rows if objective == "radius" else rows.mean(axis=0)])
+        new = search.best(wanted, cost)
+        if new is None:
+            break
+        reached = grid.radius(new.weights, new.level, new.bottom)
+        if found is not None and reached < 1.02 * size / 1.05:
+            break
+        found, size, bottom = new, min(reached * 1.05, LARGEST_RADIUS), new.bottom
+    if found is None or not len(starts):
+        return found
+    fill = float((starts @ [1, *found.weights]).max() / found.level)
+    return replace(found, fill=fill)
+
+
+@dataclass(frozen=True)
+class HoverGrid:
+    """Hovers along rays from the goal, to see which of them are inside.
+
+    Attributes
+    ----------
+    radii : (m,)
+        m.
+    depth : (k, m)
+        z, m.
+    terms : (k, m, 4)
+        See `Potential.hover_terms`.
+    """
+
+    radii: Array
+    depth: Array
+    terms: Array
+
+    @classmethod
+    def of(cls, p: Potential, rays: int = 300, steps: int = 160) -> HoverGrid:
+        """Lay rays in all directions."""
+        radii = np.geomspace(0.02, LARGEST_RADIUS, steps)
+        places = p.goal + sphere(rays)[:, None] * radii[None, :, None]
+        terms = p.hover_terms(places.reshape(-1, 3)).reshape(rays, steps, 4)
+        return cls(radii, places[..., 2], terms)
+
+    def reach(self, weights: Array, level: float, bottom: float | None) -> tuple[Array, Array]:
+        """Return how far each ray is inside, m, and whether Λ ends it (or the barrier)."""
+        outside = self.terms @ [1, *weights] > level
+        below = np.zeros_like(outside) if bottom is None else self.depth > bottom
+        ended = outside | below
+        first = np.where(ended.any(axis=1), ended.argmax(axis=1), len(self.radii) - 1)
+        rows = np.arange(len(first))
+        return self.radii[np.maximum(first - 1, 0)], outside[rows, first]
+
+    def volume(self, weights: Array, level: float, bottom: float | None) -> float:
+        """Return the volume of the hovers inside that are seen from the goal, m³."""
+        reach, _ = self.reach(weights, level, bottom)
+        return float(4 * np.pi / 3 * (reach**3).mean())
+
+    def radius(self, weights: Array, level: float, bottom: float | None) -> float:
+        """Return the radius of the largest ball inside, m; what is below a barrier is left out."""
+        reach, by_level = self.reach(weights, level, bottom)
+        return float(reach[by_level].min()) if by_level.any() else LARGEST_RADIUS
+
+
+def reach_along(
+    p: Potential, direction: Array, weights: Array, level: float, bottom: float | None
+) -> float:
+    """Return how far from the goal, m, hovers in a direction are inside without a gap."""
+    steps = np.geomspace(0.01, LARGEST_RADIUS, 400)
+    places = p.goal + steps[:, None] * direction
+    inside = p.hover_terms(places) @ [1, *weights] <= level
+    if bottom is not None:
+        inside &= places[:, 2] <= bottom
+    first = int(np.argmin(inside)) if not inside.all() else len(steps)
+    if first == 0:
+        return 0.0
+    if first == len(steps):
+        return LARGEST_RADIUS
+    low, high = float(steps[first - 1]), float(steps[first])
+    for _ in range(30):
+        middle = (low + high) / 2
+        place = p.goal + middle * direction
+        good = (p.hover_terms(place[None]) @ [1, *weights])[0] <= level
+        good &= bottom is None or place[2] <= bottom
+        low, high = (middle, high) if good else (low, middle)
+    return low
+
+
+def _binding(search: Search, b: Bounds, s: Solution) -> str:
+    a2, a3, _ = s.weights
+    force = search.loop.stiffness * np.sqrt(2 * s.level * (1 / a2 + 1 / a3))
+    parts = []
+    if s.level > 0.99 * b.most_level:
+        parts.append("near a target point Q grows beyond every bound")
+    if force > 0.99 * b.force:
+        parts.append("the force, hence thrust and tilt, must stay small")
+    if b.bottom is not None:
+        parts.append("the barrier allows only little tilt")
+    return "; ".join(parts) or "the gains"

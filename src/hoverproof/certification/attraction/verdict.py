@@ -1,0 +1,132 @@
+"""What the question of attraction came to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, ClassVar
+
+from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.certificate import Certificate, exact
+from hoverproof.mission import Mission
+
+NOT_COVERED = (
+    "goals whose centroid is not straight below",
+    "sampling, delay and noise of measurements",
+    "errors of the model: mass, inertia, wind, drag, limits of the rotors",
+    "a camera that loses the target: every point is taken to be seen at all times",
+)
+"""What the theorem does not say, in words."""
+
+
+@dataclass(frozen=True)
+class Reach:
+    """How far hovers about the goal are certified, m: a disc at its height, up, and down."""
+
+    sideways: Fraction
+    up: Fraction
+    down: Fraction
+
+
+@dataclass(frozen=True)
+class Proved:
+    """A region of attraction.
+
+    Attributes
+    ----------
+    level : Fraction
+        ℓ: the set is {Λ <= ℓ}, above the barrier if there is one.
+    weights : (3,) Fractions
+        a2, a3, a4 of Λ = W + ½ Σ aᵢ|δᵢ|².
+    rate : Fraction
+        ε: Λ̇ <= -(k1/m) ε |Y|² in the set.
+    tilt : Fraction
+        Bound of the tilt in the set, rad.
+    thrust : (low, high)
+        Bounds of the thrust in the set, N.
+    largest_eigenvalue : Fraction
+        Bound of the eigenvalues of Q in the set, 1/m.
+    barrier_height : Fraction or None
+        No motion comes below this height above the mean of the target, m.
+    reach : Reach
+    starts : tuple of Start
+        Other sets of states that are proved to be inside.
+    mission : Mission
+    certificate : Certificate
+    """
+
+    status: ClassVar[str] = "proved"
+    level: Fraction
+    weights: tuple[Fraction, ...]
+    rate: Fraction
+    tilt: Fraction
+    thrust: tuple[Fraction, Fraction]
+    largest_eigenvalue: Fraction
+    barrier_height: Fraction | None
+    reach: Reach
+    starts: tuple[Start, ...]
+    mission: Mission
+    certificate: Certificate
+
+
+@dataclass(frozen=True)
+class Undecided:
+    """No region was proved that holds what was asked for.
+
+    Attributes
+    ----------
+    reason : str
+        What stood in the way.
+    mission : Mission
+    """
+
+    status: ClassVar[str] = "undecided"
+    reason: str
+    mission: Mission
+
+
+Verdict = Proved | Undecided
+
+
+def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
+    """Return a verdict as an object for machines.
+
+    Parameters
+    ----------
+    verdict : Proved or Undecided
+    certificate_path : str or None
+        Where the certificate was written.
+    """
+    answer: dict[str, Any] = {
+        "mission": verdict.mission.name,
+        "verdict": verdict.status,
+        "certificate": certificate_path,
+        "not_covered": list(NOT_COVERED),
+    }
+    if isinstance(verdict, Undecided):
+        nothing = ("level", "weights", "rate", "tilt", "thrust", "largest_eigenvalue")
+        empty = dict.fromkeys((*nothing, "barrier_height", "reach", "statement"))
+        return {**answer, **empty, "starts": [], "reason": verdict.reason}
+    reach, height = verdict.reach, verdict.barrier_height
+    return {
+        **answer,
+        "level": float(verdict.level),
+        "weights": [float(a) for a in verdict.weights],
+        "rate": float(verdict.rate),
+        "tilt": float(verdict.tilt),
+        "thrust": [float(x) for x in verdict.thrust],
+        "largest_eigenvalue": float(verdict.largest_eigenvalue),
+        "barrier_height": None if height is None else float(height),
+        "reach": {k: float(getattr(reach, k)) for k in ("sideways", "up", "down")},
+        "starts": [exact(start.content()) for start in verdict.starts],
+        "statement": verdict.certificate.statement,
+        "reason": None,
+        "units": {
+            "rate": "1, of Λ' <= -(k1/m) rate |Y|²",
+            "tilt": "rad",
+            "thrust": "N",
+            "largest_eigenvalue": "1/m",
+            "barrier_height": "m above the mean of the target",
+            "reach": "m from the goal",
+        },
+    }

@@ -1,0 +1,177 @@
+"""The command `attraction`: where a controller may be switched on, proved."""
+
+from __future__ import annotations
+
+import sys
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from hoverproof.cli.console import (
+    EXIT,
+    Json,
+    MissionName,
+    Set,
+    app,
+    interval,
+    load_mission,
+    number,
+    print_json,
+)
+from hoverproof.errors import InputError
+
+if TYPE_CHECKING:
+    from hoverproof.certification.attraction.starts import Start
+    from hoverproof.certification.attraction.verdict import Proved
+
+
+@app.command
+def attraction(
+    mission: MissionName,
+    *,
+    objective: Annotated[
+        Literal["start", "radius", "volume"],
+        Parameter(help="Prove a start; or the largest ball, or volume, of hovers."),
+    ] = "start",
+    start: Annotated[
+        list[str] | None,
+        Parameter(
+            negative="",
+            help="Hover x,y,z or box of positions x0,x1,y0,y1,z0,z1 in m to be inside "
+            "(repeatable); by default the mission's start.",
+        ),
+    ] = None,
+    speed: Annotated[str, Parameter(help="Speeds up to this are to be inside too, m/s.")] = "0",
+    tilt: Annotated[str, Parameter(help="Tilts up to this too, rad.")] = "0",
+    rate: Annotated[str, Parameter(help="Roll and pitch rates up to this too, rad/s.")] = "0",
+    thrust: Annotated[str, Parameter(help="Thrusts as far from m g as this too, N.")] = "0",
+    barrier: Annotated[
+        bool | None,
+        Parameter(help="Use that motions do not sink to the target; by default, if it helps."),
+    ] = None,
+    out: Annotated[Path | None, Parameter(help="Certificate file to write.")] = None,
+    figure: Annotated[bool, Parameter(help="Draw the region beside the file.")] = True,
+    set_: Set = None,
+    json_: Json = False,
+) -> int:
+    """Prove from where the vehicle converges to its goal: a region of attraction.
+
+    Writes NAME.attraction.cert.json, which `check` verifies without trusting this program.
+
+    Example: `hoverproof attraction x4-flyer --start 20,0,-20`
+    """
+    from hoverproof.certification.attraction.proof import attraction as decide
+    from hoverproof.certification.attraction.verdict import NOT_COVERED, Undecided, as_json
+
+    loaded = load_mission(mission, set_)
+    sizes = {
+        name: _number(f"--{name}", text)
+        for name, text in (("speed", speed), ("tilt", tilt), ("rate", rate), ("thrust", thrust))
+    }
+    starts = None if start is None else [_start(text, sizes) for text in start]
+    if starts is None and any(sizes.values()):
+        p = loaded.start.position
+        starts = [_start(",".join(map(str, p)), sizes)]
+    verdict = decide(
+        loaded,
+        objective=objective,
+        starts=starts,
+        barrier=barrier,
+        progress=lambda text: print(f"{text} ...", file=sys.stderr),
+    )
+    path = picture = None
+    if not isinstance(verdict, Undecided):
+        path = out or Path(f"{loaded.name}.attraction.cert.json")
+        verdict.certificate.save(path)
+        if figure:
+            picture = _draw(verdict, path)
+    if json_:
+        answer = as_json(verdict, None if path is None else str(path))
+        print_json({**answer, "figure": picture})
+        return EXIT[verdict.status]
+    print(f"{loaded.name}: {verdict.status}")
+    if isinstance(verdict, Undecided):
+        print(f"  {verdict.reason}")
+        return EXIT[verdict.status]
+    _print_region(verdict)
+    print(f"  certificate             {path}")
+    if picture:
+        print(f"  figure                  {picture}")
+    print("Not covered:")
+    for line in NOT_COVERED:
+        print(f"  {line}")
+    print(f"Next: hoverproof check {path}")
+    return EXIT[verdict.status]
+
+
+def _print_region(verdict: Proved) -> None:
+    reach, height = verdict.reach, verdict.barrier_height
+    at = "" if height is None else f" at least {number(height)} m above the target"
+    print("  the controller may be switched on, with any heading and yaw rate, in every")
+    if height is None:
+        print(f"  state with Λ <= {number(verdict.level)} and T > 0; from hover, about the goal:")
+    else:
+        print(f"  level hover with Λ <= {number(verdict.level)}{at}, so about the goal")
+    print(f"  sideways, all round     {number(reach.sideways)} m")
+    print(f"  up                      {number(reach.up)} m")
+    print(f"  down                    {number(reach.down)} m")
+    for start in verdict.starts:
+        print(f"  and from                {_describe(start)}")
+    print("  On the way:")
+    print(f"  weights a2, a3, a4      {', '.join(map(number, verdict.weights))}")
+    print(f"  Λ' <= -(k1/m) ε |Y|²    ε = {number(verdict.rate)}")
+    print(f"  tilt                    {number(verdict.tilt)} rad or less")
+    print(f"  thrust                  in {interval(verdict.thrust)} N")
+    print(f"  eigenvalues of Q        {number(verdict.largest_eigenvalue)} 1/m or less")
+    if height is not None:
+        print(f"  height                  {number(height)} m or more above the target")
+
+
+def _describe(start: Start) -> str:
+    sides = " x ".join(number(a) if a == b else interval((a, b)) for a, b in start.position)
+    sizes = [
+        f"{word} <= {number(value)} {unit}"
+        for word, value, unit in (
+            ("speed", start.speed, "m/s"),
+            ("tilt", start.tilt, "rad"),
+            ("rates", start.rate, "rad/s"),
+            ("|T - m g|", start.thrust, "N"),
+        )
+        if value
+    ]
+    return ", ".join([f"({sides}) m", *(sizes or ["level hover"])])
+
+
+def _draw(verdict: Proved, path: Path) -> str:
+    from hoverproof.show.attraction import save_attraction_figure
+
+    picture = path.with_name(f"{path.name.removesuffix('.json').removesuffix('.cert')}.png")
+    save_attraction_figure(verdict, picture)
+    return str(picture)
+
+
+def _start(text: str, sizes: dict[str, Fraction]) -> Start:
+    from hoverproof.certification.attraction.starts import Start
+    from hoverproof.certification.region import parse_box
+
+    parts = [_number("--start", part) for part in text[:400].split(",")]
+    if len(parts) == 3:
+        position: Any = tuple((c, c) for c in parts)
+    elif len(parts) == 6:
+        position = parse_box(text)
+    else:
+        raise InputError("--start", "", f"must be x,y,z or x0,x1,y0,y1,z0,z1 in m, not {text!r}")
+    return Start(position, **sizes)
+
+
+def _number(option: str, text: str) -> Fraction:
+    """Read an exact decimal of a reasonable size."""
+    try:
+        value = Fraction(text.strip()[:60])
+    except (ValueError, ZeroDivisionError):
+        raise InputError(option, "", f"must be a number, not {text!r}") from None
+    if abs(value) > 10**6 or value.denominator > 10**18:
+        raise InputError(option, "", f"must be a decimal within 1e6, not {text!r}")
+    return value

@@ -1,0 +1,340 @@
+"""Pictures of a region of attraction: where the controller may be switched on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from hoverproof.certification.attraction.motion import energies, numbers
+from hoverproof.certification.attraction.potential import Potential
+from hoverproof.certification.attraction.proof import attraction
+from hoverproof.certification.attraction.verdict import Proved
+from hoverproof.certification.region import eigenvalues
+from hoverproof.files import replacing
+from hoverproof.mission import Mission
+from hoverproof.plant.rigid_body import STATE_SIZE
+from hoverproof.show.style import COLOURS
+from hoverproof.simulation.closed_loop import GUARDS
+from hoverproof.simulation.compiled import runner
+from hoverproof.simulation.flight import slowest_rate
+
+Array = NDArray[np.float64]
+
+CELLS = 300
+FLIGHTS = 90
+SAMPLES = 300
+STEPS_PER_FASTEST = 12
+
+
+@dataclass(frozen=True)
+class View:
+    """A vertical plane through the axis of the goal, and the window that is drawn of it.
+
+    Attributes
+    ----------
+    potential : Potential
+    along : (3,)
+        Horizontal unit vector: toward the start, or along x.
+    side : float
+        Half the width of the window, m.
+    top, bottom : float
+        Heights above the mean of the target, m.
+    """
+
+    potential: Potential
+    along: Array
+    side: float
+    top: float
+    bottom: float
+
+    @classmethod
+    def of(cls, region: Proved) -> View:
+        """Choose a window that holds target, goal and start."""
+        p = Potential.of(region.mission)
+        start = np.array([float(c) for c in region.mission.start.position])
+        offset = (start - p.goal) * [1, 1, 0]
+        far = float(np.linalg.norm(offset))
+        along = offset / far if far > 1e-9 else np.array([1.0, 0, 0])
+        size = p.height(float(p.goal[2]))
+        reach = min(float(region.reach.sideways) * 1.35, 3 * size)
+        side = max(1.15 * far, reach, 1.2 * np.abs(p.points[:, :2] - p.goal[:2]).max())
+        top = max(size + side, 1.2 * p.height(float(start[2])))
+        return cls(p, along, side, top, -0.15 * size)
+
+    def places(self, across: Array, height: Array) -> Array:
+        """Return positions, (k, 3), of points of the plane."""
+        axis = np.array([*self.potential.goal[:2], self.potential.plane])
+        return np.asarray(
+            axis + across[:, None] * self.along - height[:, None] * np.array([0, 0, 1.0])
+        )
+
+    def grid(self) -> tuple[Array, Array, Array]:
+        """Return distances (k,), heights (l,) and positions (k l, 3)."""
+        across = np.linspace(-self.side, self.side, CELLS)
+        height = np.linspace(self.bottom, self.top, CELLS)
+        a, h = np.meshgrid(across, height)
+        return across, height, self.places(a.ravel(), h.ravel())
+
+
+@dataclass(frozen=True)
+class Flights:
+    """Simulated flights from level hovers.
+
+    Attributes
+    ----------
+    across, height : (k,)
+        Where they start in the plane of the view, m.
+    settled, certified : (k,)
+        Whether they reach the goal; whether their start is in the proved region.
+    time : (SAMPLES + 1,)
+        s.
+    energy : (k, SAMPLES + 1)
+        Λ; NaN after a flight that ended.
+    """
+
+    across: Array
+    height: Array
+    settled: NDArray[np.bool_]
+    certified: NDArray[np.bool_]
+    time: Array
+    energy: Array
+
+
+def hovers_inside(region: Proved, places: Array) -> NDArray[np.bool_]:
+    """Tell which level hovers, (k, 3), are certified."""
+    p = Potential.of(region.mission)
+    a = [float(w) for w in region.weights]
+    inside = p.hover_terms(places) @ [1, *a] <= float(region.level)
+    if region.barrier_height is not None:
+        inside &= p.plane - places[:, 2] >= float(region.barrier_height)
+    return np.asarray(inside)
+
+
+def fly(region: Proved, view: View, count: int = FLIGHTS) -> Flights:
+    """Simulate flights from hovers all over the window, above the target."""
+    mission, p = region.mission, view.potential
+    rng = np.random.default_rng(0)
+    across = rng.uniform(-view.side, view.side, count)
+    low = p.height(float(p.points[:, 2].min())) + 0.005 * view.top
+    height = low + (view.top - low) * rng.uniform(0, 1, count) ** 2
+    places = view.places(across, height)
+    design, _, _ = numbers(mission, region)
+    rate, weight = slowest_rate(mission), float(mission.vehicle.weight)
+    gains, mass = mission.gains, float(mission.vehicle.mass)
+    fastest = (float(gains.k1 * gains.k2 + gains.k3) + float(gains.k4)) / mass
+    step = 1 / (STEPS_PER_FASTEST * fastest)
+    every = max(1, int(12 / rate / step / SAMPLES))
+    machine = runner(p.n)
+    energy = np.full((count, SAMPLES + 1), np.nan)
+    settled = np.zeros(count, bool)
+    for i, place in enumerate(places):
+        guards = np.full(len(GUARDS), np.finfo(float).max)
+        level = (np.zeros(3), np.eye(3).ravel(), np.zeros(3), [weight])
+        start = np.concatenate([place, *level, guards])
+        states, good = machine.run(start, design, p.points.T, step, SAMPLES, every)
+        track = np.vstack([start, states if good else states[:-1]])[:, :STATE_SIZE]
+        energy[i, : len(track)] = energies(region, track)
+        end = np.linalg.norm(track[-1, :3] - p.goal)
+        settled[i] = good and end < 0.05 * np.linalg.norm(p.points - p.goal, axis=1).min()
+    time = np.linspace(0, step * every * SAMPLES, SAMPLES + 1)
+    return Flights(across, height, settled, hovers_inside(region, places), time, energy)
+
+
+def attraction_figure(region: Proved) -> Figure:
+    """Draw the certified hovers in cross-section and in space, and Λ along flights.
+
+    The shaded set is computed in floating point from the proved level and weights.
+
+    Parameters
+    ----------
+    region : Proved
+        From `hoverproof.attraction`.
+    """
+    view = View.of(region)
+    flights = fly(region, view)
+    figure = Figure(figsize=(16, 6.6), layout="constrained")
+    grid = figure.add_gridspec(1, 3, width_ratios=(1.2, 1.1, 0.9), wspace=0.08)
+    figure.suptitle(f"{region.mission.name}: where the controller may be switched on (proved)")
+    section = figure.add_subplot(grid[0])
+    _draw_section(section, region, view, flights)
+    _draw_space(figure.add_subplot(grid[1], projection="3d"), region, view)
+    _draw_energy(figure.add_subplot(grid[2]), region, flights)
+    handles, labels = section.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    return figure
+
+
+def save_attraction_figure(region: Proved, path: Path) -> None:
+    """Write the figure as PNG.
+
+    Parameters
+    ----------
+    region : Proved
+    path : Path
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    with replacing(path) as beside:
+        attraction_figure(region).savefig(beside, dpi=120, format="png")
+
+
+def _draw_section(axes: Axes, region: Proved, view: View, flights: Flights) -> None:
+    mission, p = region.mission, view.potential
+    across, height, places = view.grid()
+    shape = (len(height), len(across))
+    inside = hovers_inside(region, places).reshape(shape)
+    axes.contourf(across, height, inside, levels=[0.5, 1.5], colors=["#56B4E9"], alpha=0.45)
+    axes.fill([], [], color="#56B4E9", alpha=0.45, label="certified hovers")
+    values = eigenvalues(p.points, places)
+    low, high = (float(x) for x in mission.bounds.eigenvalues)
+    bounded = ((values[:, 0] > low) & (values[:, 2] < high)).astype(float).reshape(shape)
+    if 0 < bounded.mean() < 1:
+        axes.contour(across, height, bounded, levels=[0.5], colors=COLOURS[4], linestyles="--")
+    axes.plot([], [], "--", color=COLOURS[4], label=f"eigenvalues of Q in [{low:g}, {high:g}] 1/m")
+    d1 = p.hover_terms(places) @ [0, 1, 2, 1]  # L = ½(3|δ1|² + |Pδ1|²) in a level hover
+    paper = d1.reshape(shape)
+    axes.contour(
+        across, height, paper, levels=[(p.n - p.q3) ** 2 / 2], colors=COLOURS[1], linewidths=1.5
+    )
+    axes.plot([], [], color=COLOURS[1], label="largest bounded level set of the paper's L")
+    if region.barrier_height is not None:
+        at = float(region.barrier_height)
+        axes.axhline(at, color="black", linewidth=1.5, linestyle=":")
+        axes.plot([], [], ":", color="black", label=f"barrier, {at:.2f} m above the target")
+    for kept, marker, colour, label in (
+        (flights.settled, ".", COLOURS[2], "simulated start that reaches the goal"),
+        (~flights.settled, "x", COLOURS[3], "simulated start that does not"),
+    ):
+        style: dict[str, Any] = {"color": colour, "markersize": 6 if marker == "." else 7}
+        axes.plot(flights.across[kept], flights.height[kept], marker, **style)
+        if kept.any():
+            axes.plot([], [], marker, label=label, **style)
+    points = (p.points - p.goal) @ view.along
+    axes.plot(points, p.plane - p.points[:, 2], "s", color="black", label="target points")
+    axes.plot(0, p.height(float(p.goal[2])), "*", color="black", markersize=14, label="goal")
+    start = np.array([float(c) for c in mission.start.position])
+    axes.plot(
+        (start - p.goal) @ view.along,
+        p.height(float(start[2])),
+        "D",
+        color="white",
+        markeredgecolor="black",
+        label="start of the mission",
+    )
+    axes.set_xlim(-view.side, view.side)
+    axes.set_ylim(view.bottom, view.top)
+    axes.set_aspect("equal")
+    axes.set_xlabel("horizontal distance from the goal, toward the start (m)")
+    axes.set_ylabel("height above the target (m)")
+    axes.set_title("cross-section")
+    axes.grid(alpha=0.3)
+
+
+def _draw_space(axes: Any, region: Proved, view: View) -> None:
+    p = view.potential
+    polar, around = np.linspace(0, np.pi, 40), np.linspace(0, 2 * np.pi, 60)
+    a, b = np.meshgrid(polar, around, indexing="ij")
+    rays = np.stack([np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)], axis=-1)
+    steps = np.linspace(0.01, 1, 160) * min(view.side, view.top)
+    places = p.goal + rays[:, :, None] * steps[:, None]
+    inside = hovers_inside(region, places.reshape(-1, 3)).reshape(places.shape[:3])
+    ended = ~inside
+    last = np.where(ended.any(axis=2), ended.argmax(axis=2) - 1, len(steps) - 1)
+    edge = p.goal + rays * steps[np.maximum(last, 0)][..., None]
+    axes.plot_surface(
+        edge[..., 0],
+        edge[..., 1],
+        p.plane - edge[..., 2],
+        color="#56B4E9",
+        alpha=0.35,
+        linewidth=0.2,
+        edgecolor="#0072B2",
+    )
+    axes.scatter(
+        p.points[:, 0], p.points[:, 1], p.plane - p.points[:, 2], marker="s", color="black"
+    )
+    x, y, z = p.goal
+    axes.scatter([x], [y], [p.plane - z], marker="*", s=120, color="black")
+    axes.set_xlabel("x (m)", labelpad=8)
+    axes.set_ylabel("y (m)", labelpad=8)
+    axes.set_zlabel("height (m)")
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_major_locator(MaxNLocator(4))
+    cut = bool((last == len(steps) - 1).any())
+    axes.set_title(
+        "certified hovers" + (f", cut at {steps[-1]:.3g} m from the goal" if cut else "")
+    )
+    axes.set_box_aspect([np.ptp(edge[..., k]) for k in range(3)], zoom=0.88)
+    axes.view_init(elev=18, azim=-60)
+
+
+def _draw_energy(axes: Axes, region: Proved, flights: Flights) -> None:
+    level = float(region.level)
+    for kept, colour, label in (
+        (flights.certified, COLOURS[0], "start certified"),
+        (~flights.certified, COLOURS[3], "start not certified"),
+    ):
+        for energy in flights.energy[kept]:
+            axes.semilogy(flights.time, energy, color=colour, linewidth=0.7, alpha=0.6)
+        if kept.any():
+            axes.plot([], [], color=colour, label=label)
+    largest = max(np.nanmax(flights.energy), level)
+    axes.axhline(level, color="black", linestyle="--", label=f"proved level {level:.4g}")
+    axes.set_ylim(1e-6 * largest, 300 * largest)  # room for the legend
+    axes.set_xlim(0, flights.time[-1])
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel("Λ (m)")
+    axes.set_title("Λ along the simulated flights")
+    axes.grid(alpha=0.3)
+    axes.legend(loc="upper right", framealpha=0.9)
+
+
+def trade_off_figure(missions: Sequence[Mission], labels: Sequence[str]) -> Figure:
+    """Draw how far hovers are certified sideways and down, against the speed near the goal.
+
+    Parameters
+    ----------
+    missions : sequence of Mission
+        The same vehicle with other gains.
+    labels : sequence of str
+        One for each.
+    """
+    figure = Figure(figsize=(7, 5), layout="constrained")
+    axes = figure.subplots()
+    rows = []
+    for mission, label in zip(missions, labels, strict=True):
+        region = attraction(mission, objective="radius", barrier=False)
+        if isinstance(region, Proved):
+            reach = (float(region.reach.sideways), float(region.reach.down))
+            rows.append((slowest_rate(mission), *reach, label))
+    rows.sort()
+    speed = [row[0] for row in rows]
+    for column, marker, colour, word in (
+        (1, "o-", COLOURS[0], "sideways"),
+        (2, "s--", COLOURS[1], "down"),
+    ):
+        axes.plot(speed, [row[column] for row in rows], marker, color=colour, label=word)
+    for row in rows:
+        highest = max(row[1], row[2])
+        axes.annotate(
+            row[3], (row[0], highest), xytext=(0, 8), textcoords="offset points", ha="center"
+        )
+    axes.set_xlim(0, 1.1 * max(speed, default=1.0))
+    axes.set_ylim(0, 1.2 * max((max(row[1], row[2]) for row in rows), default=1.0))
+    axes.set_xlabel("slowest eigenvalue of the loop at the goal (1/s)")
+    axes.set_ylabel("certified hovers reach from the goal (m)")
+    axes.set_title("region and speed, without a barrier")
+    axes.grid(alpha=0.3)
+    axes.legend(loc="lower left")
+    return figure

@@ -1,0 +1,362 @@
+"""Regions of attraction: the lemmas, the proofs, and what flights say about them."""
+
+from __future__ import annotations
+
+import copy
+import json
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hoverproof import checker, cli
+from hoverproof.algebra.graph import evaluate
+from hoverproof.algebra.identity import prove_equal
+from hoverproof.certification.attraction.form import derive_form
+from hoverproof.certification.attraction.lemmas import LEMMAS
+from hoverproof.certification.attraction.potential import Potential
+from hoverproof.certification.attraction.proof import attraction, bounds_of, estimate
+from hoverproof.certification.attraction.search import HoverGrid
+from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.attraction.verdict import Proved, Undecided
+from hoverproof.errors import InputError
+from hoverproof.mission import load
+from hoverproof.servo.error_chain import Design
+from hoverproof.simulation.flight import slowest_rate
+
+F = Fraction
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "benchmarks"))
+TUNED = {"gains.k1": "1.01", "gains.k4": "10"}
+
+
+@pytest.fixture(scope="module")
+def paper():
+    return attraction(load("x4-flyer"))
+
+
+@pytest.fixture(scope="module")
+def without_barrier():
+    return attraction(load("x4-flyer"), objective="volume", barrier=False)
+
+
+# --- the lemmas ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("lemma", LEMMAS, ids=lambda lemma: lemma.id)
+def test_every_identity_of_a_lemma_is_proved(lemma):
+    identities = lemma.identities()
+    assert identities
+    assert all(identities.values()), identities
+
+
+def test_the_prover_tells_a_wrong_quadratic_form():
+    form = derive_form()
+    wrong = form.dissipation + form.weights[0] * form.errors[3] * form.errors[6] / 1000
+    assert not prove_equal(wrong, form.dissipation)
+
+
+def test_the_checker_has_the_matrix_of_the_derived_form(x4):
+    """The checker's lower bound at a multiplier is the derived form less Petersen's term."""
+    draft = {
+        "weights": [F(3, 2), F(5, 4), F(7, 3)],
+        "hover": [F(0), F(0), F(-3)],
+        "claim": {
+            "level": F(1),
+            "rate": F(1),
+            "barrier_height": None,
+            "reach": {"sideways": F(0), "up": F(0), "down": F(0)},
+            "starts": [],
+        },
+    }
+    p = bounds_of(x4, draft)
+    high, f, q3, t, tau = F(7, 2), F(1, 50), F(18, 5), F(1, 30), F(4, 3)
+    design = Design.values(x4, [F(0), F(0), q3])
+    S, u, v = evaluate(derive_form().function(), [design, draft["weights"], [f], [t, F(0)]])
+    expected = [
+        [
+            S[i][j]
+            + high / 4 * sum(u[k][i] * v[k][j] + u[k][j] * v[k][i] for k in range(3))
+            - high / 4 * sum(tau * v[k][i] * v[k][j] + u[k][i] * u[k][j] / tau for k in range(3))
+            for j in range(11)
+        ]
+        for i in range(11)
+    ]
+    assert checker.dissipation(p, high, f, q3, t, tau) == expected
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_petersens_bound_is_below_the_form_at_any_depths(x4, seed):
+    rng = np.random.default_rng(seed)
+    form = derive_form()
+    design = [float(x) for x in Design.values(x4, [F(0), F(0), F(18, 5)])]
+    S, u, v = (np.array(x) for x in form.function()(design, [1.5, 1.2, 2], 0.02, [0.01, 0.02]))
+    high = 3.0
+    for _ in range(200):
+        turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+        Q = turn @ np.diag(high * rng.uniform(size=3)) @ turn.T
+        y, tau = rng.normal(size=11), rng.uniform(0.1, 10)
+        a, b = u @ y, v @ y
+        bound = y @ S @ y + high / 2 * (a @ b - (tau * b @ b + a @ a / tau) / 2)
+        assert bound <= y @ S @ y + a @ Q @ b + 1e-9
+
+
+# --- what is proved -----------------------------------------------------------------------------
+
+
+def test_the_papers_start_is_proved(paper):
+    assert isinstance(paper, Proved)
+    assert paper.starts == (Start.hover(F(5), F(5, 2), F(-4)),)
+    assert paper.barrier_height > 0
+    assert checker.check(paper.certificate.content) == paper.certificate.statement
+    p = Potential.of(paper.mission)
+    place = np.array([[5, 2.5, -4]])
+    energy = p.hover_terms(place) @ [1, *map(float, paper.weights)]
+    assert energy[0] <= float(paper.level)
+
+
+def test_the_statement_says_what_it_is_about(paper):
+    words = paper.certificate.statement
+    for part in (
+        "level hover",
+        "straight below",
+        "any heading and yaw rate",
+        "continuous time",
+        "exact model",
+        "all target points seen",
+        "converges",
+        "level hover at rest with position in (5, 5/2, -4) m",
+    ):
+        assert part in words
+
+
+@pytest.mark.slow
+def test_hover_far_away_is_proved():
+    region = attraction(load("x4-flyer"), starts=[Start.hover(F(20), F(0), F(-20))])
+    assert isinstance(region, Proved)
+
+
+@pytest.mark.slow
+def test_the_region_without_a_barrier_is_as_large_as_asked(without_barrier):
+    assert isinstance(without_barrier, Proved)
+    assert without_barrier.barrier_height is None
+    reach = without_barrier.reach
+    assert reach.sideways >= 2
+    assert reach.up >= 10
+    assert reach.down >= F(5, 2)
+
+
+@pytest.mark.slow
+def test_tuned_gains_are_five_times_as_fast_with_a_region_as_large_as_asked():
+    tuned = load("x4-flyer", TUNED)
+    assert slowest_rate(tuned) >= 5 * slowest_rate(load("x4-flyer"))
+    region = attraction(tuned, objective="volume", barrier=False)
+    assert isinstance(region, Proved)
+    assert region.reach.sideways >= 2
+    assert region.reach.up >= 3
+    assert region.reach.down >= 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("barrier", [True, False])
+def test_a_set_of_moving_starts_is_proved_and_its_states_are_inside(barrier):
+    import attraction_flights as flights
+
+    mission = load("x4-flyer")
+    position = ((F(-1, 2), F(1, 2)), (F(-1, 2), F(1, 2)), (F(-4), F(-3)))
+    start = Start(position, F(1, 100), F(1, 1000), F(1, 1000), F(1, 20))
+    region = attraction(mission, starts=[start], barrier=barrier)
+    assert isinstance(region, Proved)
+    case, rng = flights.Case(region), np.random.default_rng(0)
+    states = np.array([state_in(start, case, rng) for _ in range(500)])
+    assert (case_energy(case, states) <= float(region.level)).all()
+
+
+def state_in(start, case, rng):
+    """Return a state at the edge of a set of starts."""
+    import attraction_flights as flights
+
+    low, high = np.array(start.position, float).T
+    lean, heading = float(start.tilt), rng.uniform(0, 2 * np.pi, 3)
+    rho = [np.sin(lean) * np.cos(heading[0]), np.sin(lean) * np.sin(heading[0]), np.cos(lean)]
+    R = flights.rotation_with(np.array(rho), heading[1])
+    V = rng.normal(size=3)
+    V *= float(start.speed) / np.linalg.norm(V)
+    omega = float(start.rate) * np.array([np.cos(heading[2]), np.sin(heading[2]), 1])
+    T = case.weight + rng.choice([-1, 1]) * float(start.thrust)
+    return np.concatenate([rng.uniform(low, high), V, R.T.ravel(), omega, [T]])
+
+
+def case_energy(case, states):
+    from hoverproof.certification.attraction.motion import energies
+
+    return energies(case.region, states)
+
+
+@pytest.mark.slow
+def test_a_start_at_the_target_plane_is_not_proved():
+    verdict = attraction(load("x4-flyer", {"start.position": "[0.9, 0.9, -0.05]"}))
+    assert isinstance(verdict, Undecided)
+    assert "with a barrier" in verdict.reason
+    assert "without a barrier" in verdict.reason
+
+
+def test_a_barrier_needs_k3_large_enough():
+    slow = load("x4-flyer", {"gains.k3": "5"})
+    verdict = attraction(slow, barrier=True)
+    assert isinstance(verdict, Undecided)
+    assert "k3 >= 3 k1 k2" in verdict.reason
+
+
+def test_a_goal_that_is_not_straight_below_is_refused():
+    tilted = load("x4-flyer", {"goal": "{centroid = [0.3, 0.2, 3.5]}"})
+    with pytest.raises(InputError, match="axial"):
+        attraction(tilted)
+
+
+@pytest.mark.slow
+def test_a_goal_by_centroid_over_an_uneven_target_is_proved():
+    """ξ* is irrational here; its potential is enclosed."""
+    points = "{points = [[1, 1, 0], [1, -1, 0.2], [-1.2, -1, 0], [-1, 1.1, -0.1]]}"
+    mission = load("x4-flyer", {"target": points, "goal": "{centroid = [0, 0, 3.6]}"})
+    region = attraction(mission, objective="radius", barrier=False)
+    assert isinstance(region, Proved)
+    assert region.reach.sideways > 1
+
+
+@pytest.mark.slow
+def test_an_estimate_for_tuning_is_near_what_is_proved(x4):
+    found = estimate(x4)
+    grid = HoverGrid.of(Potential.of(x4))
+    radius = grid.radius(found.weights, found.level, found.bottom)
+    assert 2 < radius < 3
+
+
+# --- what flights say ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("count", [40, pytest.param(1500, marks=pytest.mark.slow)])
+def test_flights_from_inside_keep_inside_and_reach_the_goal(paper, count):
+    import attraction_flights as flights
+
+    flown, excess = flights.trial(paper, count, 20 * count)
+    assert flown == {
+        "flights": count,
+        "reach the goal": count,
+        "Λ rises": 0,
+        "leave the level": 0,
+        "pass the barrier": 0,
+        "lose the target": 0,
+    }
+    assert (excess <= 0).all()
+
+
+def test_the_trial_tells_a_rate_that_is_too_high(paper):
+    import attraction_flights as flights
+
+    boast = copy.copy(paper)
+    object.__setattr__(boast, "rate", paper.rate * 10_000)
+    _, excess = flights.trial(boast, 1, 500)
+    assert (excess > 0).any()
+
+
+# --- the certificate and the command ------------------------------------------------------------
+
+
+def test_the_checker_alone_accepts_the_file(paper):
+    paper.certificate.save("a.json")
+    done = subprocess.run(
+        [sys.executable, "-I", "-S", checker.__file__, "a.json"], capture_output=True, check=False
+    )
+    assert done.returncode == 0, done.stdout
+
+
+def claimed(content, **changes):
+    """Return a certificate with other claims, hashes and statement made anew."""
+    forged = copy.deepcopy(content)
+    for path, value in changes.items():
+        *above, last = path.split("__")
+        spot = forged
+        for key in above:
+            spot = spot[key]
+        spot[last] = value
+    forged["statement"] = checker.statement(forged)
+    forged["sha256"] = checker.digest({k: v for k, v in forged.items() if k != "sha256"})
+    return forged
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"claim__level": "100000"}, "singularity|tan|interval of f"),
+        ({"claim__rate": "2"}, "not shown to be above"),
+        ({"claim__barrier_height": "1/100"}, "largest eigenvalue"),
+        ({"claim__barrier_height": "5"}, "below the barrier|sinks"),
+        ({"claim__barrier_height": None}, "largest eigenvalue"),
+        ({"enclosures__largest_eigenvalue": "1"}, "largest eigenvalue|barrier"),
+        ({"enclosures__tilt": "1/1000"}, "tan"),
+        ({"enclosures__factor": ["1/1000", "1/999"]}, "interval of f"),
+        ({"claim__reach": {"sideways": "100000", "up": "1", "down": "1"}}, "start is not shown"),
+        (
+            {"claim__reach": {"sideways": "1", "up": "1", "down": "29/10"}},
+            "below the barrier|sinks",
+        ),
+        ({"weights": ["100", "100", "100"]}, "tan|not shown|interval of f"),
+        ({"multipliers": ["1000000", "1000000"]}, "not shown to be above"),
+        ({"hover": ["0", "0", "-4"]}, "hover point"),
+    ],
+)
+def test_a_claim_beyond_what_is_proved_is_rejected(paper, change, reason):
+    with pytest.raises(checker.Rejected, match=reason):
+        checker.check(claimed(paper.certificate.content, **change))
+
+
+def test_a_barrier_without_real_poles_is_rejected(paper):
+    forged = copy.deepcopy(paper.certificate.content)
+    forged["mission"]["gains"]["k3"] = "5"
+    forged["mission_sha256"] = checker.digest(forged["mission"])
+    with pytest.raises(checker.Rejected, match=r"k3 >= 3 k1 k2|interval of f|not shown"):
+        checker.check(claimed(forged))
+
+
+@pytest.mark.slow
+def test_the_command_writes_a_certificate_and_tells_in_json(capsys):
+    with pytest.raises(SystemExit) as done:
+        cli.main(["attraction", "x4-flyer", "--no-figure", "--json"])
+    assert done.value.code == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["verdict"] == "proved"
+    assert {"level", "weights", "tilt", "barrier_height", "reach", "certificate"} <= set(answer)
+    assert set(answer["reach"]) == {"sideways", "up", "down"}
+    assert len(answer["not_covered"]) >= 4
+    assert checker.check_file(answer["certificate"]) == answer["statement"]
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--start", "1,2"],
+        ["--start", "a,b,c"],
+        ["--start", "0,0,1e99"],
+        ["--speed", "-1"],
+        ["--start=1,1,0"],
+    ],
+)
+def test_a_start_that_cannot_be_used_is_refused_in_one_line(options, capsys):
+    with pytest.raises(SystemExit) as done:
+        cli.main(["attraction", "x4-flyer", *options])
+    assert done.value.code == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_undecided_has_its_own_exit_status(capsys):
+    with pytest.raises(SystemExit) as done:
+        cli.main(["attraction", "x4-flyer", "--barrier", "--set", "gains.k3=5", "--json"])
+    assert done.value.code == 3
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["verdict"] == "undecided"
+    assert answer["level"] is None
+    assert "k3" in answer["reason"]

@@ -1,0 +1,213 @@
+"""Hostile certificates of regions of attraction: rejected, or what they say is true."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+from collections import Counter
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from hoverproof import checker
+from hoverproof.certification.attraction.proof import attraction
+from hoverproof.mission import load
+from test_hostile import floats, mutants, put
+
+F = Fraction
+STEP = 5  # of so many mutants one gets its hashes made anew: reading it takes far longer
+NAMES = ("barrier", "no barrier")
+
+
+def remade(mutant):
+    """Return a copy with hashes and statement made anew where the checker has a statement."""
+    forged = copy.deepcopy(mutant)
+    try:
+        if forged["mission"]["goal"].get("height"):
+            forged["hover"] = forged["goal_position"]
+        forged["mission_sha256"] = checker.digest(forged["mission"])
+        forged["statement"] = checker.statement(forged)
+    except (checker.Rejected, ArithmeticError, KeyError, TypeError, AttributeError):
+        pass
+    forged["sha256"] = checker.digest({k: v for k, v in forged.items() if k != "sha256"})
+    return forged
+
+
+@pytest.fixture(scope="module")
+def certificates():
+    """Certificates that claim less than they could, so that many mutants stay true."""
+    found = {}
+    for name, barrier in (("barrier", True), ("no barrier", False)):
+        asked = {"objective": "start"} if barrier else {"objective": "radius"}
+        region = attraction(load("x4-flyer"), barrier=barrier, **asked)
+        content = copy.deepcopy(region.certificate.content)
+        content["claim"]["reach"] = {"sideways": "1/2", "up": "1/2", "down": "1/2"}
+        content["claim"]["rate"] = str(F(content["claim"]["rate"]) / 2)
+        hints = content["enclosures"]
+        hints["tilt"] = str(F(hints["tilt"]) * F(1001, 1000))
+        found[name] = remade(content)
+    return found
+
+
+class Truth:
+    """An accepted certificate in floating point, read without the checker."""
+
+    def __init__(self, content):
+        self.content = content
+        mission, claim = content["mission"], content["claim"]
+        self.k1, self.k2, self.k3, self.k4 = (
+            floats(mission["gains"][k]) for k in ("k1", "k2", "k3", "k4")
+        )
+        self.m = floats(mission["vehicle"]["mass"])
+        self.weight = self.m * floats(mission["vehicle"]["gravity"])
+        self.c = self.k1**2 * self.k2 / self.m
+        self.points, self.hover = floats(mission["target"]["points"]), floats(content["hover"])
+        q = self.seen(self.hover)
+        self.q3 = q[2]
+        assert np.abs(q[:2]).max() < 1e-9
+        if "height" in mission["goal"]:
+            plane = self.points[:, 2].mean()
+            assert plane - self.hover[2] == pytest.approx(floats(mission["goal"]["height"]))
+        self.a, self.level = floats(content["weights"]), floats(claim["level"])
+        self.rate, self.reach = floats(claim["rate"]), claim["reach"]
+        self.high = floats(content["enclosures"]["largest_eigenvalue"])
+        height = claim["barrier_height"]
+        self.bottom = None if height is None else self.points[:, 2].mean() - floats(height)
+        self.force = self.c * np.sqrt(2 * self.level * (1 / self.a[0] + 1 / self.a[1]))
+        assert self.weight - self.force > self.c * self.q3
+
+    def seen(self, x):
+        rays = self.points - x
+        return (rays / np.linalg.norm(rays, axis=1)[:, None]).sum(axis=0)
+
+    def W(self, x):
+        def raw(y):
+            return np.linalg.norm(self.points - y, axis=1).sum() + self.q3 * y[2]
+
+        return raw(np.asarray(x)) - raw(self.hover)
+
+    def depths(self, x):
+        rays = self.points - x
+        r = np.linalg.norm(rays, axis=1)[:, None, None]
+        p = rays[..., None] / r
+        return ((np.eye(3) - p * p.swapaxes(1, 2)) / r).sum(axis=0)
+
+    def form(self, Q, f, theta):
+        """Return the matrix of -(m/k1) Λ' in Y, from the equations of the δs."""
+        e, d2, d3, d4 = np.eye(12)[:, :11].reshape(4, 3, 11)
+        P = np.diag([1.0, 1, 0])
+        lean = P - np.outer([0, 0, 1], [*theta, 0])
+        v = e + self.q3 * self.c / self.weight * lean @ (d3 - d2) + d2
+        k12, turn = self.k1 * self.k2, self.k1 * f * self.q3 * P @ (d4 - d3)
+        flow = self.k1 * Q @ v
+        r2 = flow - k12 * d2 + k12 * d3 - turn
+        r3 = flow - k12 * d2 + (k12 + self.k3) * d4 - self.k3 * d3
+        r4 = P @ (flow - (k12 + self.k3) * d3) - self.k4 * d4
+        pairs = ((self.a[0], d2, r2), (self.a[1], d3, r3), (self.a[2], d4, r4))
+        B = e.T @ v - sum(w * d.T @ r for w, d, r in pairs) / self.k1
+        return (B + B.T) / 2
+
+    def hover_energy(self, x):
+        d1 = self.seen(np.asarray(x)) - [0, 0, self.q3]
+        a2, a3, a4 = self.a
+        return self.W(x) + ((a2 + a3) * d1 @ d1 + a4 * d1[:2] @ d1[:2]) / 2
+
+    def holds(self):
+        rng = np.random.default_rng(0)
+        sine = self.force / self.weight
+        t = sine / (1 + np.sqrt(1 - sine**2))
+        k12 = self.k1 * self.k2
+        factors = [
+            k12 * (k12 + self.k3) / (self.m * (self.weight + s * self.force - self.c * self.q3))
+            for s in (1, -1)
+        ]
+        near = np.vstack([p + rng.normal(size=(40, 3)) * 0.4 for p in self.points])
+        for x in np.vstack([near, self.hover + rng.normal(size=(60, 3)) * 2]):
+            if self.bottom is not None:
+                x[2] = min(x[2], self.bottom)
+            if self.W(x) <= self.level:
+                Q = self.depths(x)
+                assert np.linalg.eigvalsh(Q)[2] <= self.high * (1 + 1e-9)
+                for f, sign in itertools.product(factors, (1, -1)):
+                    M = self.form(Q, f, [sign * t, 0])
+                    values = np.linalg.eigvalsh(M)
+                assert values[0] >= self.rate * (1 - 1e-9) - 1e-12 * np.abs(values).max()
+        self.starts_hold(rng)
+        if self.bottom is not None:
+            self.barrier_holds(sine)
+
+    def starts_hold(self, rng):
+        side, up, down = (floats(self.reach[k]) for k in ("sideways", "up", "down"))
+        assert min(side, up, down) >= 0
+        angles = rng.uniform(0, 2 * np.pi, 20)
+        places = [self.hover + side * np.array([np.cos(b), np.sin(b), 0]) for b in angles]
+        places += [self.hover + np.array([0, 0, z]) for z in (-up, down)]
+        for start in self.content["claim"]["starts"]:
+            low, high = floats(start["position"]).T
+            assert (low <= high).all()
+            places += [low + (high - low) * share for share in rng.random((10, 3))]
+        for x in places:
+            assert self.hover_energy(x) <= self.level * (1 + 1e-9)
+            assert self.bottom is None or x[2] <= self.bottom + 1e-9
+        for start in self.content["claim"]["starts"]:  # a fast start is not in slow sets
+            speed = floats(start["speed"]) * self.m / self.k1
+            assert self.a[0] * speed**2 / 2 <= self.level + 2 * self.a[0] * speed * len(self.points)
+
+    def barrier_holds(self, sine):
+        assert self.k3 >= 3 * self.k1 * self.k2 * (1 - 1e-12)
+        gain = self.c * self.q3 / (self.weight - self.force - self.c * self.q3)
+        spread = np.sqrt(2 * self.level * ((1 + gain) ** 2 / self.a[2] + gain**2 / self.a[1]))
+        omega = self.q3 * (1 - np.sqrt(1 - sine**2)) + sine * spread
+        z = self.bottom - (len(self.points) - self.q3 + omega) / self.k2
+        over = np.vstack([self.points[:, :2], self.hover[:2]])
+        grid = np.stack(np.meshgrid(*[np.linspace(-1.5, 1.5, 31)] * 2), axis=-1).reshape(-1, 2)
+        for x, y in np.vstack([over, grid]):
+            assert self.seen(np.array([x, y, z]))[2] <= self.q3 - omega + 1e-9
+
+
+def tried(mutant, tally):
+    """Check one mutant; whatever is accepted must be true, and nothing else may be raised."""
+    try:
+        theorem = checker.check(mutant)
+    except (checker.Rejected, checker.Unreadable):
+        theorem = None
+    tally["mutants"] += 1
+    if theorem is not None:
+        tally["accepted"] += 1
+        assert theorem == mutant["statement"]
+        Truth(mutant).holds()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "worse",
+    [
+        ("claim", "rate", "2"),
+        ("enclosures", "largest_eigenvalue", "1/2"),
+        ("claim", "reach", {"sideways": "1", "up": "1", "down": "3"}),
+        ("claim", "level", "1/1000"),
+    ],
+    ids=lambda worse: worse[1],
+)
+def test_the_truth_of_this_file_tells_a_false_claim(certificates, worse, name):
+    Truth(certificates[name]).holds()
+    with pytest.raises(AssertionError):
+        Truth(put(certificates[name], worse[:2], worse[2])).holds()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_no_mutant_is_accepted_unless_true(certificates, name):
+    content, tally = certificates[name], Counter()
+    tried(content, tally)
+    assert tally["accepted"] == 1
+    for number, mutant in mutants(content):
+        if number % 2 == 0:
+            tried(mutant, tally)
+        if number % STEP == 0:
+            tried(remade(mutant), tally)
+    print(f"{name}:", dict(tally))
+    assert tally["accepted"] > 20
+    assert tally["mutants"] >= 1200  # 2,400 with both names
