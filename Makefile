@@ -9,7 +9,7 @@ demo: .venv/installed
 	@mkdir -p demo
 	@$(BIN)/hoverproof certify x4-flyer --out demo/x4-flyer.cert.json
 	@$(BIN)/hoverproof check demo/x4-flyer.cert.json
-	@$(BIN)/hoverproof simulate x4-flyer --out demo/x4-flyer.flight.nc
+	@$(BIN)/hoverproof simulate x4-flyer --out demo/x4-flyer.flight.nc --animate demo/x4-flyer.flight.html
 
 # Everything that CI runs: style, types, all tests, and every notebook executed.
 test: lint
@@ -25,7 +25,7 @@ lint: .venv/installed-dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-# Make the notebooks anew from derivations/, with their outputs.
+# Make the notebooks anew from derivations/ and examples/, with their outputs.
 notebooks: .venv/installed-dev
 	$(BIN)/python notebooks/build.py
 

@@ -1,4 +1,6 @@
-"""Make the notebooks from the scripts in derivations/: executed, with the same bytes every time.
+"""Make the notebooks from the scripts in derivations/ and examples/, executed.
+
+Those of derivations/ print text alone, and come out with the same bytes every time.
 
 Run it as ``make notebooks``.
 """
@@ -18,12 +20,14 @@ METADATA = {
 }
 
 
-def build(script: Path) -> Path:
+def build(script: Path, folder: Path) -> Path:
     """Execute a script in py:percent format as a notebook, and write it with its outputs.
 
     Parameters
     ----------
     script : Path
+    folder : Path
+        Where the notebook is to be.
 
     Returns
     -------
@@ -44,11 +48,12 @@ def build(script: Path) -> Path:
     for i, cell in enumerate(notebook.cells, start=1):
         cell.id, cell.metadata = f"cell-{i:02d}", nbformat.from_dict({})
     nbformat.validate(notebook)
-    path = HERE / f"{script.stem}.ipynb"
+    path = folder / f"{script.stem}.ipynb"
     nbformat.write(notebook, path)
     return path
 
 
 if __name__ == "__main__":
-    for script in sorted((HERE.parent / "derivations").glob("[0-9]*.py")):
-        print(f"notebooks/{build(script).name}")
+    for scripts, folder in (("derivations", HERE), ("examples", HERE / "examples")):
+        for script in sorted((HERE.parent / scripts).glob("*.py")):
+            print(build(script, folder).relative_to(HERE.parent))

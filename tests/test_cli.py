@@ -87,9 +87,31 @@ def test_simulate_draws_and_answers_machines_in_json(capsys):
     assert answer["seconds"] >= 0
     assert len(answer["final_position"]) == 3
     assert Path(answer["out"]).stat().st_size > 10_000
-    assert len(answer["figures"]) == 2
+    assert len(answer["figures"]) == 3
     for picture in answer["figures"]:
         assert Path(picture).read_bytes().startswith(b"\x89PNG")
+    assert 3.4e-4 < answer["certified_decay"]["rate"] < 3.5e-4
+    assert answer["certified_decay"]["until"] == 20
+
+
+def test_simulate_draws_what_is_asked_for_and_a_film(capsys):
+    some = ("--duration", 20, "--figures", "path", "--figures", "features", "--animate", "a.gif")
+    status, out, err = run(capsys, "simulate", "x4-flyer", *some)
+    assert status == 0
+    assert "certified: L ≤ L(0) exp(-0.000348 t)" in out
+    assert "animation a.gif" in out
+    assert sorted(p.suffixes[-2] for p in Path.cwd().glob("*.png")) == [".features", ".path"]
+    assert Path("a.gif").read_bytes().startswith(b"GIF89a")
+    assert err == ""
+
+
+def test_no_figure_claims_a_certificate_that_is_refused(capsys):
+    refuted = ("--set", "gains.k4=0.1", "--duration", 5, "--figures", "features", "--json")
+    assert json.loads(run(capsys, "simulate", "x4-flyer", *refuted)[1])["certified_decay"] is None
+    singular = ("--set", "bounds={eigenvalues=[0.01, 5], level=1e6}", "--duration", 5, "--json")
+    status, out, _ = run(capsys, "simulate", "x4-flyer", *singular)
+    assert status == 0
+    assert json.loads(out)["certified_decay"] is None
 
 
 def test_a_flight_cut_short_has_status_1(capsys):
@@ -130,6 +152,10 @@ def test_presets_are_listed_and_printed(capsys):
         ["certify", "x4-flyer", "--out", "."],
         ["simulate", "x4-flyer", "--duration", "long"],
         ["simulate", "x4-flyer", "--duration", "-3"],
+        ["simulate", "x4-flyer", "--figures", "sketch"],
+        ["simulate", "x4-flyer", "--animate", "a.avi"],
+        ["simulate", "x4-flyer", "--speed-up", "3"],
+        ["simulate", "x4-flyer", "--animate", "a.gif", "--speed-up", "0"],
         ["check", "nothing.json"],
         ["new", "no/such/folder/my.toml"],
     ],

@@ -123,6 +123,7 @@ def test_a_normal_form_has_the_values_of_its_graph(expression, values):
 def test_a_normal_form_with_a_root_has_the_values_of_its_graph(expression, values):
     _, b, c = values
     a = abs(values[0])
+    assume(c)  # x² is y/z but for a factor: it has no value at z = 0
     try:
         point = [a, a * a * c / b, c]
         expected = at(expression, point)

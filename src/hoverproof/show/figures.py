@@ -1,120 +1,118 @@
-"""Pictures of a flight."""
+"""Pictures of one flight, put together from `panels`."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hoverproof.files import replacing
+from hoverproof.show import panels
+from hoverproof.show.decay import Decay
+from hoverproof.show.scene import Scene
+from hoverproof.show.style import save_figure
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-"""Okabe and Ito's palette, told apart by the colour-blind."""
-
-STYLES = ("-", "--", "-.", ":")
+FIGURES = ("motion", "features", "path")
+SHORT = 0.2
 
 
 def motion_figure(flight: xr.Dataset) -> Figure:
-    """Draw position and attitude over time.
+    """Draw position, attitude (paper, Fig. 5), rotor thrusts and required view over time.
+
+    Where attitude and rotors come to rest long before the end, their beginning stands alongside.
 
     Parameters
     ----------
     flight : Dataset
         From `hoverproof.simulate`.
     """
-    figure = Figure(figsize=(8, 6), layout="constrained")
-    above, below = figure.subplots(2, 1, sharex=True)
-    figure.suptitle(f"{_name(flight)}: position and attitude")
-    goal = flight.attrs["goal_position"]
-    for i, axis in enumerate("xyz"):
-        _line(above, flight, flight["position"].sel(axis=axis), i, axis)
-        above.axhline(goal[i], color=COLOURS[i], linewidth=0.7, alpha=0.6)
-    above.set_ylabel("position, world frame (m)")
-    above.text(0.99, 0.02, "z down; thin lines: goal", transform=above.transAxes, ha="right")
-    for i, angle in enumerate(("roll", "pitch", "yaw")):
-        _line(below, flight, flight["euler_angles"].sel(angle=angle) * (180 / np.pi), i, angle)
-    below.set_ylabel("Euler angles (deg)")
-    below.set_xlabel("time (s)")
-    for axes in (above, below):
-        _finish(axes)
+    drawn = (panels.position, panels.attitude, panels.rotor_forces, panels.required_view)
+    duration, early = float(flight["time"].values[-1]), panels.beginning(flight)
+    columns = 2 if 0 < early < SHORT * duration else 1
+    figure = Figure(figsize=(7 + 4 * (columns - 1), 10), layout="constrained")
+    figure.suptitle(f"{Scene.of(flight).name}: motion")
+    widths = (1.5, 1)[:columns]
+    axes = figure.subplots(len(drawn), columns, sharex="col", squeeze=False, width_ratios=widths)
+    for row, draw in zip(axes, drawn, strict=True):
+        draw(row[0], flight)
+    axes[-1, 0].set_xlabel("time (s)")
+    if columns == 2:
+        start = flight.isel(time=flight["time"].values <= 2 * early)
+        for row, draw in zip(axes, drawn, strict=True):
+            draw(row[1], start)
+            row[1].get_legend().remove()
+            row[1].set_ylabel("")
+        title = f"the first {2 * early:g} s, a sample each {flight['time'].values[1]:g} s"
+        axes[0, 1].set_title(title, fontsize="medium")
+        axes[-1, 1].set_xlabel("time (s)")
+    figure.align_ylabels(axes[:, 0])
     return figure
 
 
-def features_figure(flight: xr.Dataset) -> Figure:
+def features_figure(flight: xr.Dataset, decay: Decay | None = None) -> Figure:
     """Draw the image points' tracks, and the errors and L over time.
 
     Parameters
     ----------
     flight : Dataset
         From `hoverproof.simulate`.
+    decay : Decay, optional
+        Proved for this flight; drawn as a line beside L.
     """
-    figure = Figure(figsize=(10, 5), layout="constrained")
-    left, right = figure.subplots(1, 2, width_ratios=(1, 1.3))
-    figure.suptitle(f"{_name(flight)}: image features and errors")
-    for i, point in enumerate(flight["point"].values):
-        track = flight["image"].sel(point=point)
-        x, y = track.sel(image_axis="x"), track.sel(image_axis="y")
-        colour = COLOURS[i % len(COLOURS)]
-        left.plot(x, y, color=colour, linewidth=1.2)
-        left.plot(x[0], y[0], "o", color=colour, fillstyle="none")
-        left.plot(x[-1], y[-1], "x", color=colour)
-    left.plot([], [], "o", color="black", fillstyle="none", label="start")
-    left.plot([], [], "x", color="black", label="end")
-    left.set_xlabel("image x = X/Z (focal length 1)")
-    left.set_ylabel("image y = Y/Z (focal length 1)")
-    left.set_aspect("equal", adjustable="datalim")
-    left.invert_yaxis()
-
-    for i in range(4):
-        name = f"delta{i + 1}"
-        size = np.linalg.norm(flight[name].values, axis=1)
-        right.semilogy(
-            flight["time"], size, STYLES[i], color=COLOURS[i], label=f"|δ{i + 1}|", linewidth=1.3
-        )
-    right.semilogy(flight["time"], flight["lyapunov"], color="black", linewidth=1.8, label="L")
-    largest = float(flight["lyapunov"].max())
-    right.set_ylim(1e-12 * largest, 10 * largest)
-    right.set_xlabel("time (s)")
-    right.set_ylabel("errors and L (dimensionless)")
-    for axes in (left, right):
-        _finish(axes)
+    figure = Figure(figsize=(11, 5.4), layout="constrained")
+    figure.suptitle(f"{Scene.of(flight).name}: image features and errors")
+    left, right = figure.subplots(1, 2, width_ratios=(1, 1.25))
+    panels.image_tracks(left, flight)
+    panels.errors(right, flight, decay)
     return figure
 
 
-def save_figures(flight: xr.Dataset, stem: Path) -> list[Path]:
-    """Write both figures of a flight as PNG files beside each other.
+def path_figure(flight: xr.Dataset) -> Figure:
+    """Draw the path in space (paper, Fig. 4), from above and from the side.
+
+    Parameters
+    ----------
+    flight : Dataset
+        From `hoverproof.simulate`.
+    """
+    figure = Figure(figsize=(11, 6), layout="constrained")
+    figure.suptitle(f"{Scene.of(flight).name}: path over the target")
+    grid = figure.add_gridspec(2, 2, width_ratios=(1.5, 1))
+    panels.path(figure.add_subplot(grid[:, 0], projection="3d"), flight)
+    panels.from_above(figure.add_subplot(grid[0, 1]), flight)
+    panels.from_the_side(figure.add_subplot(grid[1, 1]), flight)
+    return figure
+
+
+def save_figures(
+    flight: xr.Dataset, stem: Path, which: Sequence[str] = FIGURES, decay: Decay | None = None
+) -> list[Path]:
+    """Write figures of a flight as PNG files beside each other.
 
     Parameters
     ----------
     flight : Dataset
     stem : Path
-        Path without its ending; ``.motion.png`` and ``.features.png`` are appended.
+        Path without its ending; ``.motion.png`` and so on are appended.
+    which : sequence of str
+        Some of `FIGURES`.
+    decay : Decay, optional
+        See `features_figure`.
 
     Raises
     ------
     InputError
         If a file cannot be written.
     """
+    draw = {
+        "motion": lambda: motion_figure(flight),
+        "features": lambda: features_figure(flight, decay),
+        "path": lambda: path_figure(flight),
+    }
     paths = []
-    for name, draw in (("motion", motion_figure), ("features", features_figure)):
+    for name in which:
         path = stem.with_name(f"{stem.name}.{name}.png")
-        with replacing(path) as beside:
-            draw(flight).savefig(beside, dpi=130, format="png")
+        save_figure(draw[name](), path)
         paths.append(path)
     return paths
-
-
-def _line(axes: Axes, flight: xr.Dataset, values: xr.DataArray, i: int, label: str) -> None:
-    axes.plot(flight["time"], values, STYLES[i], color=COLOURS[i], label=label, linewidth=1.5)
-
-
-def _finish(axes: Axes) -> None:
-    axes.grid(alpha=0.3)
-    axes.legend(loc="best", framealpha=0.8)
-
-
-def _name(flight: xr.Dataset) -> str:
-    return str(flight.attrs["title"]).removeprefix("closed-loop flight of ")

@@ -9,10 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from hoverproof.certification.region import Box, eigenvalues
-from hoverproof.files import replacing
 from hoverproof.mission import Mission
 from hoverproof.plant.goal import hover_goal
-from hoverproof.show.figures import COLOURS
+from hoverproof.show.style import COLOURS, save_figure
 
 CELLS = 400
 
@@ -76,8 +75,7 @@ def save_region_figure(mission: Mission, box: Box, path: Path) -> None:
     InputError
         If the file cannot be written.
     """
-    with replacing(path) as beside:
-        region_figure(mission, box).savefig(beside, dpi=130, format="png")
+    save_figure(region_figure(mission, box), path)
 
 
 Range = tuple[float, float]

@@ -1,0 +1,80 @@
+"""The proved decay of L beside a flight, and how long the flight keeps to what the proof assumes.
+
+Nothing is proved here: the rate is that of a verdict.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from hoverproof.algebra.decimals import decimal_below
+from hoverproof.certification.gains import Proved
+from hoverproof.certification.region import eigenvalues
+from hoverproof.show.scene import Scene
+
+YAW_RATE_ZERO = 1e-9
+
+
+@dataclass(frozen=True)
+class Decay:
+    """A proved decay, L ≤ L(0) exp(-rate t), for as long as its assumptions hold.
+
+    Attributes
+    ----------
+    rate : float
+        1/s.
+    until : float
+        Time of the last sample up to which the flight keeps to the assumptions, s.
+    """
+
+    rate: float
+    until: float
+
+    def bound(self, times: NDArray[np.float64], start: float) -> NDArray[np.float64]:
+        """Return L(0) exp(-rate t) at times in s, where `start` is L(0)."""
+        return np.asarray(start * np.exp(-self.rate * times), np.float64)
+
+    def label(self) -> str:
+        """Say what is proved, with the rate rounded down."""
+        rate = float(decimal_below(Fraction(self.rate), 3))
+        return f"certified: L ≤ L(0) exp(-{rate:g} t), t in s"
+
+
+def decay_along(flight: xr.Dataset, verdict: Proved) -> Decay | None:
+    """Return the decay that a verdict proves for a flight; None if it says nothing of it.
+
+    What the proof assumes is looked up at the samples, in floating point: the eigenvalues of Q and
+    the thrust within their bounds, and no turning about the vertical axis of the body.
+
+    Parameters
+    ----------
+    flight : Dataset
+        From `hoverproof.simulate`, of the mission that was certified. Its attribute ``conditions``
+        (JSON), if there is one, names what was added to the model, of which nothing is proved.
+    verdict : Proved
+        With weights 1, so that its L is the one recorded.
+    """
+    problem = verdict.problem
+    added = set(json.loads(flight.attrs.get("conditions", "{}"))) - {"scatter"}
+    if added or any(w != 1 for w in problem.weights):
+        return None
+    values = eigenvalues(Scene.of(flight).points, flight["position"].values)
+    thrust = flight["thrust"].values
+    (low, high), (least, most) = problem.eigenvalues, problem.thrust
+    kept = (
+        (values[:, 0] >= float(low))
+        & (values[:, 2] <= float(high))
+        & (thrust >= float(least))
+        & (thrust <= float(most))
+        & (np.abs(flight["body_rate"].sel(body_axis="z").values) <= YAW_RATE_ZERO)
+    )
+    samples = len(kept) if kept.all() else int(kept.argmin())
+    if samples < 2:
+        return None
+    return Decay(float(verdict.decay_rate), float(flight["time"].values[samples - 1]))

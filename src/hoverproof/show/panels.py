@@ -1,0 +1,256 @@
+"""The panels of a flight's pictures: each draws one thing on axes that it is given."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle, Rectangle
+from matplotlib.ticker import AutoLocator, MultipleLocator
+from mpl_toolkits.mplot3d import Axes3D
+
+from hoverproof.show.decay import Decay
+from hoverproof.show.scene import Array, Scene, view_angle
+from hoverproof.show.style import COLOURS, STYLES, legend_above
+
+FLOOR = 1e-10
+LIMIT_NEAR = 0.25
+LITTLE = 0.2
+DEGREES = 180 / np.pi
+
+
+def position(axes: Axes, flight: xr.Dataset) -> None:
+    """Draw the position over time, with the goal as thin lines (paper, Fig. 5)."""
+    goal = Scene.of(flight).goal
+    for i, axis in enumerate("xyz"):
+        label = "z (down)" if axis == "z" else axis
+        _line(axes, flight, flight["position"].sel(axis=axis), i, label)
+        axes.axhline(goal[i], color=COLOURS[i], linewidth=0.7, alpha=0.6)
+    axes.plot([], [], color="grey", linewidth=0.7, label="goal")
+    axes.set_ylabel("position (m)")
+    legend_above(axes)
+
+
+def attitude(axes: Axes, flight: xr.Dataset) -> None:
+    """Draw roll, pitch and yaw over time (paper, Fig. 5)."""
+    for i, angle in enumerate(("roll", "pitch", "yaw")):
+        _line(axes, flight, flight["euler_angles"].sel(angle=angle) * DEGREES, i, angle)
+    axes.set_ylabel("Euler angles (deg)")
+    legend_above(axes)
+
+
+def rotor_forces(axes: Axes, flight: xr.Dataset) -> None:
+    """Draw the thrust of each rotor over time, the share of the weight, and limits that are near.
+
+    A limit farther off than the thrusts ever stray is left out, and named in the legend.
+    """
+    scene = Scene.of(flight)
+    for i, rotor in enumerate(flight["rotor"].values):
+        _line(axes, flight, flight["rotor_thrust"].sel(rotor=rotor), i, str(rotor))
+    hover = scene.weight / flight.sizes["rotor"]
+    axes.axhline(hover, color="grey", linewidth=0.7, label="m g/4")
+    reach = float(np.abs(flight["rotor_thrust"].values - hover).max())
+    for name, limit in zip(("lowest", "highest"), scene.rotor_limits, strict=True):
+        if limit is None:
+            continue
+        label = f"{name} {limit:g} N"
+        if abs(limit - hover) * LIMIT_NEAR <= reach:
+            axes.axhline(limit, color="black", linewidth=1.2, linestyle="--", label=label)
+        else:
+            axes.plot([], [], " ", label=f"{label} (out of the picture)")
+    axes.set_ylabel("rotor thrust (N)")
+    axes.ticklabel_format(axis="y", useOffset=False)
+    legend_above(axes)
+
+
+def required_view(axes: Axes, flight: xr.Dataset) -> None:
+    """Draw the largest angle of a point off the optical axis over time, its maximum marked."""
+    times, angle = flight["time"].values, view_angle(flight) * DEGREES
+    axes.plot(times, angle, color=COLOURS[0], linewidth=1.5, label="farthest point")
+    top = int(angle.argmax())
+    axes.plot(
+        times[top],
+        angle[top],
+        "o",
+        color=COLOURS[1],
+        clip_on=False,
+        label=f"largest, {angle[top]:.1f}° at {times[top]:g} s",
+    )
+    size = Scene.of(flight).image_size
+    if size is not None:
+        edge = float(np.arctan(min(size) / 2)) * DEGREES
+        axes.axhline(
+            edge, color="black", linestyle="--", linewidth=1.2, label=f"nearest edge, {edge:.1f}°"
+        )
+    axes.set_ylim(0, 1.08 * axes.get_ylim()[1])
+    axes.set_ylabel("off the optical axis (deg)")
+    legend_above(axes)
+
+
+def image_tracks(axes: Axes, flight: xr.Dataset) -> None:
+    """Draw the tracks of the target points in the image, their start, end and goal.
+
+    The dotted circle is the smallest field of view around the optical axis that holds them; the
+    edge of the image is drawn if the camera has one.
+    """
+    scene = Scene.of(flight)
+    for i, point in enumerate(flight["point"].values):
+        track = flight["image"].sel(point=point).values
+        colour = COLOURS[i % len(COLOURS)]
+        axes.plot(track[:, 0], track[:, 1], color=colour, linewidth=1.3)
+        axes.plot(*track[0], "o", color=colour, fillstyle="none")
+        axes.plot(*track[-1], "x", color=colour)
+    yaw = float(flight["euler_angles"].sel(angle="yaw").values[-1])
+    goal = scene.goal_image(yaw)
+    axes.plot(*goal.T, "s", color="black", fillstyle="none", markersize=9, markeredgewidth=0.8)
+    angle = float(view_angle(flight).max())
+    axes.add_patch(Circle((0, 0), np.tan(angle), fill=False, linestyle=":", color="grey"))
+    axes.plot(0, 0, "+", color="grey", markersize=9)
+    for marker, label in (("o", "start"), ("x", "end"), ("s", goal_label(yaw))):
+        axes.plot([], [], marker, color="black", fillstyle="none", label=label)
+    axes.plot([], [], ":", color="grey", label=f"needed view, {2 * angle * DEGREES:.0f}° cone")
+    if scene.image_size is not None:
+        outline = image_edge(scene.image_size)
+        outline.set_label("edge of the image")
+        axes.add_patch(outline)
+    image_axes(axes)
+    legend_above(axes, 2)
+
+
+def goal_label(yaw: float) -> str:
+    """Name the image of the goal, with the yaw (rad) at which it is drawn unless that is zero."""
+    turned = abs(yaw) * DEGREES
+    return "goal" if turned < 0.5 else f"goal, at yaw {yaw * DEGREES:.0f}°"
+
+
+def image_edge(size: tuple[float, float]) -> Rectangle:
+    """Return the outline of an image (width, height) about the optical axis."""
+    width, height = size
+    return Rectangle((-width / 2, -height / 2), width, height, fill=False, linestyle="--")
+
+
+def image_axes(axes: Axes) -> None:
+    """Label axes of the image plane, y down as in an image."""
+    axes.set_xlabel("image x = X/Z (focal lengths)")
+    axes.set_ylabel("image y = Y/Z (focal lengths), down")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.autoscale_view()
+    if not axes.yaxis_inverted():
+        axes.invert_yaxis()
+
+
+def errors(axes: Axes, flight: xr.Dataset, decay: Decay | None = None) -> None:
+    """Draw |δ1| to |δ4| and L on a log scale, with the certified decay as a line.
+
+    Parameters
+    ----------
+    axes : Axes
+    flight : Dataset
+    decay : Decay, optional
+        From `hoverproof.show.decay.decay_along`.
+    """
+    times, level = flight["time"].values, flight["lyapunov"].values
+    for i in range(4):
+        size = np.linalg.norm(flight[f"delta{i + 1}"].values, axis=1)
+        axes.semilogy(times, size, STYLES[i], color=COLOURS[i], label=f"|δ{i + 1}|", linewidth=1.3)
+    axes.semilogy(times, level, color="black", linewidth=1.8, label="L")
+    if decay is not None:
+        covered = times[times <= decay.until]
+        label = decay.label()
+        if decay.until < times[-1]:
+            label += f"\n(until {decay.until:g} s, when the flight leaves its bounds)"
+        bound = decay.bound(covered, level[0])
+        axes.semilogy(covered, bound, color=COLOURS[4], linewidth=2.2, label=label)
+    largest = float(level.max())
+    axes.set_ylim(FLOOR * largest, 10 * largest)
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel("errors and L (dimensionless)")
+    legend_above(axes, 3)
+
+
+def path(axes: Axes3D, flight: xr.Dataset) -> None:
+    """Draw the path in space with target, start and goal, up on the page (paper, Fig. 4)."""
+    scene = Scene.of(flight)
+    places = flight["position"].values
+    axes.plot(*places.T, color=COLOURS[0], linewidth=1.8, label="path")
+    axes.plot(*places[0], "o", color=COLOURS[3], label="start")
+    axes.plot(*places[-1], "x", color="black", label="end")
+    axes.plot(*scene.goal, "*", color=COLOURS[2], markersize=13, label="goal")
+    axes.plot(*scene.points.T, "s", color=COLOURS[1], label="target points")
+    ground = np.full(len(places), scene.points[:, 2].max())
+    axes.plot(*places[:, :2].T, ground, color="grey", linewidth=0.8, label="path on the ground")
+    space_axes(axes, np.vstack([places, scene.points, scene.goal]))
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, frameon=False)
+
+
+def space_axes(axes: Axes3D, places: Array) -> None:
+    """Give axes in space equal scales around places (n, 3), with z, which is down, down the page.
+
+    The y axis is turned around as well: turning one axis alone would show a mirror image.
+    """
+    low, high = places.min(axis=0), places.max(axis=0)
+    room = 0.08 * float((high - low).max()) + 0.1
+    low, high = low - room, high + room
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(high[1], low[1])
+    axes.set_zlim(high[2], low[2])
+    axes.set_box_aspect(tuple(high - low))
+    step = AutoLocator().tick_values(0, (high - low).max())
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_major_locator(MultipleLocator(step[1] - step[0]))
+    axes.set_xlabel("x (m)")
+    axes.set_ylabel("y (m)")
+    axes.set_zlabel("z (m), down")
+
+
+def from_above(axes: Axes, flight: xr.Dataset) -> None:
+    """Draw the path seen from above."""
+    _plan(axes, flight, 0, 1)
+    axes.set_xlabel("x (m)")
+    axes.set_ylabel("y (m)")
+    axes.set_title("from above (x to the right, y down the page)", fontsize="medium")
+    axes.invert_yaxis()
+
+
+def from_the_side(axes: Axes, flight: xr.Dataset) -> None:
+    """Draw the path seen from the side, along the y axis."""
+    _plan(axes, flight, 0, 2)
+    axes.set_xlabel("x (m)")
+    axes.set_ylabel("z (m), down")
+    axes.set_title("from the side", fontsize="medium")
+    axes.invert_yaxis()
+
+
+def _plan(axes: Axes, flight: xr.Dataset, i: int, j: int) -> None:
+    scene, places = Scene.of(flight), flight["position"].values
+    axes.plot(places[:, i], places[:, j], color=COLOURS[0], linewidth=1.5)
+    axes.plot(places[0, i], places[0, j], "o", color=COLOURS[3])
+    axes.plot(places[-1, i], places[-1, j], "x", color="black")
+    axes.plot(scene.goal[i], scene.goal[j], "*", color=COLOURS[2], markersize=13)
+    axes.plot(scene.points[:, i], scene.points[:, j], "s", color=COLOURS[1])
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.grid(alpha=0.3)
+
+
+def beginning(flight: xr.Dataset) -> float:
+    """Return the time after which tilt and rotor thrusts stray little any more, s.
+
+    Little is a fifth of the farthest that each strays from the end of the flight.
+    """
+    late = 0
+    for name in ("tilt", "rotor_thrust"):
+        values = flight[name].values.reshape(flight.sizes["time"], -1)
+        strayed = np.abs(values - values[-1]).max(axis=1)
+        late = max(late, int(np.nonzero(strayed >= LITTLE * strayed.max())[0][-1]))
+    return float(flight["time"].values[late])
+
+
+def _line(axes: Axes, flight: xr.Dataset, values: xr.DataArray, i: int, label: str) -> None:
+    axes.plot(
+        flight["time"],
+        values,
+        STYLES[i % len(STYLES)],
+        color=COLOURS[i % len(COLOURS)],
+        label=label,
+        linewidth=1.5,
+    )

@@ -1,0 +1,109 @@
+"""What the record of a flight says of its mission: all that a picture needs besides the motion."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from hoverproof.plant.camera import body_points, pinhole
+from hoverproof.plant.rigid_body import rotation_matrix
+from hoverproof.plant.rotors import ROTORS, wrench
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The surroundings of a flight.
+
+    Attributes
+    ----------
+    name : str
+        Of the mission.
+    points : (n, 3)
+        Target, world frame, m.
+    goal : (3,)
+        World frame, m.
+    weight : float
+        m g, N.
+    arm : float
+        m.
+    rotor_limits : (lowest or None, highest or None)
+        Of the thrust of one rotor, N.
+    image_size : (width, height) or None
+        Of the image, in focal lengths, with the optical axis in its middle; None without an edge.
+    """
+
+    name: str
+    points: Array
+    goal: Array
+    weight: float
+    arm: float
+    rotor_limits: tuple[float | None, float | None]
+    image_size: tuple[float, float] | None
+
+    @classmethod
+    def of(cls, record: xr.Dataset) -> Scene:
+        """Read the attributes of a flight, or of a batch.
+
+        ``mission`` and ``goal_position`` must be there. Of ``conditions`` (JSON, as ``mission``)
+        come the limits of the rotors (``rotors.min_thrust``, ``rotors.max_thrust``, N) and the
+        edge of the image (``sensors.focal_length``, ``width``, ``height``, px).
+        """
+        mission = json.loads(record.attrs["mission"])
+        conditions = {**mission, **json.loads(record.attrs.get("conditions", "{}"))}
+        vehicle, rotors = mission["vehicle"], conditions.get("rotors", {})
+        return cls(
+            name=mission["name"],
+            points=np.array([[_float(c) for c in p] for p in mission["target"]["points"]]),
+            goal=np.array(record.attrs["goal_position"], float),
+            weight=_float(vehicle["mass"]) * _float(vehicle["gravity"]),
+            arm=_float(vehicle["arm"]),
+            rotor_limits=(_maybe(rotors, "min_thrust"), _maybe(rotors, "max_thrust")),
+            image_size=_image_size(conditions.get("sensors", {})),
+        )
+
+    def goal_image(self, yaw: float) -> Array:
+        """Return the pinhole image of the target from the goal, (n, 2), at a yaw in rad."""
+        rotation = ca.SX(rotation_matrix(0.0, 0.0, yaw))
+        seen = body_points(ca.SX(self.points.T), ca.SX(self.goal), rotation)
+        return np.array(ca.evalf(pinhole(seen))).T
+
+    def rotor_places(self) -> Array:
+        """Return where the rotors are in the body frame, (4, 3), m, in the order of `ROTORS`.
+
+        Read off the torques that they make: a rotor at (x, y) with thrust t up, along -z, makes
+        the torque (-y t, x t).
+        """
+        thrusts = ca.SX.sym("t", len(ROTORS))
+        lever = ca.jacobian(wrench(thrusts, ca.SX(self.arm), ca.SX(0)), thrusts)
+        _, roll, pitch, _ = np.array(ca.evalf(lever))
+        return np.stack([pitch, -roll, np.zeros(len(ROTORS))], axis=1)
+
+
+def view_angle(flight: xr.Dataset) -> Array:
+    """Return the largest angle of a target point off the optical axis, (time,), rad."""
+    image = flight["image"].values
+    return np.asarray(np.arctan(np.linalg.norm(image, axis=-1)).max(axis=-1), np.float64)
+
+
+def _image_size(sensors: dict[str, Any]) -> tuple[float, float] | None:
+    focal, width, height = (_maybe(sensors, k) for k in ("focal_length", "width", "height"))
+    if focal is None or width is None or height is None:
+        return None
+    return width / focal, height / focal
+
+
+def _maybe(section: dict[str, Any], key: str) -> float | None:
+    return _float(section[key]) if section.get(key) is not None else None
+
+
+def _float(value: Any) -> float:
+    return float(Fraction(value))

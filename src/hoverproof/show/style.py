@@ -1,0 +1,45 @@
+"""How pictures look: colours, legends beside the data, files written whole."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from hoverproof.files import replacing
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+"""Okabe and Ito's palette, told apart by the colour-blind."""
+
+STYLES = ("-", "--", "-.", ":")
+
+DPI = 130
+
+
+def legend_above(axes: Axes, columns: int = 5) -> None:
+    """Put the legend of `axes` above them, where it covers no data, and draw a grid."""
+    axes.grid(alpha=0.3)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(
+            loc="lower left",
+            bbox_to_anchor=(0, 1),
+            ncols=columns,
+            frameon=False,
+            borderaxespad=0.2,
+            handlelength=2.2,
+            columnspacing=1.0,
+            fontsize=9,
+        )
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    with replacing(path) as beside:
+        figure.savefig(beside, dpi=DPI, format="png")

@@ -1,0 +1,61 @@
+"""The worked examples run alone, and the notebooks are the same, executed, with their pictures."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import jupytext
+import nbformat
+import pytest
+
+ROOT = Path(__file__).parents[1]
+SCRIPTS = sorted((ROOT / "examples").glob("*.py"))
+NOTEBOOKS = sorted((ROOT / "notebooks" / "examples").glob("*.ipynb"))
+each = pytest.mark.parametrize("script", SCRIPTS, ids=lambda p: p.stem)
+
+
+def notebook_of(script):
+    path = ROOT / "notebooks" / "examples" / f"{script.stem}.ipynb"
+    return nbformat.read(path, as_version=4)
+
+
+def test_every_example_has_its_notebook_and_the_other_way_round():
+    assert [p.stem for p in SCRIPTS] == [p.stem for p in NOTEBOOKS] != []
+
+
+@pytest.mark.slow
+@each
+def test_an_example_runs_alone_and_leaves_nothing_behind(script):
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert not list(Path.cwd().iterdir())
+    outputs = [o for c in notebook_of(script).cells for o in c.get("outputs", [])]
+    printed = [o.text for o in outputs if o.output_type == "stream"]
+    assert all(text in done.stdout for text in printed), "run `make notebooks`"
+
+
+@each
+def test_a_notebook_has_the_cells_of_its_example(script):
+    cells = jupytext.read(script, fmt="py:percent").cells
+    for text, cell in zip(cells, notebook_of(script).cells, strict=True):
+        assert (text.cell_type, text.source) == (cell.cell_type, cell.source), "`make notebooks`"
+
+
+@each
+def test_a_notebook_is_executed_and_shows_a_picture_for_each_figure(script):
+    notebook = notebook_of(script)
+    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert [cell.execution_count for cell in code] == [*range(1, len(code) + 1)]
+    for cell in code:
+        kinds = [kind for o in cell.outputs for kind in o.get("data", {})]
+        drawn = len(re.findall(r"^\w+_figure\(", cell.source, flags=re.M))
+        assert kinds.count("image/png") == drawn
+        assert kinds.count("image/gif") == cell.source.count("display(Image(")
+        assert all(o.output_type != "error" and o.get("name") != "stderr" for o in cell.outputs)
+    text = json.dumps([[cell.source, cell.outputs] for cell in code if "Image(" not in cell.source])
+    assert not re.search(r"/(home|root|tmp|work|Users)/\w+/", text)
+    assert notebook.metadata.keys() == {"kernelspec", "language_info"}
