@@ -45,7 +45,7 @@ def write(source: Path) -> None:
     }
     for name, text in pages.items():
         _write_if_changed(folder / name, text)
-    for notebook in sorted((ROOT / "notebooks").glob("*.ipynb")):
+    for notebook in sorted((ROOT / "notebooks").rglob("*.ipynb")):
         _write_if_changed(folder / notebook.name, notebook.read_text(encoding="utf-8"))
 
 
@@ -95,9 +95,8 @@ def ledger() -> str:
 
 def notebooks() -> str:
     """Return the list of notebooks for the table of contents."""
-    names = sorted(p.stem for p in (ROOT / "notebooks").glob("*.ipynb"))
-    steps = [n for n in names if re.match(r"\d\d_", n)]
-    examples = [n for n in names if n not in steps]
+    steps = sorted(p.stem for p in (ROOT / "notebooks").glob("*.ipynb"))
+    examples = sorted(p.stem for p in (ROOT / "notebooks" / "examples").glob("*.ipynb"))
     parts = ["# Notebooks", "Executed, with their outputs; their sources run as plain scripts too."]
     for title, group in (("Worked examples", examples), ("The derivation", steps)):
         parts.append(f"## {title}\n\n```{{toctree}}\n:maxdepth: 1\n\n" + "\n".join(group) + "\n```")
