@@ -10,9 +10,11 @@ import importlib
 import re
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, get_args
+from unittest import mock
 
 from pydantic import BaseModel, BeforeValidator
 from pydantic.fields import FieldInfo
@@ -51,7 +53,8 @@ def write(source: Path) -> None:
 
 def commands() -> str:
     """Return the reference of the commands, from the help of each."""
-    text = console.app.generate_docs(output_format="markdown")
+    with mock.patch.object(sys, "argv", ["hoverproof"]):  # else the usage names this build
+        text = console.app.generate_docs(output_format="markdown")
     _, *sections = re.split(r"(?m)^## hoverproof ", text)
     parts = ["# Commands", _line(console.app.help), str(console.app.help_epilogue)]
     for section in sections:
@@ -83,14 +86,34 @@ def mission_file() -> str:
 
 
 def ledger() -> str:
-    """Return the paper's claims with their verdicts, as `hoverproof derive` prints them."""
+    """Return the paper's claims with their verdicts, as `hoverproof derive` prints them.
+
+    It prints a table with a row for each claim; on a page a section for each reads better.
+    """
     done = subprocess.run(
         [sys.executable, "-m", "hoverproof", "derive", "--format", "markdown"],
         capture_output=True,
         text=True,
         check=True,
     )
-    return done.stdout
+    rows = [re.split(r"(?<!\\)\|", line)[1:-1] for line in done.stdout.splitlines()[2:]]
+    claims = [[cell.strip().replace(r"\|", "|") for cell in row] for row in rows]
+    counts = Counter(verdict for _, _, verdict, *_ in claims)
+    parts = [
+        "# The paper, judged",
+        "The controller is that of Hamel and Mahony (2004). Its equations and claims are judged "
+        "one by one, as printed, against what is derived from the rigid body and the image: exact "
+        "identities of rational functions with every parameter symbolic, and units checked beside "
+        "them. This page was made by `hoverproof derive --format markdown` when it was built.",
+        f"{len(claims)} claims: " + ", ".join(f"{n} {v}" for v, n in counts.items()) + ".",
+    ]
+    for name, title, verdict, reason, *forms in claims:
+        name = f"Eq. {name}" if name.isdigit() else _plain(name)
+        parts.append(f"## {name}: {_plain(title)}\n\n**{verdict}**: {_plain(reason)}")
+        for kind, form in zip(("printed", "derived"), forms, strict=True):
+            if form:
+                parts.append(f"{kind}\n\n$${form.strip('$')}$$")
+    return "\n\n".join(parts) + "\n"
 
 
 def notebooks() -> str:
@@ -175,6 +198,11 @@ def _examples_as_code(body: str) -> str:
 def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
     lines = [head, ("---",) * len(head), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def _plain(words: str) -> str:
+    """Escape what Markdown would read as markup."""
+    return re.sub(r"([*_$<|])", r"\\\1", words)
 
 
 def _shown(value: object) -> str:

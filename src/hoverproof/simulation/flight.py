@@ -61,7 +61,12 @@ class FlightNumbers:
 
     @classmethod
     def of(cls, mission: Mission) -> FlightNumbers:
-        """Round the numbers of a mission."""
+        """Round the numbers of a mission.
+
+        Parameters
+        ----------
+        mission : Mission
+        """
         goal = hover_goal(mission)
         start = mission.start
         state = [
@@ -169,6 +174,10 @@ def slowest_rate(mission: Mission) -> float:
     """Return the decay rate of the slowest motion of the loop linearised at the goal, 1/s.
 
     Negative if some motion grows.
+
+    Parameters
+    ----------
+    mission : Mission
     """
     numbers = FlightNumbers.of(mission)
     design, thrust = Design.symbols(), ca.SX.sym("T")
@@ -227,7 +236,13 @@ def save(flight: xr.Dataset, path: str | Path) -> None:
 
 
 def euler_angles(rotation: Array) -> Array:
-    """Return roll, pitch, yaw in rad, (..., 3), of rotations (..., 3, 3)."""
+    """Return roll, pitch, yaw in rad, (..., 3), of rotations (..., 3, 3).
+
+    Parameters
+    ----------
+    rotation : (..., 3, 3)
+        Rotations R, body to world.
+    """
     r = rotation
     roll = np.arctan2(r[..., 2, 1], r[..., 2, 2])
     pitch = np.arctan2(-r[..., 2, 0], np.hypot(r[..., 0, 0], r[..., 1, 0]))
