@@ -1,7 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test quick notebooks proofs bench fuzz lint clean
+.PHONY: demo test quick docs notebooks proofs bench fuzz lint clean
 .DELETE_ON_ERROR:
 
 # Certify the paper's vehicle, check the certificate, and fly it. Everything lands in demo/.
@@ -11,8 +11,8 @@ demo: .venv/installed
 	@$(BIN)/hoverproof check demo/x4-flyer.cert.json
 	@$(BIN)/hoverproof simulate x4-flyer --out demo/x4-flyer.flight.nc --animate demo/x4-flyer.flight.html
 
-# Everything that CI runs: style, types, all tests, and every notebook executed.
-test: lint
+# Everything that CI runs: style, types, the documentation, all tests, and every notebook executed.
+test: lint docs
 	$(BIN)/pytest -n auto
 	$(BIN)/pytest -n auto --nbmake notebooks
 
@@ -28,6 +28,10 @@ lint: .venv/installed-dev
 # Make the notebooks anew from derivations/ and examples/, with their outputs.
 notebooks: .venv/installed-dev
 	$(BIN)/python notebooks/build.py
+
+# Build the documentation, warnings as errors: docs/_build/html/index.html.
+docs: .venv/installed-docs
+	$(BIN)/python -m sphinx -b html -W --keep-going -q docs docs/_build/html
 
 # Make the certificates in proofs/ anew.
 proofs: .venv/installed-dev
@@ -55,5 +59,9 @@ fuzz: .venv/installed-dev
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
 	@touch .venv/installed $@
 
+.venv/installed-docs: .venv/installed-dev
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[docs]"
+	@touch $@
+
 clean:
-	rm -rf .venv demo
+	rm -rf .venv demo docs/_build docs/generated

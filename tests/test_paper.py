@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from fractions import Fraction
 
@@ -404,3 +405,9 @@ def test_the_command_fails_if_a_proof_fails(monkeypatch, capsys):
         cli.main(["derive"])
     assert exit_.value.code == 1
     assert "UNPROVED" in capsys.readouterr().out
+
+
+def test_no_formula_has_two_superscripts_in_a_row_which_latex_refuses():
+    for judgement in derive():
+        for shown in (judgement.printed, judgement.derived):
+            assert not re.search(r"\^(\S|\{[^{}]*\})\^", shown.latex()), judgement.id

@@ -365,7 +365,13 @@ def keys(value: Any, wanted: Sequence[str], where: str) -> Any:
 
 
 def digest(value: Any) -> str:
-    """Return the SHA-256 of a JSON value in canonical form."""
+    """Return the SHA-256 of a JSON value in canonical form.
+
+    Parameters
+    ----------
+    value : mapping
+        A JSON object.
+    """
     text = json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
     return hashlib.sha256(text.encode("ascii")).hexdigest()
 
@@ -1008,7 +1014,13 @@ KINDS = {
 
 
 def statement(certificate: Any) -> str:
-    """Return the theorem that a certificate claims, in words."""
+    """Return the theorem that a certificate claims, in words.
+
+    Parameters
+    ----------
+    certificate : mapping
+        The JSON object.
+    """
     kind = KINDS[certificate["kind"]]
     return kind.theorem(certificate, kind.read(certificate))
 
@@ -1017,6 +1029,11 @@ def check(certificate: Any) -> str:
     """Return the theorem that a certificate (an object read from JSON) proves.
 
     Raises Rejected if it does not prove what it claims.
+
+    Parameters
+    ----------
+    certificate : mapping
+        The JSON object.
     """
     try:
         return checked(certificate)
@@ -1074,12 +1091,23 @@ def check_file(path: Any) -> str:
     """Return the theorem that a certificate file proves.
 
     Raises Rejected if it does not prove what it claims, Unreadable if it is not a certificate.
+
+    Parameters
+    ----------
+    path : Path or str
+        A certificate or a counterexample.
     """
     return check(read(path))
 
 
 def main(arguments: list[str]) -> int:
-    """Check the file named on the command line; return the exit status."""
+    """Check the file named on the command line; return the exit status.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        The path of the certificate.
+    """
     if len(arguments) != 1:
         print("usage: checker.py FILE", file=sys.stderr)
         return 2

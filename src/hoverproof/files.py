@@ -45,7 +45,14 @@ def replacing(path: Path | str) -> Iterator[Path]:
 
 
 def write_text(path: Path | str, text: str) -> None:
-    """Write UTF-8 text to `path`, whole or not at all."""
+    """Write UTF-8 text to `path`, whole or not at all.
+
+    Parameters
+    ----------
+    path : Path or str
+        The file.
+    text : str
+    """
     with replacing(path) as beside:
         beside.write_text(text, encoding="utf-8")
 

@@ -172,9 +172,10 @@ class Start(_Section):
 
 
 class Mission(_Section):
-    """A vehicle, a camera target and a set of gains, with what is assumed and where to start.
+    """A vehicle, a camera target, a goal and gains, with the bounds assumed and the start.
 
-    All numbers are `fractions.Fraction`. Made by `load`; `source` says from where.
+    All numbers are `fractions.Fraction`. Made by `load`; `source` says from where. The name is also
+    that of the files that commands write.
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
@@ -257,7 +258,12 @@ class Mission(_Section):
 
 
 def on_one_line(points: Sequence[Sequence[Fraction]]) -> bool:
-    """Tell whether all points, (n, 3), lie on one line."""
+    """Tell whether all points lie on one line.
+
+    Parameters
+    ----------
+    points : (n, 3), m
+    """
     origin, *others = points
     rays = [[a - b for a, b in zip(p, origin, strict=True)] for p in others]
     first = next((r for r in rays if any(r)), [Fraction(1), Fraction(0), Fraction(0)])

@@ -79,7 +79,13 @@ def evaluate(
 
 
 def fingerprint(function: ca.Function) -> str:
-    """Return the SHA-256 of the graph of an SX function: its instructions, in order."""
+    """Return the SHA-256 of the graph of an SX function: its instructions, in order.
+
+    Parameters
+    ----------
+    function : Function
+        Of CasADi, made of SX graphs.
+    """
     digest = hashlib.sha256()
     for k in range(function.n_instructions()):
         op = function.instruction_id(k)

@@ -60,5 +60,11 @@ def lie_derivative(expression: ca.SX, state: ca.SX, rate: ca.SX) -> ca.SX:
 
 
 def is_zero(expression: ca.SX) -> bool:
-    """Tell whether every entry of `expression` is literally the constant 0."""
+    """Tell whether every entry of `expression` is literally the constant 0.
+
+    Parameters
+    ----------
+    expression : SX
+        Of any shape.
+    """
     return bool(ca.sparsify(ca.simplify(expression)).nnz() == 0)

@@ -69,7 +69,12 @@ class Polynomials:
         )
 
     def constant(self, value: Fraction | int) -> Poly:
-        """Return a number as a polynomial."""
+        """Return a number as a polynomial.
+
+        Parameters
+        ----------
+        value : Fraction or int
+        """
         return self.of_terms({(0,) * len(self.generators): Fraction(value)} if value else {})
 
 
@@ -137,7 +142,12 @@ class Field:
     roots: tuple[Root, ...] = ()
 
     def constant(self, value: Fraction | int) -> Rational:
-        """Return a rational number as an element."""
+        """Return a rational number as an element.
+
+        Parameters
+        ----------
+        value : Fraction or int
+        """
         return Rational(self, self.polynomials.constant(value), (), 1)
 
     def variables(self) -> list[Rational]:
@@ -148,14 +158,27 @@ class Field:
         return found
 
     def with_root(self, index: int, radicand: Rational) -> Field:
-        """Return the field in which variable `index` is the square root ≥ 0 of an element."""
+        """Return the field in which variable `index` is the square root ≥ 0 of an element.
+
+        Parameters
+        ----------
+        index : int
+            Position of the variable.
+        radicand : Rational
+            The element; only roots declared earlier may be in it.
+        """
         scale = _product(self.polynomials.constant(1), radicand.denominator)
         square = self.reduced(radicand.numerator * scale)
         value = Rational(self, self.polynomials.generators[index], radicand.denominator, 1)
         return replace(self, roots=(*self.roots, Root(index, square, scale, radicand, value)))
 
     def reduced(self, p: Poly) -> Poly:
-        """Return the polynomial with every R² replaced, so that no root is left squared."""
+        """Return the polynomial with every R² replaced, so that no root is left squared.
+
+        Parameters
+        ----------
+        p : polynomial
+        """
         for root in reversed(self.roots):  # a square may contain earlier roots only
             if p.degrees()[root.index] > 1:
                 parts: dict[int, dict[tuple[int, ...], Fraction]] = {}
@@ -167,7 +190,12 @@ class Field:
         return p
 
     def rationalised(self, p: Poly) -> tuple[Poly, Poly]:
-        """Return (p·c, c), c the product of conjugates that makes p·c free of roots."""
+        """Return (p·c, c), c the product of conjugates that makes p·c free of roots.
+
+        Parameters
+        ----------
+        p : polynomial
+        """
         cofactor = self.polynomials.constant(1)
         for root in reversed(self.roots):
             if p.degrees()[root.index] > 0:
@@ -260,7 +288,13 @@ class Rational:
         raise NotImplementedError(f"square root of an undeclared radicand: {self}")
 
     def at(self, values: Sequence[Fraction]) -> Fraction:
-        """Return the value at a point, (n,), which gives roots their value, too."""
+        """Return the value at a point, (n,), which gives roots their value, too.
+
+        Parameters
+        ----------
+        values : (n,) Fractions
+            One for each variable; those of roots are taken as the roots.
+        """
         terms, x = self.field.polynomials.terms, list(values)
         for root in self.field.roots:
             x[root.index] *= _value(terms(root.scale), values)

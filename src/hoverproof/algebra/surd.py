@@ -40,7 +40,12 @@ class Surd:
 
     @classmethod
     def of(cls, value: Fraction | int) -> Surd:
-        """Return a rational number as a surd."""
+        """Return a rational number as a surd.
+
+        Parameters
+        ----------
+        value : Fraction or int
+        """
         return cls._of_terms({Fraction(1): Fraction(value)})
 
     @classmethod

@@ -112,7 +112,12 @@ def model_fingerprint() -> str:
 
 
 def exact(value: Any) -> Any:
-    """Turn Fractions, in any nesting, into strings."""
+    """Turn Fractions, in any nesting, into strings.
+
+    Parameters
+    ----------
+    value : object
+    """
     if isinstance(value, Fraction):
         return str(value)
     if isinstance(value, dict):

@@ -46,13 +46,25 @@ class Vertex:
     weights: Array
 
     def bound(self, tau: float) -> Array:
-        """Return W^(-½) M(τ) W^(-½), (11, 11), kg/s."""
+        """Return W^(-½) M(τ) W^(-½), (11, 11), kg/s.
+
+        Parameters
+        ----------
+        tau : float
+            τ, a positive number.
+        """
         loss = tau * self.v.T @ self.v + self.u.T @ self.u / tau
         root = np.sqrt(self.weights)
         return np.asarray((self.sigma - self.spread * loss) / np.outer(root, root))
 
     def margin(self, tau: float) -> float:
-        """Return the largest t with M(τ) ⪰ t W, kg/s."""
+        """Return the largest t with M(τ) ⪰ t W, kg/s.
+
+        Parameters
+        ----------
+        tau : float
+            τ, a positive number.
+        """
         return float(np.linalg.eigvalsh(self.bound(tau))[0])
 
 
@@ -60,6 +72,10 @@ def inequality(vertex: Vertex) -> tuple[Array, Array, Array]:
     """Return B0, B1, B2, each (14, 14), of the inequality B0 + τ B1 + t B2 ⪰ 0.
 
     It is M(τ) ⪰ t W with uᵀu/τ written as a Schur complement.
+
+    Parameters
+    ----------
+    vertex : Vertex
     """
     n = len(vertex.sigma)
     constant, by_tau, by_t = (np.zeros((n + 3, n + 3)) for _ in range(3))
@@ -74,6 +90,10 @@ def inequality(vertex: Vertex) -> tuple[Array, Array, Array]:
 
 def best_multiplier(vertex: Vertex) -> float:
     """Return the τ that maximises the margin at a vertex.
+
+    Parameters
+    ----------
+    vertex : Vertex
 
     Raises
     ------
@@ -136,6 +156,12 @@ def worst_direction(vertex: Vertex, tau: float) -> tuple[Array, Array]:
 
     At the best τ some X in the lowest eigenspace has |u| = τ|v|; if that space has several
     dimensions, X is mixed from the two directions in which |u|² - τ²|v|² has opposite signs.
+
+    Parameters
+    ----------
+    vertex : Vertex
+    tau : float
+        τ, a positive number.
     """
     values, vectors = np.linalg.eigh(vertex.bound(tau))
     scale = np.abs(values).max()

@@ -159,7 +159,13 @@ class GainProblem:
         return [w1] * 3 + [w2] * 3 + [w3] * 3 + [w4] * 2
 
     def decay_rate(self, margin: Fraction) -> Fraction:
-        """Return the rate of L, 1/s, that follows from Σ ⪰ margin·W: L' ≤ -rate·L."""
+        """Return the rate of L, 1/s, that follows from Σ ⪰ margin·W: L' ≤ -rate·L.
+
+        Parameters
+        ----------
+        margin : Fraction
+            kg/s.
+        """
         return 2 * margin / self.mission.vehicle.mass
 
 

@@ -45,6 +45,10 @@ class Region:
 def parse_box(text: str) -> Box:
     """Read a box written as ``x0,x1,y0,y1,z0,z1`` in m, exact decimals.
 
+    Parameters
+    ----------
+    text : str
+
     Raises
     ------
     InputError
@@ -61,7 +65,12 @@ def parse_box(text: str) -> Box:
 
 
 def default_box(mission: Mission) -> Box:
-    """Return the box that holds start and goal, wider by a tenth of their distance on each side."""
+    """Return the box that holds start and goal, wider by a tenth of their distance on each side.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
     start, goal = mission.start.position, hover_goal(mission).position
     square = sum(((a - b) ** 2 for a, b in zip(start, goal, strict=True)), Fraction(0))
     margin = decimal_above(WIDEN * sqrt_enclosure(square)[1], 2)
@@ -133,7 +142,7 @@ def holds_over(mission: Mission, box: Box, bounds: Interval, most: int | None = 
     box : (3,) of (low, high), world frame, m
     bounds : (low, high), 1/m
     most : int, optional
-        See `enclose`.
+        Most boxes, see `enclose`.
     """
     points = [list(p) for p in mission.target.points]
     limit = checker.MAX_WORK // len(points)
@@ -164,7 +173,16 @@ class Outside:
 
 
 def outside(mission: Mission, box: Box, bounds: Interval) -> Outside | None:
-    """Return a position in a box with an eigenvalue of Q out of bounds; None if none is found."""
+    """Return a position in a box with an eigenvalue of Q out of bounds; None if none is found.
+
+    Parameters
+    ----------
+    mission : Mission
+    box : (3,) of (low, high)
+        m, world frame.
+    bounds : (low, high)
+        1/m.
+    """
     places, points = _samples(box), _points(mission)
     values = eigenvalues(points, places)
     for column, index, bound in (

@@ -28,7 +28,7 @@ class Demand:
     name : str
         What is demanded to be above or below the limit.
     value, limit : float
-        What the mission has, and the limit, in floating point.
+        What the mission has, and the limit, in floating point: the bare numbers.
     above : bool
         Whether the value must be above the limit.
     """

@@ -33,7 +33,15 @@ Setting = Callable[[], tuple[World, Mapping[ca.SX, ca.SX]]]
 
 @dataclass(frozen=True)
 class Words:
-    """A claim that is no equation, in words and LaTeX."""
+    """A claim that is no equation, in words and LaTeX.
+
+    Attributes
+    ----------
+    plain : str
+        As text.
+    tex : str
+        As LaTeX.
+    """
 
     plain: str
     tex: str
@@ -105,18 +113,41 @@ class Claim:
     def judged(
         self, verdict: Verdict, reason: str, derived: Shown | None = None, **more: Any
     ) -> Judgement:
-        """Return the judgement of this claim."""
+        """Return the judgement of this claim.
+
+        Parameters
+        ----------
+        verdict : Verdict
+        reason : str
+            One line.
+        derived : Equation or Words, optional
+            By default the printed form.
+        more : object
+            Further fields of `Judgement`.
+        """
         shown = self.printed if derived is None else derived
         return Judgement(self.id, self.title, verdict, reason, self.printed, shown, **more)
 
 
 def setting(world: Callable[[], World]) -> Setting:
-    """Return a setting without square roots."""
+    """Return a setting without square roots.
+
+    Parameters
+    ----------
+    world : callable
+        Makes the world.
+    """
     return lambda: (world(), {})
 
 
 def proof_of(equation: Equation, where: Setting) -> Proof:
-    """Prove an equation in a setting, or refute it."""
+    """Prove an equation in a setting, or refute it.
+
+    Parameters
+    ----------
+    equation : Equation
+    where : Setting
+    """
     world, roots = where()
     return prove_equal(equation.left.value(world), equation.right.value(world), roots)
 
@@ -174,7 +205,17 @@ def identity(
 
 
 def definition(id: str, title: str, printed: Equation, where: Setting, *, note: str = "") -> Claim:
-    """Claim an equation that defines its left side; the model is proved to use it so."""
+    """Claim an equation that defines its left side; the model is proved to use it so.
+
+    Parameters
+    ----------
+    id, title : str
+        See `Judgement`.
+    printed : Equation
+    where : Setting
+    note : str
+        What to add to the reason.
+    """
     inner = identity(id, title, printed, where)
 
     def judge(claim: Claim) -> Judgement:
@@ -188,12 +229,27 @@ def definition(id: str, title: str, printed: Equation, where: Setting, *, note: 
 
 
 def statement(id: str, title: str, printed: Shown, judge: Callable[[Claim], Judgement]) -> Claim:
-    """Claim something that has a judge of its own."""
+    """Claim something that has a judge of its own.
+
+    Parameters
+    ----------
+    id, title : str
+        See `Judgement`.
+    printed : Equation or Words
+    judge : callable
+        Returns the judgement of the claim.
+    """
     return Claim(id, title, printed, judge)
 
 
 def exact_point(**values: Fraction | int | str | list[Any]) -> dict[str, str]:
-    """Write an exact point so that it can be shown and read by programs."""
+    """Write an exact point so that it can be shown and read by programs.
+
+    Parameters
+    ----------
+    values : Fraction, int, str or list
+        Coordinates by name.
+    """
     return {name: _shown(value) for name, value in values.items()}
 
 

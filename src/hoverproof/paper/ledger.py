@@ -58,12 +58,24 @@ def derive(ids: Iterable[str] | None = None) -> list[Judgement]:
 
 
 def all_proved(judgements: Sequence[Judgement]) -> bool:
-    """Tell whether no claim was left without a proof or a refutation."""
+    """Tell whether no claim was left without a proof or a refutation.
+
+    Parameters
+    ----------
+    judgements : sequence of Judgement
+        From `derive`.
+    """
     return all(j.verdict is not Verdict.UNPROVED for j in judgements)
 
 
 def as_rows(judgements: Sequence[Judgement]) -> list[dict[str, object]]:
-    """Return the judgements as objects for machines."""
+    """Return the judgements as objects for machines.
+
+    Parameters
+    ----------
+    judgements : sequence of Judgement
+        From `derive`.
+    """
     return [
         {
             "id": j.id,

@@ -20,7 +20,13 @@ World = Mapping[str, ca.SX]
 
 @dataclass(frozen=True)
 class Unit:
-    """Exponents of kilogram, metre and second."""
+    """Exponents of kilogram, metre and second.
+
+    Attributes
+    ----------
+    kg, m, s : Fraction
+        The exponents, each a number.
+    """
 
     kg: Fraction = Fraction(0)
     m: Fraction = Fraction(0)
@@ -51,7 +57,13 @@ class Formula(ABC):
 
     @abstractmethod
     def value(self, world: World) -> ca.SX:
-        """Return the value in a world; a KeyError names a symbol that the world lacks."""
+        """Return the value in a world; a KeyError names a symbol that the world lacks.
+
+        Parameters
+        ----------
+        world : mapping of str to SX
+            Symbols by name.
+        """
 
     @abstractmethod
     def unit(self) -> Unit:
@@ -93,12 +105,22 @@ class Formula(ABC):
 
 
 def terms(formula: Formula) -> tuple[tuple[int, Formula], ...]:
-    """Return the signed terms of a sum; a formula that is no sum is its only term."""
+    """Return the signed terms of a sum; a formula that is no sum is its only term.
+
+    Parameters
+    ----------
+    formula : Formula
+    """
     return formula.signed if isinstance(formula, Sum) else ((1, formula),)
 
 
 def factors(formula: Formula) -> tuple[Formula, ...]:
-    """Return the factors of a product; a formula that is no product is its only factor."""
+    """Return the factors of a product; a formula that is no product is its only factor.
+
+    Parameters
+    ----------
+    formula : Formula
+    """
     return formula.parts if isinstance(formula, Product) else (formula,)
 
 
@@ -110,9 +132,24 @@ def _in(formula: Formula, level: int, show: str) -> str:
     return rf"\left({shown}\right)" if show == "latex" else f"({shown})"
 
 
+def _latex_base(formula: Formula) -> str:
+    """Return a formula to be raised: in braces if it has a superscript, as LaTeX takes but one."""
+    base = _in(formula, 3, "latex")
+    return f"{{{base}}}" if "^" in base else base
+
+
 @dataclass(frozen=True)
 class Symbol(Formula):
-    """A symbol of the paper, looked up in the world by its text."""
+    """A symbol of the paper, looked up in the world by its text.
+
+    Attributes
+    ----------
+    name : str
+        As text.
+    tex : str
+        As LaTeX.
+    dimension : Unit
+    """
 
     name: str
     tex: str
@@ -133,7 +170,13 @@ class Symbol(Formula):
 
 @dataclass(frozen=True)
 class Number(Formula):
-    """An exact number."""
+    """An exact number.
+
+    Attributes
+    ----------
+    number : Fraction
+        An exact number.
+    """
 
     number: Fraction
 
@@ -154,7 +197,13 @@ class Number(Formula):
 
 @dataclass(frozen=True)
 class Sum(Formula):
-    """Signed terms; all must have one unit."""
+    """Signed terms; all must have one unit.
+
+    Attributes
+    ----------
+    signed : tuple of (sign, Formula)
+        Each sign is the number 1 or -1.
+    """
 
     signed: tuple[tuple[int, Formula], ...]
     level = 0
@@ -190,7 +239,12 @@ class Sum(Formula):
 
 @dataclass(frozen=True)
 class Product(Formula):
-    """A product of scalars, matrices and vectors, in this order."""
+    """A product of scalars, matrices and vectors, in this order.
+
+    Attributes
+    ----------
+    parts : tuple of Formula
+    """
 
     parts: tuple[Formula, ...]
     level = 1
@@ -223,7 +277,12 @@ class Product(Formula):
 
 @dataclass(frozen=True)
 class Quotient(Formula):
-    """One formula over a scalar one."""
+    """One formula over a scalar one.
+
+    Attributes
+    ----------
+    above, below : Formula
+    """
 
     above: Formula
     below: Formula
@@ -245,7 +304,14 @@ class Quotient(Formula):
 
 @dataclass(frozen=True)
 class Power(Formula):
-    """A scalar to a whole power."""
+    """A scalar to a whole power.
+
+    Attributes
+    ----------
+    base : Formula
+    exponent : int
+        A number.
+    """
 
     base: Formula
     exponent: int
@@ -261,7 +327,7 @@ class Power(Formula):
         return f"{_in(self.base, 3, 'text')}{str(self.exponent).translate(_SUPERSCRIPTS)}"
 
     def latex(self) -> str:
-        return f"{_in(self.base, 3, 'latex')}^{{{self.exponent}}}"
+        return f"{_latex_base(self.base)}^{{{self.exponent}}}"
 
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -269,7 +335,12 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 @dataclass(frozen=True)
 class Skew(Formula):
-    """sk(a), the matrix of the cross product with a."""
+    """sk(a), the matrix of the cross product with a.
+
+    Attributes
+    ----------
+    of : Formula
+    """
 
     of: Formula
 
@@ -288,7 +359,12 @@ class Skew(Formula):
 
 @dataclass(frozen=True)
 class Transpose(Formula):
-    """The transpose of a vector or matrix."""
+    """The transpose of a vector or matrix.
+
+    Attributes
+    ----------
+    of : Formula
+    """
 
     of: Formula
 
@@ -302,12 +378,17 @@ class Transpose(Formula):
         return f"{_in(self.of, 3, 'text')}ᵀ"
 
     def latex(self) -> str:
-        return f"{_in(self.of, 3, 'latex')}^T"
+        return f"{_latex_base(self.of)}^T"
 
 
 @dataclass(frozen=True)
 class SquaredNorm(Formula):
-    """|a|² of a vector."""
+    """|a|² of a vector.
+
+    Attributes
+    ----------
+    of : Formula
+    """
 
     of: Formula
 
@@ -327,7 +408,14 @@ class SquaredNorm(Formula):
 
 @dataclass(frozen=True)
 class Equation:
-    """Two formulas that are said to be equal (or ordered, where a relation is given)."""
+    """Two formulas that are said to be equal (or ordered, where a relation is given).
+
+    Attributes
+    ----------
+    left, right : Formula
+    relation : str
+        What stands between them, as text.
+    """
 
     left: Formula
     right: Formula
@@ -352,7 +440,12 @@ class Equation:
         return "" if left == right else f"the left side is in {left}, the right side in {right}"
 
     def difference(self, other: Equation) -> tuple[list[str], list[str]]:
-        """Return the terms that only this right side has, and those that only the other has."""
+        """Return the terms that only this right side has, and those that only the other has.
+
+        Parameters
+        ----------
+        other : Equation
+        """
         mine = [_signed(t) for t in terms(self.right)]
         others = [_signed(t) for t in terms(other.right)]
         for shown in list(mine):

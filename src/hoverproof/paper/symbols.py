@@ -19,17 +19,33 @@ NEWTON = KG * M / S**2
 
 
 def number(value: int | Fraction) -> Number:
-    """Return an exact number as a formula."""
+    """Return an exact number as a formula.
+
+    Parameters
+    ----------
+    value : int or Fraction
+        An exact number.
+    """
     return Number(Fraction(value))
 
 
 def sk(a: Formula) -> Formula:
-    """Return sk(a)."""
+    """Return sk(a).
+
+    Parameters
+    ----------
+    a : Formula
+    """
     return Skew(a)
 
 
 def sq(a: Formula) -> Formula:
-    """Return |a|²."""
+    """Return |a|².
+
+    Parameters
+    ----------
+    a : Formula
+    """
     return SquaredNorm(a)
 
 

@@ -52,7 +52,17 @@ def printed_conditions(
 ) -> dict[str, Any]:
     """Tell which conditions of the theorem are met; units are not looked at.
 
-    Numbers may be arrays. By default q* is along e3, so that its length is q3.
+    Numbers may be arrays.
+
+    Parameters
+    ----------
+    mass, gravity : number or array, kg and m/s²
+    gains : sequence of numbers or arrays
+        k1 kg m/s, k2 1/m, k3 and k4 kg/s.
+    q3, length : number or array
+        q3* and |q*|, dimensionless; by default q* is along e3, so that its length is q3*.
+    low, high : number or array
+        λmin and λmax of Q, 1/m.
     """
     a, b, k_3, k_4 = gains
     return {
@@ -69,7 +79,16 @@ Real = TypeVar("Real", Fraction, float)
 def k3_limit(a: Real, b: Real, k_3: Real, q3: Real, length: Real, low: Real, high: Real) -> Real:
     """Return what the theorem asks k3 to be above, for gains a = k1, b = k2 above high = λmax.
 
-    f(Tmin) = (k1 k2 + k3)/(k1 q3*) at Tmin = 2 (k1² k2/m) q3*; length is |q*|, low is λmin.
+    f(Tmin) = (k1 k2 + k3)/(k1 q3*) at Tmin = 2 (k1² k2/m) q3*.
+
+    Parameters
+    ----------
+    a, b, k_3 : number or expression
+        k1 kg m/s, k2 1/m and k3 kg/s.
+    q3, length : number or expression
+        q3* and |q*|, dimensionless.
+    low, high : number or expression
+        λmin and λmax of Q, 1/m.
     """
     f_min = (a * b + k_3) / (a * q3)
     return (b + high) * (high + f_min * length) ** 2 / (low * (b - high))

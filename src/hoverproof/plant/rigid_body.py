@@ -17,7 +17,13 @@ E3 = ca.SX([0, 0, 1])
 
 
 def skew(a: ca.SX) -> ca.SX:
-    """Return the matrix with ``skew(a) @ b == cross(a, b)``, (3, 3)."""
+    """Return the matrix with ``skew(a) @ b == cross(a, b)``, (3, 3).
+
+    Parameters
+    ----------
+    a : SX
+        (3, 1).
+    """
     return ca.skew(a)
 
 
@@ -58,7 +64,13 @@ class RigidBodyState:
 
     @classmethod
     def from_vector(cls, x: ca.SX) -> RigidBodyState:
-        """Unpack a (19, 1) vector: ξ, V, R column by column, Ω, T."""
+        """Unpack a (19, 1) vector: ξ, V, R column by column, Ω, T.
+
+        Parameters
+        ----------
+        x : SX
+            (19, 1).
+        """
         return cls(x[0:3], x[3:6], ca.reshape(x[6:15], 3, 3), x[15:18], x[18])
 
     def vector(self) -> ca.SX:
@@ -77,17 +89,49 @@ STATE_SIZE = 19
 
 
 def force(thrust: ca.SX, gravity_direction: ca.SX, mass: ca.SX, gravity: ca.SX) -> ca.SX:
-    """Return the exogenous force F = -T e₃ + m g ρ, (3, 1), body frame, N (eq. 5)."""
+    """Return the exogenous force F = -T e₃ + m g ρ, (3, 1), body frame, N (eq. 5).
+
+    Parameters
+    ----------
+    thrust : SX
+        T, (1, 1), N.
+    gravity_direction : SX
+        ρ = Rᵀe₃, (3, 1), body frame.
+    mass : SX
+        (1, 1), kg.
+    gravity : SX
+        (1, 1), m/s².
+    """
     return -thrust * E3 + mass * gravity * gravity_direction
 
 
 def acceleration(velocity: ca.SX, rate: ca.SX, force: ca.SX, mass: ca.SX) -> ca.SX:
-    """Return V̇ = -Ω × V + F/m, (3, 1), body frame, m/s² (eq. 2)."""
+    """Return V̇ = -Ω × V + F/m, (3, 1), body frame, m/s² (eq. 2).
+
+    Parameters
+    ----------
+    velocity : SX
+        V, (3, 1), body frame, m/s.
+    rate : SX
+        Ω, (3, 1), body frame, rad/s.
+    force : SX
+        F, (3, 1), body frame, N.
+    mass : SX
+        (1, 1), kg.
+    """
     return -skew(rate) @ velocity + force / mass
 
 
 def gravity_direction_rate(gravity_direction: ca.SX, rate: ca.SX) -> ca.SX:
-    """Return ρ̇ = -Ω × ρ, (3, 1), 1/s (from eq. 3)."""
+    """Return ρ̇ = -Ω × ρ, (3, 1), 1/s (from eq. 3).
+
+    Parameters
+    ----------
+    gravity_direction : SX
+        ρ = Rᵀe₃, (3, 1), body frame.
+    rate : SX
+        Ω, (3, 1), body frame, rad/s.
+    """
     return -skew(rate) @ gravity_direction
 
 
@@ -148,7 +192,13 @@ def state_rate(
 
 
 def rotation_matrix(roll: float, pitch: float, yaw: float) -> NDArray[np.float64]:
-    """Return R = Rz(yaw) Ry(pitch) Rx(roll), (3, 3), from angles in rad."""
+    """Return R = Rz(yaw) Ry(pitch) Rx(roll), (3, 3), from angles in rad.
+
+    Parameters
+    ----------
+    roll, pitch, yaw : float
+        rad.
+    """
     (cr, cp, cy), (sr, sp, sy) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
     return np.array(
         [

@@ -60,6 +60,15 @@ def wanted_error_rates(
 
     The depth flow stands for (k1/m) Q (δ1 + δ2) = QV; the choice of δ̇4 makes the cross terms of
     δ3 and δ4 cancel in the derivative of |δ3|² + |δ4|².
+
+    Parameters
+    ----------
+    e : Errors
+    rate : SX
+        Ω, (3, 1), body frame, rad/s.
+    design : Design
+    depth_flow : SX
+        y = QV, (3, 1), 1/s.
     """
     d = design
     k12 = d.k1 * d.k2

@@ -131,7 +131,13 @@ class Errors:
 
     @classmethod
     def from_vector(cls, x: ca.SX) -> Errors:
-        """Unpack X, (11, 1)."""
+        """Unpack X, (11, 1).
+
+        Parameters
+        ----------
+        x : SX
+            (11, 1).
+        """
         return cls(x[0:3], x[3:6], x[6:9], x[9:11])
 
     def vector(self) -> ca.SX:
@@ -140,17 +146,36 @@ class Errors:
 
 
 def horizontal(a: ca.SX) -> ca.SX:
-    """Return the components of P a that are not zero, (2, 1), P = I - e₃e₃ᵀ."""
+    """Return the components of P a that are not zero, (2, 1), P = I - e₃e₃ᵀ.
+
+    Parameters
+    ----------
+    a : SX
+        (3, 1).
+    """
     return a[:2]
 
 
 def horizontal_lever(thrust: ca.SX, design: Design) -> ca.SX:
-    """Return sk(T e₃ - c q*), (3, 3), N: how body rates turn the force error."""
+    """Return sk(T e₃ - c q*), (3, 3), N: how body rates turn the force error.
+
+    Parameters
+    ----------
+    thrust : SX
+        T, (1, 1), N.
+    design : Design
+    """
     return skew(thrust * E3 - design.stiffness * design.goal_centroid)
 
 
 def errors(measured: Measurement, design: Design) -> Errors:
-    """Return δ1…δ4 of a measurement (eqs. 10, 17, 18, 25)."""
+    """Return δ1…δ4 of a measurement (eqs. 10, 17, 18, 25).
+
+    Parameters
+    ----------
+    measured : Measurement
+    design : Design
+    """
     d = design
     force = rigid_body.force(measured.thrust, measured.gravity_direction, d.mass, d.gravity)
     d1 = measured.centroid - d.goal_centroid

@@ -67,19 +67,40 @@ class LyapunovForm:
 
 
 def lyapunov(e: Errors, weights: ca.SX) -> ca.SX:
-    """Return L = ½ Σ wᵢ|δᵢ|², (1, 1) (eq. 32 with all wᵢ = 1)."""
+    """Return L = ½ Σ wᵢ|δᵢ|², (1, 1) (eq. 32 with all wᵢ = 1).
+
+    Parameters
+    ----------
+    e : Errors
+    weights : SX
+        w, (4, 1), dimensionless.
+    """
     squares = ca.vertcat(*(ca.dot(part, part) for part in (e.d1, e.d2, e.d3, e.d4)))
     return ca.dot(weights, squares) / 2
 
 
 def thrust_factor(thrust: ca.SX, design: Design) -> ca.SX:
-    """Return f(T) = k1 k2 (k1 k2 + k3)/(m (T - c q3*)), 1/m."""
+    """Return f(T) = k1 k2 (k1 k2 + k3)/(m (T - c q3*)), 1/m.
+
+    Parameters
+    ----------
+    thrust : SX
+        T, (1, 1), N.
+    design : Design
+    """
     numerator, denominator = _thrust_factor_parts(thrust, design)
     return numerator / denominator
 
 
 def thrust_of_factor(f: ca.SX, design: Design) -> ca.SX:
-    """Return the thrust T, N, at which f(T) has a given value: the inverse of `thrust_factor`."""
+    """Return the thrust T, N, at which f(T) has a given value: the inverse of `thrust_factor`.
+
+    Parameters
+    ----------
+    f : SX
+        f(T), (1, 1), 1/m.
+    design : Design
+    """
     thrust = ca.SX.sym("T")
     numerator, denominator = _thrust_factor_parts(thrust, design)
     return solve_affine(denominator - numerator / f, thrust)
@@ -92,7 +113,16 @@ def _thrust_factor_parts(thrust: ca.SX, design: Design) -> tuple[ca.SX, ca.SX]:
 
 
 def measurement_of_errors(e: ca.SX, thrust: ca.SX, design: Design) -> Measurement:
-    """Return the measurement with errors X and thrust T while Ω₃ = 0: inverts the error chain."""
+    """Return the measurement with errors X and thrust T while Ω₃ = 0: inverts the error chain.
+
+    Parameters
+    ----------
+    e : SX
+        X, (11, 1).
+    thrust : SX
+        T, (1, 1), N.
+    design : Design
+    """
     z = Measurement.symbols()
     unknown = ca.vertcat(z.centroid, z.velocity, z.gravity_direction, z.rate[:2])
     known = ca.vertcat(thrust, 0)
@@ -129,7 +159,13 @@ class ErrorDynamics:
     rate: ca.SX
 
     def rate_with_depths(self, Q: ca.SX) -> ca.SX:
-        """Return Ẋ with y = QV put in, (11, 1), 1/s, for a Q in 1/m, (3, 3)."""
+        """Return Ẋ with y = QV put in, (11, 1), 1/s, for a Q in 1/m, (3, 3).
+
+        Parameters
+        ----------
+        Q : SX
+            (3, 3), 1/m.
+        """
         return ca.substitute(self.rate, self.depth_flow, Q @ self.velocity)
 
 
@@ -196,10 +232,24 @@ def linearised_loop() -> ca.Function:
 
 
 def at_origin(expression: ca.SX, x: ca.SX) -> ca.SX:
-    """Return an expression at x = 0."""
+    """Return an expression at x = 0.
+
+    Parameters
+    ----------
+    expression : SX
+        Of any shape.
+    x : SX
+        Symbols in it, (n, 1).
+    """
     return ca.substitute(expression, x, ca.SX.zeros(x.shape))
 
 
 def symmetric_matrix(lower: ca.SX) -> ca.SX:
-    """Return the symmetric (3, 3) matrix of a lower triangle, column by column, (6, 1)."""
+    """Return the symmetric (3, 3) matrix of a lower triangle, column by column, (6, 1).
+
+    Parameters
+    ----------
+    lower : SX
+        (6, 1).
+    """
     return ca.tril2symm(ca.SX(ca.Sparsity.lower(3), lower))

@@ -34,6 +34,13 @@ NICE = (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)
 def check_request(path: Path, speed_up: float | None) -> None:
     """Refuse a film that cannot be made, before the flight.
 
+    Parameters
+    ----------
+    path : Path or str
+        The file.
+    speed_up : float or None
+        Seconds of flight in a second of the film.
+
     Raises
     ------
     InputError
@@ -89,7 +96,13 @@ def save_animation(
 
 
 def natural_speed_up(duration: float) -> float:
-    """Return a round speed-up at which a flight (s) takes about `LENGTH` seconds to watch."""
+    """Return a round speed-up at which a flight (s) takes about `LENGTH` seconds to watch.
+
+    Parameters
+    ----------
+    duration : float
+        s.
+    """
     wanted = max(duration, 1e-6) / LENGTH
     power = 10.0 ** math.floor(math.log10(wanted))
     return float(min((n * power for n in NICE), key=lambda n: abs(math.log(n / wanted))))
@@ -102,7 +115,7 @@ class Stage:
     ----------
     flight : Dataset
     speed_up : float
-        Stated in the picture.
+        Seconds of flight in a second, stated in the picture.
     """
 
     def __init__(self, flight: xr.Dataset, speed_up: float) -> None:
@@ -133,7 +146,13 @@ class Stage:
         self.still = self.canvas.copy_from_bbox(self.figure.bbox)
 
     def pixels(self, time: float) -> Pixels:
-        """Return the picture at a time of the flight, s, (height, width, 4), a new array."""
+        """Return the picture at a time of the flight, s, (height, width, 4), a new array.
+
+        Parameters
+        ----------
+        time : float
+            s.
+        """
         self.show(time)
         self.canvas.restore_region(self.still)
         renderer = self.canvas.get_renderer()
@@ -142,7 +161,13 @@ class Stage:
         return np.array(self.canvas.buffer_rgba(), np.uint8)
 
     def show(self, time: float) -> None:
-        """Move what moves to a time of the flight, s: to the last sample by then."""
+        """Move what moves to a time of the flight, s: to the last sample by then.
+
+        Parameters
+        ----------
+        time : float
+            s.
+        """
         k = max(0, int(np.searchsorted(self.times, time + 1e-9, side="right")) - 1)
         place, rotation = self.places[k], self.rotations[k]
         body = place + self.rotors @ rotation.T

@@ -37,7 +37,15 @@ class Decay:
     until: float
 
     def bound(self, times: NDArray[np.float64], start: float) -> NDArray[np.float64]:
-        """Return L(0) exp(-rate t) at times in s, where `start` is L(0)."""
+        """Return L(0) exp(-rate t) at times in s, where `start` is L(0).
+
+        Parameters
+        ----------
+        times : (n,)
+            s.
+        start : float
+            L(0), dimensionless.
+        """
         return np.asarray(start * np.exp(-self.rate * times), np.float64)
 
     def label(self) -> str:

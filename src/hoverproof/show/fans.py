@@ -182,7 +182,13 @@ def save_batch_figures(
 
 
 def outcomes(batch: xr.Dataset) -> np.ndarray:
-    """Return the outcome of each run as text, (run,)."""
+    """Return the outcome of each run as text, (run,).
+
+    Parameters
+    ----------
+    batch : Dataset
+        Many flights.
+    """
     if "outcome" not in batch:
         return np.full(batch.sizes["run"], FLOWN, object)
     recorded = batch["outcome"]
@@ -197,6 +203,11 @@ def settled_times(batch: xr.Dataset) -> Array:
     """Return when each run came within 10 % of its distance at the start for good, s.
 
     NaN for those that did not, or ended early.
+
+    Parameters
+    ----------
+    batch : Dataset
+        Many flights.
     """
     if "settled_at" in batch:
         found = batch["settled_at"].values.astype(float)

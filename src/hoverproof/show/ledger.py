@@ -12,7 +12,13 @@ WIDTH = 80
 
 
 def ledger_text(judgements: Sequence[Judgement]) -> str:
-    """Return a table of all claims that fits 80 columns, with the counts of verdicts below."""
+    """Return a table of all claims that fits 80 columns, with the counts of verdicts below.
+
+    Parameters
+    ----------
+    judgements : sequence of Judgement
+        From `derive`.
+    """
     id_width = max(len(j.id) for j in judgements) + 2
     margin = " " * (id_width + 2)
     lines = []
@@ -26,7 +32,12 @@ def ledger_text(judgements: Sequence[Judgement]) -> str:
 
 
 def claim_text(j: Judgement) -> str:
-    """Return one claim with its printed and derived forms, and how they differ."""
+    """Return one claim with its printed and derived forms, and how they differ.
+
+    Parameters
+    ----------
+    j : Judgement
+    """
     rows = [
         (f"{j.id}: {j.title}", ""),
         ("verdict", str(j.verdict)),
@@ -47,7 +58,13 @@ def _indented(words: str) -> list[str]:
 
 
 def ledger_markdown(judgements: Sequence[Judgement]) -> str:
-    """Return a Markdown table of claims with typeset formulas."""
+    """Return a Markdown table of claims with typeset formulas.
+
+    Parameters
+    ----------
+    judgements : sequence of Judgement
+        From `derive`.
+    """
     lines = ["| id | claim | verdict | reason | printed | derived |", "| --- " * 6 + "|"]
     for j in judgements:
         derived = "" if j.derived is j.printed else f"${j.derived.latex()}$"
@@ -57,7 +74,13 @@ def ledger_markdown(judgements: Sequence[Judgement]) -> str:
 
 
 def ledger_latex(judgements: Sequence[Judgement]) -> str:
-    """Return the claims as LaTeX: a paragraph each, with displayed formulas."""
+    """Return the claims as LaTeX: a paragraph each, with displayed formulas.
+
+    Parameters
+    ----------
+    judgements : sequence of Judgement
+        From `derive`.
+    """
     parts = ["% for LuaLaTeX or XeLaTeX with amsmath; titles and reasons hold Greek letters"]
     for j in judgements:
         parts.append(rf"\paragraph{{{_plain(j.id)}: {_plain(j.title)}}} {j.verdict}:")

@@ -28,6 +28,11 @@ FREQUENT, CLEAR = 100, 250
 def check_file(path: Path) -> None:
     """Refuse a film that could not be written here, before the work on it begins.
 
+    Parameters
+    ----------
+    path : Path or str
+        The file.
+
     Raises
     ------
     InputError
@@ -69,7 +74,7 @@ def film(path: Path, sample: Pixels, *, rate: int) -> Iterator[Callable[[Pixels]
     sample : (height, width, 4) uint8
         A picture of the same size in which all colours occur.
     rate : int
-        Pictures a second.
+        Pictures a second, 1/s.
 
     Raises
     ------

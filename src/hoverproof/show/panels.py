@@ -20,7 +20,15 @@ DEGREES = 180 / np.pi
 
 
 def position(axes: Axes, flight: xr.Dataset) -> None:
-    """Draw the position over time, with the goal as thin lines (paper, Fig. 5)."""
+    """Draw the position over time, with the goal as thin lines (paper, Fig. 5).
+
+    Parameters
+    ----------
+    axes : Axes
+        What to draw on.
+    flight : Dataset
+        From `simulate`.
+    """
     goal = Scene.of(flight).goal
     for i, axis in enumerate("xyz"):
         label = "z (down)" if axis == "z" else axis
@@ -32,7 +40,15 @@ def position(axes: Axes, flight: xr.Dataset) -> None:
 
 
 def attitude(axes: Axes, flight: xr.Dataset) -> None:
-    """Draw roll, pitch and yaw over time (paper, Fig. 5)."""
+    """Draw roll, pitch and yaw over time (paper, Fig. 5).
+
+    Parameters
+    ----------
+    axes : Axes
+        What to draw on.
+    flight : Dataset
+        From `simulate`.
+    """
     for i, angle in enumerate(("roll", "pitch", "yaw")):
         _line(axes, flight, flight["euler_angles"].sel(angle=angle) * DEGREES, i, angle)
     axes.set_ylabel("Euler angles (deg)")
@@ -43,6 +59,13 @@ def rotor_forces(axes: Axes, flight: xr.Dataset) -> None:
     """Draw the thrust of each rotor over time, the share of the weight, and limits that are near.
 
     A limit farther off than the thrusts ever stray is left out, and named in the legend.
+
+    Parameters
+    ----------
+    axes : Axes
+        What to draw on.
+    flight : Dataset
+        From `simulate`.
     """
     scene = Scene.of(flight)
     for i, rotor in enumerate(flight["rotor"].values):
@@ -64,7 +87,15 @@ def rotor_forces(axes: Axes, flight: xr.Dataset) -> None:
 
 
 def required_view(axes: Axes, flight: xr.Dataset) -> None:
-    """Draw the largest angle of a point off the optical axis over time, its maximum marked."""
+    """Draw the largest angle of a point off the optical axis over time, its maximum marked.
+
+    Parameters
+    ----------
+    axes : Axes
+        What to draw on.
+    flight : Dataset
+        From `simulate`.
+    """
     times, angle = flight["time"].values, view_angle(flight) * DEGREES
     axes.plot(times, angle, color=COLOURS[0], linewidth=1.5, label="farthest point")
     top = int(angle.argmax())
@@ -92,6 +123,13 @@ def image_tracks(axes: Axes, flight: xr.Dataset) -> None:
 
     The dotted circle is the smallest field of view around the optical axis that holds them; the
     edge of the image is drawn if the camera has one.
+
+    Parameters
+    ----------
+    axes : Axes
+        What to draw on.
+    flight : Dataset
+        From `simulate`.
     """
     scene = Scene.of(flight)
     for i, point in enumerate(flight["point"].values):
@@ -118,19 +156,37 @@ def image_tracks(axes: Axes, flight: xr.Dataset) -> None:
 
 
 def goal_label(yaw: float) -> str:
-    """Name the image of the goal, with the yaw (rad) at which it is drawn unless that is zero."""
+    """Name the image of the goal, with the yaw (rad) at which it is drawn unless that is zero.
+
+    Parameters
+    ----------
+    yaw : float
+        rad.
+    """
     turned = abs(yaw) * DEGREES
     return "goal" if turned < 0.5 else f"goal, at yaw {yaw * DEGREES:.0f}°"
 
 
 def image_edge(size: tuple[float, float]) -> Rectangle:
-    """Return the outline of an image (width, height) about the optical axis."""
+    """Return the outline of an image (width, height) about the optical axis.
+
+    Parameters
+    ----------
+    size : (width, height)
+        In focal lengths, dimensionless.
+    """
     width, height = size
     return Rectangle((-width / 2, -height / 2), width, height, fill=False, linestyle="--")
 
 
 def image_axes(axes: Axes) -> None:
-    """Label axes of the image plane, y down as in an image."""
+    """Label axes of the image plane, y down as in an image.
+
+    Parameters
+    ----------
+    axes : Axes
+        What to draw on.
+    """
     axes.set_xlabel("image x = X/Z (focal lengths)")
     axes.set_ylabel("image y = Y/Z (focal lengths), down")
     axes.set_aspect("equal", adjustable="datalim")
@@ -169,7 +225,15 @@ def errors(axes: Axes, flight: xr.Dataset, decay: Decay | None = None) -> None:
 
 
 def path(axes: Axes3D, flight: xr.Dataset) -> None:
-    """Draw the path in space with target, start and goal, up on the page (paper, Fig. 4)."""
+    """Draw the path in space with target, start and goal, up on the page (paper, Fig. 4).
+
+    Parameters
+    ----------
+    axes : Axes
+        What to draw on.
+    flight : Dataset
+        From `simulate`.
+    """
     scene = Scene.of(flight)
     places = flight["position"].values
     axes.plot(*places.T, color=COLOURS[0], linewidth=1.8, label="path")
@@ -187,6 +251,13 @@ def space_axes(axes: Axes3D, places: Array) -> None:
     """Give axes in space equal scales around places (n, 3), with z, which is down, down the page.
 
     The y axis is turned around as well: turning one axis alone would show a mirror image.
+
+    Parameters
+    ----------
+    axes : Axes
+        What to draw on.
+    places : (n, 3)
+        World frame, m.
     """
     low, high = places.min(axis=0), places.max(axis=0)
     room = 0.08 * float((high - low).max()) + 0.1
@@ -204,7 +275,15 @@ def space_axes(axes: Axes3D, places: Array) -> None:
 
 
 def from_above(axes: Axes, flight: xr.Dataset) -> None:
-    """Draw the path seen from above."""
+    """Draw the path seen from above.
+
+    Parameters
+    ----------
+    axes : Axes
+        What to draw on.
+    flight : Dataset
+        From `simulate`.
+    """
     _plan(axes, flight, 0, 1)
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
@@ -213,7 +292,15 @@ def from_above(axes: Axes, flight: xr.Dataset) -> None:
 
 
 def from_the_side(axes: Axes, flight: xr.Dataset) -> None:
-    """Draw the path seen from the side, along the y axis."""
+    """Draw the path seen from the side, along the y axis.
+
+    Parameters
+    ----------
+    axes : Axes
+        What to draw on.
+    flight : Dataset
+        From `simulate`.
+    """
     _plan(axes, flight, 0, 2)
     axes.set_xlabel("x (m)")
     axes.set_ylabel("z (m), down")
@@ -236,6 +323,11 @@ def beginning(flight: xr.Dataset) -> float:
     """Return the time after which tilt and rotor thrusts stray little any more, s.
 
     Little is a fifth of the farthest that each strays from the end of the flight.
+
+    Parameters
+    ----------
+    flight : Dataset
+        From `simulate`.
     """
     late = 0
     for name in ("tilt", "rotor_thrust"):

@@ -38,7 +38,8 @@ class Scene:
     rotor_limits : (lowest or None, highest or None)
         Of the thrust of one rotor, N.
     image_size : (width, height) or None
-        Of the image, in focal lengths, with the optical axis in its middle; None without an edge.
+        Of the image, in numbers of focal lengths, with the optical axis in its middle; None
+        without an edge.
     """
 
     name: str
@@ -56,6 +57,11 @@ class Scene:
         ``mission`` and ``goal_position`` must be there. Of ``conditions`` (JSON, as ``mission``)
         come the limits of the rotors (``rotors.min_thrust``, ``rotors.max_thrust``, N) and the
         edge of the image (``sensors.focal_length``, ``width``, ``height``, px).
+
+        Parameters
+        ----------
+        record : Dataset
+            From `simulate`.
         """
         mission = json.loads(record.attrs["mission"])
         conditions = {**mission, **json.loads(record.attrs.get("conditions", "{}"))}
@@ -71,7 +77,13 @@ class Scene:
         )
 
     def goal_image(self, yaw: float) -> Array:
-        """Return the pinhole image of the target from the goal, (n, 2), at a yaw in rad."""
+        """Return the pinhole image of the target from the goal, (n, 2), at a yaw in rad.
+
+        Parameters
+        ----------
+        yaw : float
+            rad.
+        """
         rotation = ca.SX(rotation_matrix(0.0, 0.0, yaw))
         seen = body_points(ca.SX(self.points.T), ca.SX(self.goal), rotation)
         return np.array(ca.evalf(pinhole(seen))).T
@@ -89,7 +101,13 @@ class Scene:
 
 
 def view_angle(flight: xr.Dataset) -> Array:
-    """Return the largest angle of a target point off the optical axis, (time,), rad."""
+    """Return the largest angle of a target point off the optical axis, (time,), rad.
+
+    Parameters
+    ----------
+    flight : Dataset
+        From `simulate`.
+    """
     image = flight["image"].values
     return np.asarray(np.arctan(np.linalg.norm(image, axis=-1)).max(axis=-1), np.float64)
 

@@ -18,7 +18,15 @@ DPI = 130
 
 
 def legend_above(axes: Axes, columns: int = 5) -> None:
-    """Put the legend of `axes` above them, where it covers no data, and draw a grid."""
+    """Put the legend of `axes` above them, where it covers no data, and draw a grid.
+
+    Parameters
+    ----------
+    axes : Axes
+        What to draw on.
+    columns : int
+        Number of entries side by side.
+    """
     axes.grid(alpha=0.3)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(
@@ -35,6 +43,12 @@ def legend_above(axes: Axes, columns: int = 5) -> None:
 
 def save_figure(figure: Figure, path: Path) -> None:
     """Write a figure as PNG.
+
+    Parameters
+    ----------
+    figure : Figure
+    path : Path or str
+        The file.
 
     Raises
     ------

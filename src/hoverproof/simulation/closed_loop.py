@@ -21,7 +21,13 @@ FLIGHT_SIZE = STATE_SIZE + len(GUARDS)
 
 
 def parameters(n: int) -> tuple[Design, ca.SX]:
-    """Return symbols of the design and of n target points, (3, n), world frame, m."""
+    """Return symbols of the design and of n target points, (3, n), world frame, m.
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    """
     return Design.symbols(), ca.SX.sym("points", 3, n)
 
 
@@ -47,7 +53,16 @@ def sense(state: RigidBodyState, points: ca.SX) -> tuple[Measurement, ca.SX, ca.
 
 
 def loop_rate(state: ca.SX, design: Design, points: ca.SX) -> ca.SX:
-    """Return the time derivative of the packed state, (19, 1), with the controller in the loop."""
+    """Return the time derivative of the packed state, (19, 1), with the controller in the loop.
+
+    Parameters
+    ----------
+    state : SX
+        (19, 1), packed as by `RigidBodyState`.
+    design : Design
+    points : SX
+        (3, n), world frame, m.
+    """
     body = RigidBodyState.from_vector(state)
     measured, _, _ = sense(body, points)
     thrust_rate, torque = derive_controller().function()(measured.vector(), design.vector())
@@ -62,7 +77,16 @@ def loop_rate(state: ca.SX, design: Design, points: ca.SX) -> ca.SX:
 
 
 def guards(state: ca.SX, design: Design, points: ca.SX) -> ca.SX:
-    """Return the values named in `GUARDS`, (2, 1)."""
+    """Return the values named in `GUARDS`, (2, 1).
+
+    Parameters
+    ----------
+    state : SX
+        (19, 1), packed as by `RigidBodyState`.
+    design : Design
+    points : SX
+        (3, n), world frame, m.
+    """
     body = RigidBodyState.from_vector(state)
     _, _, depths = sense(body, points)
     return ca.vertcat(ca.mmin(depths), thrust_margin(body.thrust, design))
@@ -95,6 +119,11 @@ def nearest_rotation(rotation: ca.SX) -> ca.SX:
     """Return R(3I - RᵀR)/2, (3, 3): a step of Newton and Schulz toward the nearest rotation.
 
     An error of size ε in orthonormality becomes one of size ε².
+
+    Parameters
+    ----------
+    rotation : SX
+        R, (3, 3).
     """
     return rotation @ (3 * ca.SX.eye(3) - rotation.T @ rotation) / 2
 

@@ -41,7 +41,13 @@ DIVERGED = 10**12
 
 
 def has_diverged(flight: Array) -> bool:
-    """Tell whether a flight state, (21,), has diverged or is not a number."""
+    """Tell whether a flight state, (21,), has diverged or is not a number.
+
+    Parameters
+    ----------
+    flight : (21,)
+        Packed state and guards.
+    """
     return not (np.abs(flight[:STATE_SIZE]) < DIVERGED).all()
 
 

@@ -158,6 +158,10 @@ def slowest_rate(mission: Mission) -> float:
     """Return the decay rate of the slowest motion of the loop linearised at the goal, 1/s.
 
     Negative if some motion grows.
+
+    Parameters
+    ----------
+    mission : Mission
     """
     numbers = FlightNumbers.of(mission)
     design, thrust = Design.symbols(), ca.SX.sym("T")

@@ -1,0 +1,70 @@
+"""The documentation: `make docs` builds it without a network, warnings as errors."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import hoverproof
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+
+import generate  # noqa: E402 - it stands beside this file
+
+project = "hoverproof"
+author = "the authors of hoverproof"
+version = release = hoverproof.__version__
+copyright = author
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.viewcode",
+    "run",
+    "sphinx-mathjax-offline",
+]
+exclude_patterns = ["_build"]
+
+# Pages
+myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+nb_execution_mode = "off"  # the notebooks are kept with their outputs
+nb_merge_streams = True
+
+# Reference
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # types and units stand in the docstrings
+autodoc_default_options = {"members": True}
+napoleon_google_docstring = False
+napoleon_use_rtype = False
+napoleon_use_ivar = True
+nitpicky = True
+nitpick_ignore_regex = [("py:.*", r"(?!hoverproof).*")]  # names of other packages, and shapes
+
+# Looks
+html_theme = "furo"
+html_title = f"hoverproof {version}"
+html_static_path = ["_static"]
+html_css_files = ["hoverproof.css"]
+html_theme_options = {"footer_icons": []}
+html_copy_source = False
+html_show_sphinx = False
+pygments_style = "friendly"
+
+
+def bars_are_bars(*arguments: Any) -> None:
+    """Keep |x| from being read as a substitution, outside of code."""
+    lines: list[str] = arguments[-1]
+    for i, line in enumerate(lines):
+        parts = line.split("``")
+        parts[::2] = [part.replace("|", r"\|") for part in parts[::2]]
+        lines[i] = "``".join(parts)
+
+
+def setup(app: Any) -> None:
+    """Write the pages that are made from the program before the pages are read."""
+    app.connect("builder-inited", lambda app: generate.write(Path(app.srcdir)))
+    app.connect("autodoc-process-docstring", bars_are_bars)

@@ -1,0 +1,98 @@
+"""Directives that run what a page shows: what the reader sees is what the program said.
+
+``file`` shows a file and writes it; ``run`` shows a command and what it prints, and stops the build
+unless it ends with the status that the page says. The commands of a page share a folder.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any, ClassVar
+
+from docutils import nodes
+from docutils.parsers.rst import directives
+from sphinx.errors import ExtensionError
+from sphinx.util.docutils import SphinxDirective
+
+_folders: dict[str, tempfile.TemporaryDirectory[str]] = {}
+
+
+class File(SphinxDirective):
+    """Show a file and write it to the folder of the page: the argument is its name."""
+
+    has_content = True
+    required_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        """Write the file and return the block that shows it."""
+        name, text = self.arguments[0], "\n".join(self.content) + "\n"
+        (_folder(self.env.docname) / name).write_text(text, encoding="utf-8")
+        block = nodes.literal_block(text, text, language=Path(name).suffix.removeprefix("."))
+        return [block]
+
+
+class Run(SphinxDirective):
+    """Show a command, run in the folder of the page, with what it prints."""
+
+    has_content = True
+    option_spec: ClassVar[dict[str, Any]] = {  # type: ignore[misc]
+        "status": directives.nonnegative_int,
+        "figure": directives.unchanged_required,
+        "alt": directives.unchanged_required,
+        "head": directives.positive_int,
+    }
+
+    def run(self) -> list[nodes.Node]:
+        """Run the command and return the block that shows it, and the figure it drew."""
+        command = "\n".join(self.content)
+        folder = _folder(self.env.docname)
+        done = subprocess.run(
+            ["bash", "-euc", command],
+            cwd=folder,
+            env={
+                **os.environ,
+                "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+                "COLUMNS": "80",
+                "NO_COLOR": "1",
+            },
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+        )
+        wanted = self.options.get("status", 0)
+        if done.returncode != wanted:
+            raise ExtensionError(
+                f"{self.env.docname}:{self.lineno}: `{command}` ended with {done.returncode}, "
+                f"not {wanted}:\n{done.stdout}"
+            )
+        shown = done.stdout.splitlines()
+        if "head" in self.options and len(shown) > self.options["head"]:
+            shown = [*shown[: self.options["head"]], "..."]
+        lines = [*("$ " + line for line in command.splitlines()), *shown]
+        text = "\n".join(line.rstrip() for line in lines)
+        result: list[nodes.Node] = [nodes.literal_block(text, text, language="console")]
+        if "figure" in self.options:
+            name = f"{self.env.docname.replace('/', '-')}-{self.options['figure']}"
+            shutil.copy(folder / self.options["figure"], Path(self.env.srcdir, "generated", name))
+            uri = os.path.relpath(f"generated/{name}", Path(self.env.docname).parent)
+            result.append(nodes.image(uri=uri, alt=self.options["alt"]))
+        return result
+
+
+def _folder(page: str) -> Path:
+    if page not in _folders:
+        _folders[page] = tempfile.TemporaryDirectory(prefix="hoverproof-docs-")
+    return Path(_folders[page].name)
+
+
+def setup(app: Any) -> dict[str, bool]:
+    """Register the directives."""
+    app.add_directive("file", File)
+    app.add_directive("run", Run)
+    return {"parallel_read_safe": False, "parallel_write_safe": True}

@@ -1,0 +1,1 @@
+"""The ledger: the paper's equations and claims, each judged against what is derived."""
