@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
+import inspect
 import sys
 from pathlib import Path
 from typing import Any
+
+from sphinx.addnodes import pending_xref
 
 import hoverproof
 
@@ -38,6 +42,7 @@ nb_merge_streams = True
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # types and units stand in the docstrings
 autodoc_default_options = {"members": True}
+viewcode_follow_imported_members = False  # a constant belongs to its module, not to builtins
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 napoleon_use_ivar = True
@@ -64,7 +69,19 @@ def bars_are_bars(*arguments: Any) -> None:
         lines[i] = "``".join(parts)
 
 
+def names_as_imported(app: Any, doctree: Any) -> None:
+    """Let a class in a docstring be the one that its module imports, if several bear the name."""
+    for node in doctree.findall(pending_xref):
+        if node.get("refdomain") != "py" or not node.get("py:module"):
+            continue
+        module = importlib.import_module(node["py:module"])
+        thing = getattr(module, node["reftarget"], None)
+        if inspect.isclass(thing) and thing.__module__.startswith("hoverproof"):
+            node["reftarget"] = f"{thing.__module__}.{thing.__qualname__}"
+
+
 def setup(app: Any) -> None:
     """Write the pages that are made from the program before the pages are read."""
     app.connect("builder-inited", lambda app: generate.write(Path(app.srcdir)))
     app.connect("autodoc-process-docstring", bars_are_bars)
+    app.connect("doctree-read", names_as_imported)

@@ -15,7 +15,7 @@ from hoverproof.mission import load, presets
 
 
 def make(folder: Path) -> None:
-    """Write the certificates of each preset: gains, region, over-box and attraction; the lemmas."""
+    """Write the certificates of each preset: gains, region, over-box and, where it is proved, attraction."""
     (folder / "attraction-lemmas.md").write_text(lemmas(), encoding="utf-8")
     for name in presets():
         mission = load(name)
@@ -31,8 +31,9 @@ def make(folder: Path) -> None:
             verdict.certificate.save(folder / f"{name}.{ending}.json")
         attracted = attraction(mission)
         if isinstance(attracted, Undecided):
-            raise SystemExit(f"{name}: region of attraction: {attracted.reason}")
-        attracted.certificate.save(folder / f"{name}.attraction.cert.json")
+            print(f"{name}: no region of attraction is proved: {attracted.reason}")
+        else:
+            attracted.certificate.save(folder / f"{name}.attraction.cert.json")
 
 
 def lemmas() -> str:

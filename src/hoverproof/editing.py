@@ -118,6 +118,7 @@ def decimal(value: Fraction) -> str:
     Parameters
     ----------
     value : Fraction
+        A bare number, in any unit.
 
     Raises
     ------

@@ -175,7 +175,8 @@ class Mission(_Section):
     """A vehicle, a camera target, a goal and gains, with the bounds assumed and the start.
 
     All numbers are `fractions.Fraction`. Made by `load`; `source` says from where. The name is also
-    that of the files that commands write.
+    that of the files that commands write. The sections `sensors`, `rotors`, `wind`, `model_error`
+    and `scatter` say what a real flight adds to the model.
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]

@@ -10,12 +10,26 @@ from pydantic_core import PydanticCustomError
 
 
 def reject(reason: str, *, key: str = "") -> PydanticCustomError:
-    """Make the refusal of a value, or of the `key` below it."""
+    """Make the refusal of a value, or of the `key` below it.
+
+    Parameters
+    ----------
+    reason : str
+        What is wrong, for the user to read.
+    key : str
+        Empty for the value itself.
+    """
     return PydanticCustomError("mission", "{reason}", {"reason": reason, "key": key})
 
 
 def shown(value: object) -> str:
-    """Write a value as it stands in a message."""
+    """Write a value as it stands in a message.
+
+    Parameters
+    ----------
+    value : object
+        As read from a mission file.
+    """
     if isinstance(value, Fraction):
         return f"{float(value):g}"
     if isinstance(value, list):
@@ -27,7 +41,17 @@ def shown(value: object) -> str:
 
 
 def quantity(unit: str, low: str, high: str, *, open_low: bool = False) -> BeforeValidator:
-    """Accept an exact number in [low, high] (or above low, if open_low)."""
+    """Accept an exact number in [low, high] (or above low, if open_low).
+
+    Parameters
+    ----------
+    unit : str
+        Shown in messages; empty for a dimensionless number.
+    low, high : str
+        Ends of the range in that unit, as exact decimals.
+    open_low : bool
+        Whether `low` itself is refused.
+    """
     lowest, highest = Fraction(low), Fraction(high)
     suffix = f" {unit}" if unit else ""
     span = f"above {low} and at most {high}" if open_low else f"from {low} to {high}"
@@ -46,7 +70,13 @@ def quantity(unit: str, low: str, high: str, *, open_low: bool = False) -> Befor
 
 
 def array(*names: str) -> Callable[[object], object]:
-    """Return a validator that wants one entry for each name."""
+    """Return a validator that wants one entry for each name.
+
+    Parameters
+    ----------
+    *names : str
+        Of the entries, as shown in messages.
+    """
 
     def check(value: object) -> object:
         if not isinstance(value, list | tuple) or len(value) != len(names):

@@ -49,7 +49,7 @@ def spread(
     executor : Executor, optional
         Where to run, and shut down at the end; by default `threads` threads.
     threads : int, optional
-        By default as many as there are processors.
+        Their number; by default as many as there are processors.
     scheduler : str, optional
         Address of a running Dask scheduler, as ``tcp://host:8786``; needs the extra ``cluster``.
     stop : callable, optional

@@ -62,7 +62,12 @@ class Quantity:
     scale: Scale = "log"
 
     def value(self, mission: Mission) -> Fraction | None:
-        """Return what a mission has; None if it has another kind of bound."""
+        """Return what a mission has; None if it has another kind of bound.
+
+        Parameters
+        ----------
+        mission : Mission
+        """
         section, name = self.key.split(".")
         held = getattr(getattr(mission, section), name)
         value: Fraction | None = held if held is None or self.end is None else held[self.end]
@@ -122,11 +127,12 @@ def axis(
     name : str
         One of `QUANTITIES`.
     ends : (low, high), optional
-        By default a tenth and ten times of what the mission has; for a thrust, the thrust of
-        hover and half or three halves of it.
+        Bare numbers in the unit of the quantity. By default a tenth and ten times of what the
+        mission has; for a thrust, the thrust of hover and half or three halves of it.
     scale : str, optional
         "log" or "linear"; by default what suits the quantity.
     cells : int
+        Number of values.
     option : str
         How the user calls it, for messages.
 
@@ -184,7 +190,7 @@ def atlas(
     exact : bool
         Decide with `certify` each cell that has a neighbour of another sign.
     processes : int, optional
-        How many work at once; by default one for each CPU.
+        Number of those that work at once; by default one for each CPU.
     report : callable
         Called with how much is done, of how much.
 
@@ -259,7 +265,17 @@ def cell_margins(
 def questions_of(
     mission: Mission, x: str, y: str, weights: tuple[Fraction, ...], pairs: Array
 ) -> Questions:
-    """Return the questions of cells; for the arguments see `cell_margins`."""
+    """Return the questions of cells.
+
+    Parameters
+    ----------
+    mission : Mission
+    x, y : str
+        Of `QUANTITIES`.
+    weights : (4,) Fractions
+    pairs : (n, 2)
+        Values of x and y.
+    """
     questions = Questions.of(gain_problem(mission, weights))
     ones = np.ones(len(pairs))
     gains = [g * ones for g in questions.gains]
@@ -284,7 +300,13 @@ def questions_of(
 
 
 def on_boundary(margin: Array) -> NDArray[np.bool_]:
-    """Tell which cells have a margin, and a neighbour on whose side the sign is another."""
+    """Tell which cells have a margin, and a neighbour on whose side the sign is another.
+
+    Parameters
+    ----------
+    margin : (m, n)
+        kg/s; NaN where no question is posed.
+    """
     sign = np.where(np.isnan(margin), 0, np.where(margin > 0, 1, -1))
     edge = np.zeros(sign.shape, bool)
     for near, far in (
@@ -318,7 +340,15 @@ def cell_verdicts(
 
 
 def cell_mission(mission: Mission, x: Axis, y: Axis, i: int, j: int) -> Mission:
-    """Return the mission of cell (i, j), with the short decimals of the axes, exactly."""
+    """Return the mission of cell (i, j), with the short decimals of the axes, exactly.
+
+    Parameters
+    ----------
+    mission : Mission
+    x, y : Axis
+    i, j : int
+        Numbers of the cell along y and along x.
+    """
     for one, place in ((x, j), (y, i)):
         section, name = one.quantity.key.split(".")
         exact: Any = Fraction(repr(float(one.values[place])))

@@ -69,7 +69,13 @@ class GainSearch:
         return 3 if self.objective == "decay" else 4
 
     def gains(self, z: Array) -> tuple[Array, ...]:
-        """Return k1…k4 of points (n, size), NaN where the limits allow none."""
+        """Return k1…k4 of points (n, size), NaN where the limits allow none.
+
+        Parameters
+        ----------
+        z : (n, 3) or (n, 4)
+            Points.
+        """
         k1, stiff, k3 = np.exp(z[:, :3].T)
         low, high = highest_k4(self.limits, self.command, (k1, stiff / k1, k3))
         part = np.exp(z[:, 3]) if self.objective == "settling" else 1.0
@@ -77,7 +83,13 @@ class GainSearch:
         return k1, stiff / k1, k3, np.where((low < high) & (part <= 1.0), k4, np.nan)
 
     def values(self, gains: tuple[Array, ...]) -> Array:
-        """Return the rate to be made large of n sets of gains, 1/s; -inf where there is none."""
+        """Return the rate to be made large of n sets of gains, 1/s; -inf where there is none.
+
+        Parameters
+        ----------
+        gains : (4,) of (n,)
+            k1 kg m/s, k2 1/m, k3 and k4 kg/s; NaN where there are none.
+        """
         good = np.isfinite(gains[3])
         held = tuple(np.where(good, k, 1.0) for k in gains)
         questions = replace(self.questions, gains=held)
@@ -104,7 +116,15 @@ class GainSearch:
         return best
 
     def climb(self, start: Array, reach: float, finest: float) -> tuple[Array, float]:
-        """Follow lattices about the best point so far, which shrink where it is inside."""
+        """Follow lattices about the best point so far, which shrink where it is inside.
+
+        Parameters
+        ----------
+        start : (3,) or (4,)
+            Point to set out from.
+        reach, finest : float
+            Half the width of the lattice at first, and at last; dimensionless, as z are logarithms.
+        """
         count = 7 if self.size == 3 else 5
         line = np.linspace(-1, 1, count)
         lattice = np.stack(np.meshgrid(*[line] * self.size, indexing="ij"), -1)

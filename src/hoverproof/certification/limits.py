@@ -35,7 +35,7 @@ class Limits:
     bandwidth : float
         Largest attitude bandwidth (k1 k2 + k3 + k4)/m, rad/s.
     rate : float or None
-        Sampling rate of the controller, Hz; the bandwidth times its period is kept below
+        Sampling rate of the controller, 1/s; the bandwidth times its period is kept below
         `BANDWIDTH_TIMES_SAMPLE`.
     tilt : float or None
         Largest tilt that the controller may ask for at the mission's start, rad.
@@ -73,7 +73,7 @@ class Use:
     ----------
     name : str
     value, limit : float
-        In `unit`.
+        Bare numbers in `unit`.
     unit : str
     """
 
@@ -90,7 +90,16 @@ class Use:
 
 @dataclass(frozen=True)
 class FirstCommand:
-    """The command at the mission's start as a function of the gains, in floating point."""
+    """The command at the mission's start as a function of the gains, in floating point.
+
+    Attributes
+    ----------
+    mission : Mission
+    measured : (13,)
+        What is measured at the start, in the order of `Measurement`.
+    design : (13,)
+        In the order of `Design`.
+    """
 
     mission: Mission
     measured: Array
@@ -99,6 +108,10 @@ class FirstCommand:
     @classmethod
     def of(cls, mission: Mission) -> FirstCommand:
         """Look at the target from the mission's start.
+
+        Parameters
+        ----------
+        mission : Mission
 
         Raises
         ------

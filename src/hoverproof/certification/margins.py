@@ -66,7 +66,12 @@ class Questions:
 
     @classmethod
     def of(cls, problem: GainProblem) -> Questions:
-        """Round the numbers of one problem; `dataclasses.replace` varies them."""
+        """Round the numbers of one problem; `dataclasses.replace` varies them.
+
+        Parameters
+        ----------
+        problem : GainProblem
+        """
         mission, bounds = problem.mission, problem.mission.bounds
         return cls(
             mass=float(mission.vehicle.mass),
@@ -138,6 +143,10 @@ def posed(questions: Questions) -> NDArray[np.bool_]:
 
     Gains and eigenvalues must be positive and in order, and the thrust interval must hold the
     thrust of hover and stay above the singularity of the controller.
+
+    Parameters
+    ----------
+    questions : Questions
     """
     low, high = questions.thrust_interval()
     _, singular, _ = _force(questions, low)
@@ -153,6 +162,10 @@ def margins(questions: Questions) -> Array:
     """Return the worst eigenvalue of W^(-½) Σ W^(-½) of each question, kg/s, (n,).
 
     NaN where no question is posed.
+
+    Parameters
+    ----------
+    questions : Questions
     """
     good = posed(questions)
     low, high = questions.thrust_interval()

@@ -117,7 +117,7 @@ def tune(
         Make the certified decay rate of L as large as possible, or the slowest rate of the loop
         linearised at the goal, as long as the gains are certified.
     rate : float, optional
-        Sampling rate, Hz: the bandwidth times the period is kept at 0.2 or below.
+        Sampling rate, 1/s: the bandwidth times the period is kept at 0.2 or below.
     tilt : float, optional
         Largest tilt that may be asked for at the mission's start, rad.
     rotor_thrust : float, optional
@@ -377,7 +377,7 @@ def pareto(
     ----------
     mission : Mission
     count : int
-        How many, at least 2.
+        Number of bandwidths, at least 2.
     bandwidth : float
         The highest, rad/s.
     lowest : float, optional

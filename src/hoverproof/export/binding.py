@@ -99,7 +99,13 @@ class Firmware:
         self._state.thrust_excess = value
 
     def reset(self, thrust: float | None = None) -> int:
-        """Start from a thrust in N, by default that of hover, and return the status."""
+        """Start from a thrust in N, by default that of hover, and return the status.
+
+        Parameters
+        ----------
+        thrust : float, optional
+            N.
+        """
         design = getattr(self._library, f"{self.name}_design")
         hover = design.mass * design.gravity
         return int(
@@ -107,11 +113,23 @@ class Firmware:
         )
 
     def set_rotor_limits(self, lowest: float, highest: float) -> int:
-        """Set the limits of each rotor, N, and return the status."""
+        """Set the limits of each rotor, N, and return the status.
+
+        Parameters
+        ----------
+        lowest, highest : float
+            Of the thrust of one rotor, N.
+        """
         return int(self._call("set_rotor_limits", self._params, lowest, highest))
 
     def set_gains(self, gains: Sequence[float]) -> int:
-        """Set k1, k2, k3, k4, k_yaw of a tunable package and return the status."""
+        """Set k1, k2, k3, k4, k_yaw of a tunable package and return the status.
+
+        Parameters
+        ----------
+        gains : sequence of float
+            In this order, (5,): kg m/s, 1/m, kg/s, kg/s and kg m²/s.
+        """
         return int(self._call("set_gains", self._params, list(gains)))
 
     def selftest(self) -> int:

@@ -20,7 +20,7 @@ class ClosedForm:
     Attributes
     ----------
     value : SX
-        Without the differences that cancel in the graph it came from.
+        Scalar, without the differences that cancel in the graph it came from.
     text : str
         The same in words of the design's symbols.
     """
@@ -30,7 +30,13 @@ class ClosedForm:
 
 
 def closed_forms(expressions: ca.SX) -> list[ClosedForm]:
-    """Return the closed form of each entry of a column of rational expressions."""
+    """Return the closed form of each entry of a column of rational expressions.
+
+    Parameters
+    ----------
+    expressions : SX
+        (n, 1).
+    """
     symbols = ca.symvar(expressions)
     forms = []
     for (entry,) in normal_form(expressions):

@@ -84,7 +84,15 @@ def statements(
 
 
 def literals(numbers: dict[str, Fraction], precision: Precision) -> dict[str, str]:
-    """Return the typed literal of each number, rounded once from its exact value."""
+    """Return the typed literal of each number, rounded once from its exact value.
+
+    Parameters
+    ----------
+    numbers : dict of str to Fraction
+        Name to exact number.
+    precision : Precision
+        The type of the literals.
+    """
     return {name: precision.literal(value) for name, value in numbers.items()}
 
 

@@ -49,7 +49,7 @@ class FlightLaw:
     of_gains : casadi.Function
         (gains (5,), rest of the design) ↦ coefficients, the gains in the order of `GAINS`.
     fixed : list of Fractions
-        The rest of the design: vehicle and q*.
+        The rest of the design, (10,): vehicle and q*.
     tuned : tuple of str
         The coefficients that depend on the gains.
     singular_excess : Fraction
@@ -121,6 +121,20 @@ def assert_is_the_controller(
 
     Two rational functions of such low degree that agree at a random point of so many digits are
     the same but for a chance that is nil.
+
+    Parameters
+    ----------
+    function : casadi.Function
+        The law by its centroid, as in `FlightLaw`.
+    design : sequence of Fractions
+        (15,): that of `Design`, then the arm in m and the drag ratio in m.
+    coefficients : sequence of Fractions
+        Those of the law in this design, (n,).
+
+    Raises
+    ------
+    AssertionError
+        If they differ.
     """
     draw = random.Random(1)
 

@@ -39,6 +39,11 @@ class Precision:
     def round(self, value: Fraction) -> np.floating:
         """Return the nearest number of this type, ties to even: rounded once, from the exact value.
 
+        Parameters
+        ----------
+        value : Fraction
+            Any exact number.
+
         Raises
         ------
         OverflowError
@@ -59,7 +64,13 @@ class Precision:
         return result
 
     def literal(self, value: Fraction | np.floating) -> str:
-        """Return the shortest decimal literal of C that reads back as the value, rounded once."""
+        """Return the shortest decimal literal of C that reads back as the value, rounded once.
+
+        Parameters
+        ----------
+        value : Fraction or numpy.floating
+            An exact number, or one of this type.
+        """
         number = self.round(value) if isinstance(value, Fraction) else value
         text = np.format_float_positional(number, unique=True, trim="0")
         if len(text) > 16:
@@ -67,7 +78,13 @@ class Precision:
         return text + self.suffix
 
     def hex_literal(self, value: np.floating) -> str:
-        """Return a hexadecimal literal of C, bit for bit."""
+        """Return a hexadecimal literal of C, bit for bit.
+
+        Parameters
+        ----------
+        value : numpy.floating
+            A number of this type.
+        """
         return float(value).hex() + self.suffix
 
 
@@ -77,7 +94,13 @@ PRECISIONS = {p.name: p for p in (FLOAT32, FLOAT64)}
 
 
 class Rounded:
-    """A number of a precision that computes as the target does: every operation rounded once."""
+    """A number of a precision that computes as the target does: every operation rounded once.
+
+    Parameters
+    ----------
+    value : numpy.floating
+        A number of that precision.
+    """
 
     __slots__ = ("value",)
 

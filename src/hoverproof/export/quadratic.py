@@ -29,7 +29,9 @@ class Coefficients:
         Designs at which coefficients are compared; the first is the one of the mission. What is 0,
         ±1 or ±2, or the same as another up to its sign, in all of them needs no number of its own.
     expressions : dict of str to SX
-        Name to expression in `design`.
+        Name to expression in `design`, a scalar.
+    symbols : dict of str to SX
+        Name to the symbol, a scalar, that stands for it in the scheme.
     """
 
     design: ca.SX
@@ -39,13 +41,31 @@ class Coefficients:
     _known: dict[Values, ca.SX] = field(default_factory=dict)
 
     def at_samples(self, expressions: ca.SX) -> list[Values]:
-        """Return the exact values of a column of expressions, one tuple over the samples each."""
+        """Return the exact values of a column of expressions, one tuple over the samples each.
+
+        Parameters
+        ----------
+        expressions : SX
+            In `design`, (n, 1).
+        """
         look = ca.Function("look", [self.design], [ca.densify(expressions)])
         columns = [evaluate(look, [sample])[0] for sample in self.samples]
         return [tuple(c[i][0] for c in columns) for i in range(expressions.shape[0])]
 
     def times(self, values: Values, expression: ca.SX, name: str, factor: ca.SX) -> _Term:
-        """Return a coefficient times a factor, with the sign set apart."""
+        """Return a coefficient times a factor, with the sign set apart.
+
+        Parameters
+        ----------
+        values : tuple of Fractions
+            The coefficient at each sample, exact numbers.
+        expression : SX
+            The coefficient in `design`, a scalar.
+        name : str
+            For its symbol, if it needs one of its own.
+        factor : SX
+            Product of variables, a scalar.
+        """
         sign = 1 if values[0] > 0 else -1
         size = tuple(sign * v for v in values)
         if set(size) == {Fraction(1)}:
@@ -69,7 +89,15 @@ class _Term:
 
 @dataclass(frozen=True)
 class Variables:
-    """Named scalar variables, in the order in which they are factored out."""
+    """Named scalar variables, in the order in which they are factored out.
+
+    Attributes
+    ----------
+    names : tuple of str
+        One a variable.
+    vector : SX
+        Their symbols, (n, 1).
+    """
 
     names: tuple[str, ...]
     vector: ca.SX
@@ -96,7 +124,7 @@ def quadratic(
     numbers : Coefficients
         Takes up the coefficients that are needed.
     factored : int
-        How many of the first variables to factor out: ``x1*(a + b*x1 + c*x2)``.
+        The number of first variables to factor out: ``x1*(a + b*x1 + c*x2)``.
 
     Returns
     -------
@@ -144,7 +172,13 @@ def quadratic(
 
 
 def signed_sum(terms: Sequence[_Term]) -> _Term:
-    """Add terms pair by pair, so that sums of the same two terms are found to be the same."""
+    """Add terms pair by pair, so that sums of the same two terms are found to be the same.
+
+    Parameters
+    ----------
+    terms : sequence of terms
+        Each a sign and a scalar SX.
+    """
     if not terms:
         return _Term(1, ca.SX(0))
     while len(terms) > 1:

@@ -26,13 +26,13 @@ class InputBox:
     Attributes
     ----------
     image : Fraction
-        Root of the sum of x² + y² over all image points, focal length 1.
+        Root of the sum of x² + y² over all image points, focal length 1: dimensionless.
     speed : Fraction
         m/s.
     rate : Fraction
         rad/s; gyroscopes of 2000 degrees/s stay inside.
     direction : (low, high)
-        Length of the gravity direction, which should be 1.
+        Length of the gravity direction, which should be 1: dimensionless.
     dt : Fraction
         Longest step, s.
     """
@@ -44,7 +44,15 @@ class InputBox:
     dt: Fraction = Fraction(1, 10)
 
     def as_json(self, sensing: str, points: int) -> dict[str, Any]:
-        """Return the box in words and numbers."""
+        """Return the box in words and numbers.
+
+        Parameters
+        ----------
+        sensing : {"points", "centroid"}
+            What the camera delivers.
+        points : int
+            Number of target points.
+        """
         seen = (
             {"image_root_sum_of_squares": [0, float(self.image)]}
             if sensing == "points"
@@ -87,7 +95,21 @@ def random_step(
     sensing: str,
     thrust: tuple[Fraction, Fraction],
 ) -> Step:
-    """Draw a step near a hover that sees the target, its thrust in an interval."""
+    """Draw a step near a hover that sees the target, its thrust in an interval.
+
+    Parameters
+    ----------
+    draw : numpy.random.Generator
+        The source of chance.
+    mission : Mission
+        Gives the weight and how many target points there are.
+    precision : Precision
+        The type of the numbers drawn.
+    sensing : {"points", "centroid"}
+        What the camera delivers.
+    thrust : (low, high)
+        The interval, N.
+    """
     n, weight, real = len(mission.target.points), float(mission.vehicle.weight), precision.scalar
     image = draw.uniform(-1, 1, (2, n))
     rays = np.vstack([image, np.ones(n)])
@@ -106,7 +128,17 @@ def random_step(
 
 
 def law_at(law: FlightLaw, step: Step, precision: Precision) -> dict[str, list[np.floating]]:
-    """Evaluate the law operation by operation, each rounded as on the target."""
+    """Evaluate the law operation by operation, each rounded as on the target.
+
+    Parameters
+    ----------
+    law : FlightLaw
+        For points or for the centroid, as `step` has it.
+    step : Step
+        Where.
+    precision : Precision
+        The type of the target.
+    """
     arguments: list[list[Any]] = [
         [Rounded(x) for x in step.seen.ravel(order="F")],
         *([Rounded(x) for x in v] for v in (step.velocity, step.rate, step.gravity_direction)),
@@ -133,7 +165,25 @@ def test_vectors(
     tilt_cosine: Fraction,
     certified: bool,
 ) -> list[dict[str, str]]:
-    """Return the vectors as C text: steps of the law, and one for each fault."""
+    """Return the vectors as C text: steps of the law, and one for each fault.
+
+    Parameters
+    ----------
+    mission : Mission
+        Gives the weight and the target points.
+    law : FlightLaw
+        That of the mission.
+    precision : Precision
+        The type of the target.
+    options : mapping
+        Of the package; here "sensing" and "rotor_limits" in N count.
+    thrust : (low, high)
+        The interval that steps are drawn from, N.
+    tilt_cosine : Fraction
+        Dimensionless; a step tilted further has the status bit 16.
+    certified : bool
+        If not, each step of the law has the status bit 64.
+    """
     draw = np.random.default_rng(0)
     weight = mission.vehicle.weight
     highest = 4 * options["rotor_limits"][1] - weight

@@ -48,6 +48,13 @@ def sense_function(n: int, sensing: str) -> ca.Function:
     """Return (state, target points (3, n) in m) ↦ what the sensors deliver.
 
     Outputs: seen (image points (2, n), or the centroid (3,)), velocity, rate, gravity_direction.
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    sensing : {"points", "centroid"}
+        What the camera delivers.
     """
     x, points = ca.SX.sym("x", BODY_SIZE), ca.SX.sym("points", 3, n)
     body = RigidBodyState.from_vector(ca.vertcat(x, 0))

@@ -64,8 +64,8 @@ def save_pareto_figure(mission: Mission, points: Sequence[tuple[float, Tuned]], 
 
     Parameters
     ----------
-    mission, points
-        See `pareto_figure`.
+    mission : Mission
+    points : sequence of (bandwidth limit in rad/s, what was tuned)
     path : Path
 
     Raises
@@ -88,8 +88,8 @@ def atlas_figure(
         From `hoverproof.atlas`.
     what : str
         "margin" or "decay_rate".
-    printed : (ny, nx)
-        Where the conditions of the printed theorem are met.
+    printed : (m, n)
+        Where, along y and x, the conditions of the printed theorem are met.
     """
     y, x = (str(name) for name in atlas["margin"].dims)
     scales = [str(scale) for scale in atlas.attrs["scales"]]
@@ -191,7 +191,9 @@ def save_atlas_figure(
 
     Parameters
     ----------
-    mission, atlas, what, printed
+    mission, atlas, what
+        See `atlas_figure`.
+    printed : (m, n)
         See `atlas_figure`.
     path : Path
 
@@ -204,6 +206,12 @@ def save_atlas_figure(
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure in the format of the path's ending, PNG if it is none of `ENDINGS`."""
+    """Write a figure in the format of the path's ending, PNG if it is none of `ENDINGS`.
+
+    Parameters
+    ----------
+    figure : Figure
+    path : Path
+    """
     with replacing(path) as beside:
         figure.savefig(beside, dpi=130, format=ENDINGS.get(path.suffix.lower(), "png"))

@@ -57,7 +57,12 @@ class View:
 
     @classmethod
     def of(cls, region: Proved) -> View:
-        """Choose a window that holds target, goal and start."""
+        """Choose a window that holds target, goal and start.
+
+        Parameters
+        ----------
+        region : Proved
+        """
         p = Potential.of(region.mission)
         start = np.array([float(c) for c in region.mission.start.position])
         offset = (start - p.goal) * [1, 1, 0]
@@ -70,7 +75,13 @@ class View:
         return cls(p, along, side, top, -0.15 * size)
 
     def places(self, across: Array, height: Array) -> Array:
-        """Return positions, (k, 3), of points of the plane."""
+        """Return positions, (k, 3), of points of the plane.
+
+        Parameters
+        ----------
+        across, height : (k,)
+            Distance from the axis of the goal, and height above the mean of the target, m.
+        """
         axis = np.array([*self.potential.goal[:2], self.potential.plane])
         return np.asarray(
             axis + across[:, None] * self.along - height[:, None] * np.array([0, 0, 1.0])
@@ -109,7 +120,14 @@ class Flights:
 
 
 def hovers_inside(region: Proved, places: Array) -> NDArray[np.bool_]:
-    """Tell which level hovers, (k, 3), are certified."""
+    """Tell which level hovers, (k, 3), are certified.
+
+    Parameters
+    ----------
+    region : Proved
+    places : (k, 3)
+        World frame, m.
+    """
     p = Potential.of(region.mission)
     a = [float(w) for w in region.weights]
     inside = p.hover_terms(places) @ [1, *a] <= float(region.level)
@@ -119,7 +137,15 @@ def hovers_inside(region: Proved, places: Array) -> NDArray[np.bool_]:
 
 
 def fly(region: Proved, view: View, count: int = FLIGHTS) -> Flights:
-    """Simulate flights from hovers all over the window, above the target."""
+    """Simulate flights from hovers all over the window, above the target.
+
+    Parameters
+    ----------
+    region : Proved
+    view : View
+    count : int
+        Number of flights.
+    """
     mission, p = region.mission, view.potential
     rng = np.random.default_rng(0)
     across = rng.uniform(-view.side, view.side, count)

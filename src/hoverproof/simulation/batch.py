@@ -30,7 +30,16 @@ OUTCOMES = (
 
 
 def outcome_code(plan: Plan, memory: Array, taken: int) -> int:
-    """Return the place in `OUTCOMES` of a run that ended with this memory, (MEMORY,)."""
+    """Return the place in `OUTCOMES` of a run that ended with this memory, (MEMORY,).
+
+    Parameters
+    ----------
+    plan : Plan
+    memory : (m,)
+        The last memory, m = MEMORY: packed state, then guards, and the rest of `LAYOUT` if any.
+    taken : int
+        Number of good records after the start.
+    """
     if taken == plan.samples:
         return 0
     if has_diverged(memory):
@@ -51,7 +60,20 @@ def fly_raw(
     compiler: str | None = None,
     stop: kernel.Stop | None = None,
 ) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Fly runs `first` to ``first + count - 1``; see `kernel.fly` for what is returned."""
+    """Fly runs `first` to ``first + count - 1``; see `kernel.fly` for what is returned.
+
+    Parameters
+    ----------
+    plan : Plan
+    first : int
+        Number of the first run, from 0.
+    count : int
+        Number of runs to fly.
+    compiler : str, optional
+        As in `hoverproof.simulation.compiled.runner`.
+    stop : Stop, optional
+        Ends the flights when set.
+    """
     plan.prepare()
     memory, params = memory_and_parameters(plan, np.arange(first, first + count))
     return kernel.fly(
@@ -75,8 +97,10 @@ def fly_block(
     Parameters
     ----------
     plan : Plan
-    part : (first, count)
+    part : (int, int)
+        Number of the first run, from 0, and number of runs.
     stop : Stop, optional
+        Ends the flights when set.
 
     Returns
     -------

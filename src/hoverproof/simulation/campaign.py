@@ -36,13 +36,15 @@ class Flown:
     ----------
     path : Path
     runs, runs_complete : int
-        Asked for, and in the file.
+        Numbers of runs asked for, and complete in the file.
     steps : int
         Vehicle-steps taken now, without those of an earlier part.
     seconds : float
+        Time it took, s.
     machine : str
         What flew.
     interrupted : bool
+        Whether the user ended it early.
     """
 
     path: Path
@@ -80,7 +82,10 @@ def simulate_batch(
     mission : Mission
     path : str or Path
         File to write; see `hoverproof.simulation.results`.
-    runs, seed : int
+    runs : int
+        Number of flights.
+    seed : int
+        Of all that is drawn, a number from 0 to 2**63 - 1.
     duration, step : float
         s, as in `hoverproof.simulate`.
     every : int, optional
@@ -88,7 +93,7 @@ def simulate_batch(
     precision : "float32" or "float64"
         Of the numbers kept over time.
     threads : int, optional
-        By default as many as there are processors.
+        Their number; by default as many as there are processors.
     scheduler : str, optional
         Address of a Dask scheduler whose workers fly instead; they need this hoverproof.
     resume : bool

@@ -93,7 +93,14 @@ def guards(state: ca.SX, design: Design, points: ca.SX) -> ca.SX:
 
 
 def thrust_margin(thrust: ca.SX, design: Design) -> ca.SX:
-    """Return T - c q3*, (1, 1), N: at zero the controller is singular."""
+    """Return T - c q3*, (1, 1), N: at zero the controller is singular.
+
+    Parameters
+    ----------
+    thrust : SX
+        T, (1, 1), N.
+    design : Design
+    """
     return thrust - design.stiffness * design.goal_centroid[2]
 
 
@@ -105,6 +112,7 @@ def runge_kutta(rate: Callable[[ca.SX, int], ca.SX], x: ca.SX, dt: ca.SX) -> ca.
     rate : callable
         (x, half) ↦ derivative, `half` half steps (0, 1 or 2) after the beginning.
     x : SX
+        (k, 1), in SI units.
     dt : SX
         Step, s.
     """
@@ -179,7 +187,18 @@ def readout_function(n: int) -> ca.Function:
 def readout(
     x: ca.SX, design: Design, points: ca.SX, arm: ca.SX, drag_ratio: ca.SX
 ) -> dict[str, ca.SX]:
-    """Return the outputs of `readout_function` as expressions of its inputs."""
+    """Return the outputs of `readout_function` as expressions of its inputs.
+
+    Parameters
+    ----------
+    x : SX
+        (19, 1), packed as by `RigidBodyState`.
+    design : Design
+    points : SX
+        (3, n), world frame, m.
+    arm, drag_ratio : SX
+        Of the rotors, (1, 1), m.
+    """
     measured, image, _ = sense(RigidBodyState.from_vector(x), points)
     e = errors(measured, design)
     _, torque = derive_controller().function()(measured.vector(), design.vector())

@@ -113,17 +113,34 @@ def c_source(n: int) -> str:
 
 
 def define(constants: Mapping[str, int]) -> str:
-    """Return a C definition of each constant, as HP_NAME."""
+    """Return a C definition of each constant, as HP_NAME.
+
+    Parameters
+    ----------
+    constants : mapping
+        Bare numbers by name.
+    """
     return "".join(f"#define HP_{name} {value}\n" for name, value in constants.items())
 
 
 def c_file(name: str) -> str:
-    """Return the text of a C file of this folder."""
+    """Return the text of a C file of this folder.
+
+    Parameters
+    ----------
+    name : str
+        Of the file, as ``loop.c``.
+    """
     return (resources.files("hoverproof.simulation") / name).read_text(encoding="utf-8")
 
 
 def generate(functions: Sequence[ca.Function]) -> str:
-    """Return the C text that CasADi makes of functions, everything in it static."""
+    """Return the C text that CasADi makes of functions, everything in it static.
+
+    Parameters
+    ----------
+    functions : sequence of Function
+    """
     with tempfile.TemporaryDirectory() as folder:
         generator = ca.CodeGenerator("closed_loop.c", {"with_header": False})
         for function in functions:

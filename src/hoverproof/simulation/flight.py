@@ -61,7 +61,8 @@ def simulate(
     every : int, optional
         Keep every so many steps; by default about 2000 samples are kept.
     seed : int
-        Of the noise, if the mission names sensors or wind; ``[scatter]`` is for batches.
+        Of the noise, if the mission names sensors or wind; a number from 0 to 2**63 - 1.
+        ``[scatter]`` is for batches.
     compiler : str, optional
         Command of the C compiler (see `hoverproof.simulation.compiled.runner`).
 
@@ -107,10 +108,14 @@ def steps_and_interval(
     Parameters
     ----------
     mission : Mission
-    duration, step : float
+    duration : float, optional
+        s; by default that of `default_duration`.
+    step : float
         s.
     every : int, optional
-        By default such that about so many `samples` are kept.
+        Steps between samples; by default such that about so many `samples` are kept.
+    samples : int
+        Number of samples wanted if `every` is not given.
 
     Raises
     ------

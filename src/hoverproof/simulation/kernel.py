@@ -40,7 +40,8 @@ class Loop:
     functions : dict of Function
         ``step``, or ``frame``, ``control``, ``move`` and ``normals``; and ``record``.
     constants : dict of int
-        Sizes and places for the driver, batch.c: MEMORY, PARAMS, POINTS, RECORD, GUARDS and others.
+        Bare numbers for the driver, batch.c: the sizes MEMORY, PARAMS, POINTS, RECORD, GUARDS and
+        others, and places.
     """
 
     functions: dict[str, ca.Function]
@@ -56,7 +57,8 @@ class Schedule:
     samples, every : int
         Records after the start, and steps between them.
     frame, control : (int, int)
-        Rate times step, as a fraction: an event happens at the first step at or after its time.
+        Rate times step, dimensionless, as numerator and denominator: an event happens at the first
+        step at or after its time.
     latency : int
         From a frame to its use, in steps.
     """
@@ -91,7 +93,13 @@ class Stopped(Exception):
 
 @dataclass
 class Stop:
-    """A flag that ends compiled flights soon, from any thread."""
+    """A flag that ends compiled flights soon, from any thread.
+
+    Attributes
+    ----------
+    flag : c_int
+        Not 0 once the flights are to end; compiled code reads it.
+    """
 
     flag: ctypes.c_int = field(default_factory=lambda: ctypes.c_int(0))
 
@@ -170,25 +178,28 @@ def fly(
     ----------
     loop : Loop
     schedule : Schedule
-    memory : (count, MEMORY)
-        Where each starts.
-    parameters : (count, PARAMS)
+    memory : (m, MEMORY)
+        Where each of m vehicles starts, SI units.
+    parameters : (m, PARAMS)
+        What each flies with, SI units.
     points : (3, n)
         Target, world frame, m.
     seed, first_run : int
         What noise is drawn from: the seed, and the number of the first of these runs.
-    compiler, lanes : optional
-        As in `hoverproof.simulation.compiled.runner` and `source`.
+    compiler : str, optional
+        As in `hoverproof.simulation.compiled.runner`.
+    lanes : int, optional
+        Number of vehicles in a vector; by default that of the machine.
     stop : Stop, optional
         Ends the flights when set.
 
     Returns
     -------
-    records : (count, samples + 1, RECORD)
+    records : (m, samples + 1, RECORD)
         From the start on; not a number after the last good one.
-    memory : (count, MEMORY)
+    memory : (m, MEMORY)
         The last state of each, good or not.
-    taken : (count,)
+    taken : (m,)
         Number of good records after the start.
 
     Raises
@@ -228,7 +239,15 @@ def fly(
 
 
 def machine(loop: Loop, schedule: Schedule, compiler: str | None = None) -> str:
-    """Return on what a loop runs here, in words."""
+    """Return on what a loop runs here, in words.
+
+    Parameters
+    ----------
+    loop : Loop
+    schedule : Schedule
+    compiler : str, optional
+        As in `hoverproof.simulation.compiled.runner`.
+    """
     command = find_compiler() if compiler is None else compiler
     library = vector_library(source(loop, schedule), command)
     if library is None:

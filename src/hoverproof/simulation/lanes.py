@@ -28,7 +28,7 @@ def vector_source(
     driver : str
         Name of a C file of this folder.
     constants : mapping
-        What the driver finds defined as HP_NAME; ``LANES`` overrules the lane width.
+        Bare numbers that the driver finds as HP_NAME; ``LANES`` overrules the lane width.
     """
     head = re.compile(
         r"^(?:static|CASADI_SYMBOL_EXPORT) int \w+\(const casadi_real\*\* arg.*?^}\n", re.M | re.S

@@ -35,7 +35,7 @@ def philox(counter: tuple[Any, Any, Any, Any], seed: int) -> tuple[Words, Words,
     ----------
     counter : four integers or arrays of them that broadcast, below 2**32
     seed : int
-        Key, below 2**64.
+        Key, a number below 2**64.
     """
     c = [np.asarray(word, np.uint64) for word in counter]
     key = [np.uint64(seed & LOW), np.uint64(seed >> 32)]
@@ -48,7 +48,14 @@ def philox(counter: tuple[Any, Any, Any, Any], seed: int) -> tuple[Words, Words,
 
 
 def uniforms(counter: tuple[Any, Any, Any, Any], seed: int) -> tuple[Array, Array]:
-    """Return two independent numbers, u in (0, 1] and v in [-1/2, 1/2), of 52 bits each."""
+    """Return two independent numbers, u in (0, 1] and v in [-1/2, 1/2), of 52 bits each.
+
+    Parameters
+    ----------
+    counter : four integers or arrays of them that broadcast, below 2**32
+    seed : int
+        Key, a number below 2**64.
+    """
     w = philox(counter, seed)
     half, twelve = np.uint64(32), np.uint64(12)
     one = np.uint64(ONE)
@@ -63,8 +70,9 @@ def normals(counter: tuple[Any, Any, Any, Any], seed: int) -> tuple[Array, Array
 
     Parameters
     ----------
-    counter : four integers or arrays of them that broadcast
+    counter : four integers or arrays of them that broadcast, below 2**32
     seed : int
+        Key, a number below 2**64.
     """
     u, v = uniforms(counter, seed)
     shape = np.shape(u)

@@ -42,7 +42,12 @@ class FlightNumbers:
 
     @classmethod
     def of(cls, mission: Mission) -> FlightNumbers:
-        """Round the numbers of a mission."""
+        """Round the numbers of a mission.
+
+        Parameters
+        ----------
+        mission : Mission
+        """
         goal = hover_goal(mission)
         start = mission.start
         state = [
@@ -61,7 +66,13 @@ class FlightNumbers:
 
 
 def euler_angles(rotation: Array) -> Array:
-    """Return roll, pitch, yaw in rad, (..., 3), of rotations (..., 3, 3)."""
+    """Return roll, pitch, yaw in rad, (..., 3), of rotations (..., 3, 3).
+
+    Parameters
+    ----------
+    rotation : (..., 3, 3)
+        R = Rz(yaw) Ry(pitch) Rx(roll).
+    """
     r = rotation
     roll = np.arctan2(r[..., 2, 1], r[..., 2, 2])
     pitch = np.arctan2(-r[..., 2, 0], np.hypot(r[..., 0, 0], r[..., 1, 0]))

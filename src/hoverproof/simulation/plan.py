@@ -42,7 +42,13 @@ def is_ideal(mission: Mission, *, scattered: bool = False) -> bool:
 
 
 def check_seed(seed: int) -> None:
-    """Refuse a seed that is no key for the noise."""
+    """Refuse a seed that is no key for the noise.
+
+    Parameters
+    ----------
+    seed : int
+        A number, good from 0 to 2**63 - 1.
+    """
     if not 0 <= seed < 2**63:
         raise InputError("--seed", "", f"must be from 0 to {2**63 - 1}, not {seed}")
 
@@ -59,6 +65,7 @@ class Plan:
     samples, every : int
         Records after the start, and steps between them.
     seed : int
+        A number from 0 to 2**63 - 1.
     scattered : bool
         Whether starts and vehicles are drawn from ``[scatter]``.
     version : str

@@ -57,7 +57,15 @@ IMU_CHANNEL, GUST_CHANNEL = 64, 72  # a camera has at most 64 points: channels 0
 
 
 def place(layout: dict[str, int], name: str) -> slice:
-    """Return where a part of a layout stands."""
+    """Return where a part of a layout stands.
+
+    Parameters
+    ----------
+    layout : dict of int
+        Sizes of the parts, bare numbers, in order.
+    name : str
+        Of the part.
+    """
     names = list(layout)
     begin = sum(layout[before] for before in names[: names.index(name)])
     return slice(begin, begin + layout[name])
@@ -72,7 +80,7 @@ class Surroundings(Packed):
     mass, inertia : SX
         Of the true vehicle, kg and kg m².
     camera_x, camera_y, camera_z : SX
-        Axes of the camera in the body frame.
+        Axes of the camera in the body frame, (3, 1), dimensionless.
     wind : SX
         Mean, world frame, m/s.
     gyro_bias, velocity_bias, gravity_bias : SX
@@ -84,13 +92,14 @@ class Surroundings(Packed):
     step, period : SX
         Of the integrator and of the controller, s.
     left_now, left_half, left_whole : SX
-        What share of the gap to its command a rotor keeps at once, after half a step and a step.
+        What share of the gap to its command a rotor keeps at once, after half a step and a step;
+        dimensionless.
     gust_kept, gust_added : SX
-        A gust's share kept over a step, and the deviation added, m/s.
+        A gust's share kept over a step, dimensionless, and the deviation added, m/s.
     rotor_min, rotor_max : SX
         N.
     image_noise, image_resolution, half_width, half_height : SX
-        In focal lengths.
+        In focal lengths, dimensionless.
     gyro_noise, velocity_noise, gravity_noise : SX
         rad/s, m/s and rad.
     """
@@ -132,14 +141,35 @@ class Surroundings(Packed):
     gravity_noise: ca.SX
 
     def seen(self, body: RigidBodyState, points: ca.SX) -> ca.SX:
-        """Return the target points in the frame of the camera as it is mounted, (3, n), m."""
+        """Return the target points in the frame of the camera as it is mounted, (3, n), m.
+
+        Parameters
+        ----------
+        body : RigidBodyState
+        points : SX
+            (3, n), world frame, m.
+        """
         mounted = ca.horzcat(self.camera_x, self.camera_y, self.camera_z)
         return camera.body_points(points, body.position, body.rotation @ mounted)
 
 
 @dataclass(frozen=True)
 class Features:
-    """What a loop has beside its numbers, each a reason to compile another one."""
+    """What a loop has beside its numbers, each a reason to compile another one.
+
+    Attributes
+    ----------
+    camera_noise : bool
+        Whether image points are noisy.
+    rounded : bool
+        Whether image coordinates are rounded.
+    imu_noise : bool
+        Whether gyro, velocity or gravity are noisy.
+    gusts : bool
+        Whether the wind has gusts.
+    abort : bool
+        Whether a flight ends when a target point leaves the view.
+    """
 
     camera_noise: bool = False
     rounded: bool = False
@@ -206,7 +236,15 @@ def realistic_loop(n: int, features: Features) -> Loop:
 
 
 def packed_with(memory: dict[str, ca.SX], changes: dict[str, ca.SX]) -> ca.SX:
-    """Return the memory as one vector, some parts replaced."""
+    """Return the memory as one vector, some parts replaced.
+
+    Parameters
+    ----------
+    memory : dict of SX
+        By name, each (k, 1), with k and unit as in `LAYOUT`.
+    changes : dict of SX
+        The new parts, each (k, 1) likewise.
+    """
     return ca.vertcat(*(memory | changes).values())
 
 
@@ -217,6 +255,11 @@ def look(
 
     Parameters
     ----------
+    memory : dict of SX
+        By name, each (k, 1), with k and unit as in `LAYOUT`.
+    around : Surroundings
+    points : SX
+        (3, n), world frame, m.
     noise : SX
         (2 n, 1), standard normal, point by point.
     rounded : bool
@@ -245,6 +288,10 @@ def decide(
 
     Parameters
     ----------
+    memory : dict of SX
+        By name, each (k, 1), with k and unit as in `LAYOUT`.
+    design : Design
+    around : Surroundings
     noise : SX
         (9, 1), standard normal: gyro, velocity, gravity.
     """
@@ -279,6 +326,12 @@ def move(
 
     Parameters
     ----------
+    memory : dict of SX
+        By name, each (k, 1), with k and unit as in `LAYOUT`.
+    design : Design
+    around : Surroundings
+    points : SX
+        (3, n), world frame, m.
     noise : SX
         (3, 1), standard normal: the gust.
     """
@@ -322,7 +375,17 @@ def move(
 def recorded(
     memory: dict[str, ca.SX], design: Design, around: Surroundings, points: ca.SX
 ) -> ca.SX:
-    """Return a record, in the order of `REALISTIC_RECORD`."""
+    """Return a record, in the order of `REALISTIC_RECORD`.
+
+    Parameters
+    ----------
+    memory : dict of SX
+        By name, each (k, 1), with k and unit as in `LAYOUT`.
+    design : Design
+    around : Surroundings
+    points : SX
+        (3, n), world frame, m.
+    """
     read = readout(memory["state"], design, points, around.arm, around.drag_ratio)
     wind = around.wind + memory["gust"]
     return ca.vertcat(

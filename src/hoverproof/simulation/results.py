@@ -67,7 +67,16 @@ SIZES = {"axis": 3, "body_axis": 3, "angle": 3, "rotor": 4}
 
 
 def batch_size(plan: Plan, runs: int, precision: Precision) -> int:
-    """Return about how many bytes the file of a batch takes."""
+    """Return about how many bytes the file of a batch takes.
+
+    Parameters
+    ----------
+    plan : Plan
+    runs : int
+        Number of runs of the batch.
+    precision : "float32" or "float64"
+        Of the numbers kept over time.
+    """
     numbers = sum(int(np.prod([SIZES[d] for d in dims])) for dims, _, _ in SERIES.values())
     each = numbers * np.dtype(precision).itemsize * (plan.samples + 1)
     of_a_run = 8 + sum(np.dtype(kind).itemsize for kind, _, _ in OF_A_RUN.values())
@@ -102,7 +111,8 @@ class BatchFile:
         Parameters
         ----------
         block : dict
-            From `hoverproof.simulation.batch.fly_block`.
+            From `hoverproof.simulation.batch.fly_block`: by name, each (k, ...) for k runs, in the
+            units of `SERIES` and `OF_A_RUN`.
 
         Raises
         ------
@@ -150,7 +160,9 @@ def create(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[
     path : Path
     plan : Plan
     runs : int
+        Number of runs of the batch.
     precision : "float32" or "float64"
+        Of the numbers kept over time.
 
     Raises
     ------
@@ -172,6 +184,15 @@ def create(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[
 @contextmanager
 def reopen(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[BatchFile]:
     """Open the file of a batch that was cut short.
+
+    Parameters
+    ----------
+    path : Path
+    plan : Plan
+    runs : int
+        Number of runs of the batch.
+    precision : "float32" or "float64"
+        Of the numbers kept over time.
 
     Raises
     ------
@@ -204,7 +225,16 @@ def reopen(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[
 
 
 def identity(plan: Plan, runs: int, precision: Precision) -> dict[str, Any]:
-    """Return all that decides about the bytes of a batch's file."""
+    """Return all that decides about the bytes of a batch's file.
+
+    Parameters
+    ----------
+    plan : Plan
+    runs : int
+        Number of runs of the batch.
+    precision : "float32" or "float64"
+        Of the numbers kept over time.
+    """
     return {
         "mission": plan.mission.exact(),
         "conditions": plan.mission.conditions(),

@@ -51,11 +51,23 @@ class AxialLoop:
     _rate: ca.SX
 
     def dot(self, value: ca.SX) -> ca.SX:
-        """Return the derivative along the motion."""
+        """Return the derivative along the motion.
+
+        Parameters
+        ----------
+        value : SX
+            Any shape; a function of the measured quantities.
+        """
         return self.axial(lie_derivative(value, self._state, self._rate))
 
     def axial(self, value: ca.SX) -> ca.SX:
-        """Put q1* = q2* = 0."""
+        """Put q1* = q2* = 0.
+
+        Parameters
+        ----------
+        value : SX
+            Any shape.
+        """
         return ca.substitute(value, self.design.goal_centroid[:2], ca.SX.zeros(2))
 
 
@@ -129,7 +141,14 @@ class AttractionForm:
 
 
 def half_squares(weights: ca.SX, e: Errors) -> ca.SX:
-    """Return ½(a2|δ2|² + a3|δ3|² + a4|δ4|²), (1, 1)."""
+    """Return ½(a2|δ2|² + a3|δ3|² + a4|δ4|²), (1, 1).
+
+    Parameters
+    ----------
+    weights : SX
+        a2, a3, a4, (3, 1), m.
+    e : Errors
+    """
     squares = ca.vertcat(*(ca.dot(part, part) for part in (e.d2, e.d3, e.d4)))
     return ca.dot(weights, squares) / 2
 

@@ -47,7 +47,7 @@ class Loop:
     weight, stiffness : float
         m g and c = k1² k2/m, N.
     q3 : float
-        q3*.
+        q3*, dimensionless.
     """
 
     design: Array
@@ -57,7 +57,14 @@ class Loop:
 
     @classmethod
     def of(cls, mission: Mission, q3: float) -> Loop:
-        """Round the numbers of a mission."""
+        """Round the numbers of a mission.
+
+        Parameters
+        ----------
+        mission : Mission
+        q3 : float
+            q3*, dimensionless.
+        """
         design = np.array([float(x) for x in Design.values(mission, [0, 0, q3])])  # type: ignore[list-item]
         gains = mission.gains
         stiffness = float(gains.k1**2 * gains.k2 / mission.vehicle.mass)
@@ -69,24 +76,50 @@ class Loop:
         return self.weight - self.stiffness * self.q3
 
     def factor(self, force: float) -> tuple[float, float]:
-        """Return the ends of f(T) for |T - m g| <= force."""
+        """Return the ends of f(T) for |T - m g| <= force.
+
+        Parameters
+        ----------
+        force : float
+            Bound of |T - m g|, N.
+        """
         f = _factor_function()
         low, high = (float(f(self.design, self.weight + s * force)) for s in (1, -1))
         return low, high
 
     def tilt(self, force: float) -> tuple[float, float, float]:
-        """Return sin φ, cos φ and tan(φ/2) for |F| <= force."""
+        """Return sin φ, cos φ and tan(φ/2) for |F| <= force.
+
+        Parameters
+        ----------
+        force : float
+            Bound of |F|, N.
+        """
         sine = force / self.weight
         cosine = float(np.sqrt(1 - sine**2))
         return sine, cosine, sine / (1 + cosine)
 
     def turn_gain(self, force: float) -> float:
-        """Return γ = c q3*/(T - c q3*) at the lowest thrust."""
+        """Return γ = c q3*/(T - c q3*) at the lowest thrust.
+
+        Parameters
+        ----------
+        force : float
+            Bound of |F|, N.
+        """
         singular = self.stiffness * self.q3
         return singular / (self.weight - force - singular)
 
     def blocks(self, f: float, theta: float) -> list[tuple[Array, Array, Array]]:
-        """Return (terms without Q, u, v) of the potential alone, and of each weight alone."""
+        """Return (terms without Q, u, v) of the potential alone, and of each weight alone.
+
+        Parameters
+        ----------
+        f : float
+            f(T), 1/m.
+        theta : float
+            tan(φ/2), dimensionless.
+        """
         read = _form_function()
         base = [np.array(x) for x in read(self.design, np.zeros(3), f, [theta, 0])]
         parts = [(base[0], base[1], base[2])]
@@ -98,7 +131,17 @@ class Loop:
 
 @dataclass(frozen=True)
 class Solution:
-    """What the program found: weights (3,), level, and how near the hovers come to it."""
+    """What the program found: weights, level, and how near the hovers come to it.
+
+    Attributes
+    ----------
+    weights : (3,)
+        a2, a3, a4, m.
+    level : float
+        ℓ, m.
+    fill : float
+        Largest Λ/ℓ of the hovers, dimensionless.
+    """
 
     weights: Array
     level: float
@@ -127,9 +170,9 @@ def solve(
     hovers : (k, 4)
         `Potential.hover_terms` of hovers that are to be inside.
     least_level, most_level : float
-        Of ℓ.
+        Bounds of ℓ, m.
     omega : float, optional
-        Bound of what tilt may add to the height's equation, for a barrier.
+        Bound of what tilt may add to the height's equation, for a barrier; dimensionless.
 
     Returns
     -------
@@ -183,7 +226,20 @@ def solve(
 def rate_and_multiplier(
     loop: Loop, weights: Array, *, f: float, theta: float, largest: float
 ) -> tuple[float, float]:
-    """Return the largest ε found for given weights at one end of f, and its multiplier τ."""
+    """Return the largest ε found for given weights at one end of f, and its multiplier τ.
+
+    Parameters
+    ----------
+    loop : Loop
+    weights : (3,)
+        a2, a3, a4, m.
+    f : float
+        f(T), 1/m.
+    theta : float
+        tan(φ/2), dimensionless.
+    largest : float
+        Bound of the eigenvalues of Q, 1/m.
+    """
     from scipy.optimize import minimize_scalar
 
     parts = loop.blocks(f, theta)

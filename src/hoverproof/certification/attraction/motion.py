@@ -71,7 +71,13 @@ def energies(region: Proved, states: Array) -> Array:
 
 
 def numbers(mission: Mission, region: Proved) -> tuple[Array, Array, Array]:
-    """Return design (13,), goal (3,) and weights (3,) in floating point."""
+    """Return design (13,), goal (3,) and weights (3,) in floating point.
+
+    Parameters
+    ----------
+    mission : Mission
+    region : Proved
+    """
     goal = hover_goal(mission)
     design = [float(v) for v in Design.values(mission, goal.centroid_midpoint)]
     position = [float(c) for c in goal.position]

@@ -38,6 +38,10 @@ class Potential:
     def of(cls, mission: Mission) -> Potential:
         """Take the potential of a mission.
 
+        Parameters
+        ----------
+        mission : Mission
+
         Raises
         ------
         InputError
@@ -69,11 +73,23 @@ class Potential:
         return float(self.points[:, 2].mean())
 
     def height(self, z: float) -> float:
-        """Return the height above the mean of the target, m."""
+        """Return the height above the mean of the target, m.
+
+        Parameters
+        ----------
+        z : float
+            World frame, m.
+        """
         return self.plane - z
 
     def value(self, positions: Array) -> Array:
-        """Return W, (k,), at positions (k, 3)."""
+        """Return W, (k,), at positions (k, 3).
+
+        Parameters
+        ----------
+        positions : (k, 3)
+            World frame, m.
+        """
 
         def raw(x: Array) -> Array:
             rays = self.points[None] - x[:, None]
@@ -82,18 +98,36 @@ class Potential:
         return np.asarray(raw(positions) - raw(self.goal[None]))
 
     def centroid(self, positions: Array) -> Array:
-        """Return q of a level camera, (k, 3), at positions (k, 3)."""
+        """Return q of a level camera, (k, 3), at positions (k, 3).
+
+        Parameters
+        ----------
+        positions : (k, 3)
+            World frame, m.
+        """
         rays = self.points[None] - positions[:, None]
         return np.asarray((rays / np.linalg.norm(rays, axis=2)[..., None]).sum(axis=1))
 
     def hover_terms(self, positions: Array) -> Array:
-        """Return (k, 4): Λ = terms · (1, a2, a3, a4) for a level hover at positions (k, 3)."""
+        """Return (k, 4): Λ = terms · (1, a2, a3, a4) for a level hover at positions (k, 3).
+
+        Parameters
+        ----------
+        positions : (k, 3)
+            World frame, m.
+        """
         d1 = self.centroid(positions) - [0, 0, self.q3]
         whole, flat = (d1**2).sum(axis=1) / 2, (d1[:, :2] ** 2).sum(axis=1) / 2
         return np.stack([self.value(positions), whole, whole, flat], axis=1)
 
     def largest_eigenvalue(self, bottom: float) -> float:
-        """Return the largest eigenvalue of Q, 1/m, found at and above z = bottom."""
+        """Return the largest eigenvalue of Q, 1/m, found at and above z = bottom.
+
+        Parameters
+        ----------
+        bottom : float
+            z, m.
+        """
         best = 0.0
         span = self._span()
         for rise in (0.0, 0.1):
@@ -102,13 +136,26 @@ class Potential:
         return best
 
     def largest_height_part(self, z: float) -> float:
-        """Return the largest qz = Σ hᵢ/rᵢ found on the plane at z."""
+        """Return the largest qz = Σ hᵢ/rᵢ found on the plane at z.
+
+        Parameters
+        ----------
+        z : float
+            World frame, m.
+        """
         return float(self.centroid(self._plane_grid(z))[:, 2].max())
 
     def level_limit(self, largest: float, bottom: float | None) -> float:
         """Return the lowest W found where an eigenvalue of Q reaches `largest`, z <= bottom.
 
         Infinite if that is nowhere.
+
+        Parameters
+        ----------
+        largest : float
+            1/m.
+        bottom : float or None
+            z, m; None for no bound.
         """
         directions = sphere(200)
         radii = np.linspace(0.05, 1.0, 40) * self.n / largest
@@ -135,7 +182,13 @@ class Potential:
 
 
 def sphere(k: int) -> Array:
-    """Return k directions spread over the sphere, (k, 3)."""
+    """Return k directions spread over the sphere, (k, 3).
+
+    Parameters
+    ----------
+    k : int
+        Number of directions.
+    """
     i = np.arange(k) + 0.5
     polar, around = np.arccos(1 - 2 * i / k), np.pi * (1 + 5**0.5) * i
     flat = np.sin(polar)

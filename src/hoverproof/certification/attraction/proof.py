@@ -277,7 +277,14 @@ def _complete(draft: dict[str, Any], mission: Mission, found: Found) -> None:
 
 
 def bounds_of(mission: Mission, draft: dict[str, Any]) -> checker.Attraction:
-    """Return what follows from mission, weights and level alone, exactly."""
+    """Return what follows from mission, weights and level alone, exactly.
+
+    Parameters
+    ----------
+    mission : Mission
+    draft : dict
+        The hover point, weights, level and other choices, exact; see `checker.read_attraction`.
+    """
     text = mission.exact()
     by_height = mission.goal.height is not None
     content = {

@@ -22,7 +22,13 @@ LARGEST_RADIUS = 1e4
 
 @dataclass(frozen=True)
 class Slack:
-    """By what share bounds are kept from where they fail, so that a proof has room."""
+    """By what share bounds are kept from where they fail, so that a proof has room.
+
+    Attributes
+    ----------
+    level, eigenvalue, omega : float
+        Shares of the level, of λ₊ and of what tilt may add to the height; dimensionless.
+    """
 
     level: float
     eigenvalue: float
@@ -39,9 +45,9 @@ class Found:
     Attributes
     ----------
     weights : (3,)
-        a2, a3, a4.
+        a2, a3, a4, m.
     level : float
-        ℓ.
+        ℓ, m.
     force : float
         Bound of |F|, N.
     largest : float
@@ -49,7 +55,7 @@ class Found:
     bottom : float or None
         z of the barrier, m.
     fill : float
-        Largest Λ/ℓ of the wanted starts; they are inside if it is below 1.
+        Largest Λ/ℓ of the wanted starts, dimensionless; they are inside if it is below 1.
     binding : str
         What keeps the level from being higher.
     """
@@ -65,7 +71,21 @@ class Found:
 
 @dataclass(frozen=True)
 class Bounds:
-    """What a choice of parameters leaves to the semidefinite program."""
+    """What a choice of parameters leaves to the semidefinite program.
+
+    Attributes
+    ----------
+    force : float
+        Bound of |F|, N.
+    largest : float
+        λ₊, 1/m.
+    bottom : float or None
+        z of the barrier, m.
+    omega : float or None
+        Bound of what tilt may add to the height's equation, dimensionless.
+    most_level : float
+        Bound of ℓ, m.
+    """
 
     force: float
     largest: float
@@ -99,7 +119,13 @@ class Search:
     lag: Callable[[float], float]
 
     def bounds(self, x: Sequence[float]) -> Bounds | None:
-        """Return the bounds of a point of the search, (2,); None if they contradict each other."""
+        """Return the bounds of a point of the search, (2,); None if they contradict each other.
+
+        Parameters
+        ----------
+        x : (2,)
+            Logit of the part of the largest force; log of λ₊, 1/m, or of the barrier's height, m.
+        """
         force = self.loop.largest_force / (1 + np.exp(-x[0]))
         if not self.barrier:
             largest = float(np.exp(x[1]))
@@ -117,7 +143,15 @@ class Search:
         return Bounds(force, largest, bottom, omega, np.inf)
 
     def solve(self, x: Sequence[float], hovers: Array) -> tuple[Bounds, Solution] | None:
-        """Return the best weights at a point of the search."""
+        """Return the best weights at a point of the search.
+
+        Parameters
+        ----------
+        x : (2,)
+            Logit of the part of the largest force; log of λ₊, 1/m, or of the barrier's height, m.
+        hovers : (k, 4)
+            `Potential.hover_terms` of hovers that are to be inside.
+        """
         b = self.bounds(x)
         if b is None:
             return None
@@ -143,7 +177,15 @@ class Search:
         return [(-np.log(1 / share - 1), y) for y in second for share in (0.003, 0.03, 0.2)]
 
     def best(self, hovers: Array, value: Callable[[Bounds, Solution], float]) -> Found | None:
-        """Minimise a value of the solution over the parameters."""
+        """Minimise a value of the solution over the parameters.
+
+        Parameters
+        ----------
+        hovers : (k, 4)
+            `Potential.hover_terms` of hovers that are to be inside.
+        value : callable
+            Takes bounds and solution; returns what is to be made small.
+        """
 
         def cost(x: Sequence[float]) -> float:
             found = self.solve(x, hovers)
@@ -227,14 +269,31 @@ class HoverGrid:
 
     @classmethod
     def of(cls, p: Potential, rays: int = 300, steps: int = 160) -> HoverGrid:
-        """Lay rays in all directions."""
+        """Lay rays in all directions.
+
+        Parameters
+        ----------
+        p : Potential
+        rays, steps : int
+            Numbers of rays, and of hovers along each.
+        """
         radii = np.geomspace(0.02, LARGEST_RADIUS, steps)
         places = p.goal + sphere(rays)[:, None] * radii[None, :, None]
         terms = p.hover_terms(places.reshape(-1, 3)).reshape(rays, steps, 4)
         return cls(radii, places[..., 2], terms)
 
     def reach(self, weights: Array, level: float, bottom: float | None) -> tuple[Array, Array]:
-        """Return how far each ray is inside, m, and whether Λ ends it (or the barrier)."""
+        """Return how far each ray is inside, m, and whether Λ ends it (or the barrier).
+
+        Parameters
+        ----------
+        weights : (3,)
+            a2, a3, a4, m.
+        level : float
+            ℓ, m.
+        bottom : float or None
+            z of the barrier, m.
+        """
         outside = self.terms @ [1, *weights] > level
         below = np.zeros_like(outside) if bottom is None else self.depth > bottom
         ended = outside | below
@@ -243,12 +302,32 @@ class HoverGrid:
         return self.radii[np.maximum(first - 1, 0)], outside[rows, first]
 
     def volume(self, weights: Array, level: float, bottom: float | None) -> float:
-        """Return the volume of the hovers inside that are seen from the goal, m³."""
+        """Return the volume of the hovers inside that are seen from the goal, m³.
+
+        Parameters
+        ----------
+        weights : (3,)
+            a2, a3, a4, m.
+        level : float
+            ℓ, m.
+        bottom : float or None
+            z of the barrier, m.
+        """
         reach, _ = self.reach(weights, level, bottom)
         return float(4 * np.pi / 3 * (reach**3).mean())
 
     def radius(self, weights: Array, level: float, bottom: float | None) -> float:
-        """Return the radius of the largest ball inside, m; what is below a barrier is left out."""
+        """Return the radius of the largest ball inside, m; what is below a barrier is left out.
+
+        Parameters
+        ----------
+        weights : (3,)
+            a2, a3, a4, m.
+        level : float
+            ℓ, m.
+        bottom : float or None
+            z of the barrier, m.
+        """
         reach, by_level = self.reach(weights, level, bottom)
         return float(reach[by_level].min()) if by_level.any() else LARGEST_RADIUS
 
@@ -256,7 +335,20 @@ class HoverGrid:
 def reach_along(
     p: Potential, direction: Array, weights: Array, level: float, bottom: float | None
 ) -> float:
-    """Return how far from the goal, m, hovers in a direction are inside without a gap."""
+    """Return how far from the goal, m, hovers in a direction are inside without a gap.
+
+    Parameters
+    ----------
+    p : Potential
+    direction : (3,)
+        Unit vector, world frame.
+    weights : (3,)
+        a2, a3, a4, m.
+    level : float
+        ℓ, m.
+    bottom : float or None
+        z of the barrier, m.
+    """
     steps = np.geomspace(0.01, LARGEST_RADIUS, 400)
     places = p.goal + steps[:, None] * direction
     inside = p.hover_terms(places) @ [1, *weights] <= level

@@ -49,12 +49,23 @@ class Start:
 
     @classmethod
     def hover(cls, x: Fraction, y: Fraction, z: Fraction) -> Start:
-        """Return the level hovers at one position, world frame, m."""
+        """Return the level hovers at one position, world frame, m.
+
+        Parameters
+        ----------
+        x, y, z : Fraction
+            World frame, m.
+        """
         return cls(((x, x), (y, y), (z, z)))
 
     @classmethod
     def of(cls, mission: Mission) -> Start:
-        """Return the start of a mission; its attitude may be turned about the vertical."""
+        """Return the start of a mission; its attitude may be turned about the vertical.
+
+        Parameters
+        ----------
+        mission : Mission
+        """
         start = mission.start
         roll, pitch, _ = start.rotation
         return cls(

@@ -21,7 +21,13 @@ NOT_COVERED = (
 
 @dataclass(frozen=True)
 class Reach:
-    """How far hovers about the goal are certified, m: a disc at its height, up, and down."""
+    """How far hovers about the goal are certified: a disc at its height, up, and down.
+
+    Attributes
+    ----------
+    sideways, up, down : Fraction
+        m.
+    """
 
     sideways: Fraction
     up: Fraction
@@ -35,11 +41,11 @@ class Proved:
     Attributes
     ----------
     level : Fraction
-        ℓ: the set is {Λ <= ℓ}, above the barrier if there is one.
+        ℓ, m: the set is {Λ <= ℓ}, above the barrier if there is one.
     weights : (3,) Fractions
-        a2, a3, a4 of Λ = W + ½ Σ aᵢ|δᵢ|².
+        a2, a3, a4 of Λ = W + ½ Σ aᵢ|δᵢ|², m.
     rate : Fraction
-        ε: Λ̇ <= -(k1/m) ε |Y|² in the set.
+        ε, dimensionless: Λ̇ <= -(k1/m) ε |Y|² in the set.
     tilt : Fraction
         Bound of the tilt in the set, rad.
     thrust : (low, high)
