@@ -32,6 +32,7 @@ notebooks: .venv/installed-dev
 # Build the documentation, warnings as errors: docs/_build/html/index.html.
 docs: .venv/installed-docs
 	$(BIN)/python -m sphinx -b html -W --keep-going -q docs docs/_build/html
+	@echo "The documentation: docs/_build/html/index.html"
 
 # Make the certificates in proofs/ anew.
 proofs: .venv/installed-dev

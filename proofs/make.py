@@ -15,7 +15,7 @@ from hoverproof.mission import load, presets
 
 
 def make(folder: Path) -> None:
-    """Write the certificates of each preset: gains, region, over-box and, where it is proved, attraction."""
+    """Write the certificates of each preset: gains, region, over-box, attraction if proved."""
     (folder / "attraction-lemmas.md").write_text(lemmas(), encoding="utf-8")
     for name in presets():
         mission = load(name)

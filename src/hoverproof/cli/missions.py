@@ -67,8 +67,8 @@ def presets(
             f"{m.name:16} {number(m.vehicle.mass):>8} {len(m.target.points):>7} {height:>9} "
             f"{bandwidth(m):>7.3g} {time:>10.3g}"
         )
-    print("rad/s: attitude bandwidth (k1 k2 + k3 + k4)/m; slowest s: time constant at the goal")
-    print("Next: hoverproof presets NAME prints one, with its sources; hoverproof certify NAME")
+    print("rad/s: attitude bandwidth (k1 k2 + k3 + k4)/m; slowest: time constant at goal")
+    print("Next: hoverproof presets NAME prints one; hoverproof certify NAME")
     return 0
 
 
