@@ -91,12 +91,31 @@ def atlas_figure(
     printed : (m, n)
         Where, along y and x, the conditions of the printed theorem are met.
     """
+    figure = Figure(figsize=(7.8, 6.8), layout="constrained")
+    axes = figure.subplots()
+    handles = draw_atlas(axes, mission, atlas, what, printed)
+    axes.set_title(f"{mission.name}: what is certified")
+    figure.legend(handles=handles, loc="outside lower center", ncols=2)
+    return figure
+
+
+def draw_atlas(
+    axes: Axes, mission: Mission, atlas: xr.Dataset, what: str, printed: NDArray[np.bool_]
+) -> list[Artist]:
+    """Draw an atlas on axes, with a bar for its colours, and return what belongs in the legend.
+
+    Parameters
+    ----------
+    axes : Axes
+    mission, atlas, what
+        See `atlas_figure`.
+    printed : (m, n)
+        See `atlas_figure`.
+    """
     y, x = (str(name) for name in atlas["margin"].dims)
     scales = [str(scale) for scale in atlas.attrs["scales"]]
     across, along = atlas[x].values, atlas[y].values
     margin, shown = atlas["margin"].values, atlas[what].values
-    figure = Figure(figsize=(7.8, 6.8), layout="constrained")
-    axes = figure.subplots()
     axes.set_xscale(scales[0])
     axes.set_yscale(scales[1])
     handles: list[Artist] = []
@@ -105,6 +124,7 @@ def atlas_figure(
         norm = LogNorm(good.max() / 10**DECADES, good.max())
         mesh = axes.pcolormesh(across, along, good, norm=norm, cmap="viridis", shading="nearest")
         mesh.set_rasterized(True)
+        figure = axes.figure
         figure.colorbar(mesh, ax=axes, label=f"{LABELS[what]}, where certified", extend="min")
     if (margin <= 0).any():
         plain = np.ma.masked_where(~(margin <= 0), np.ones(margin.shape))
@@ -147,12 +167,10 @@ def atlas_figure(
             linestyle="none",
             label="the mission's own point",
         )
-    axes.set_title(f"{mission.name}: what is certified")
     for set_label, name in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
         unit = QUANTITIES[name].unit
         set_label(f"{QUANTITIES[name].words}{'' if unit == '1' else f' ({unit})'}")
-    figure.legend(handles=handles, loc="outside lower center", ncols=2)
-    return figure
+    return handles
 
 
 def _boundary(axes: Axes, atlas: xr.Dataset, x: str, y: str, scales: list[str]) -> list[Artist]:
