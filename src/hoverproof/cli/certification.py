@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 def certify(
     mission: MissionName,
     *,
-    out: Annotated[Path | None, Parameter(help="Certificate to write; default: see above.")] = None,
+    out: Annotated[Path | None, Parameter(help="Certificate to write; by default named after the mission.")] = None,
     over_box: Annotated[
         bool,
         Parameter(negative="", help="Use eigenvalue bounds proved over a box (see `region`)."),
@@ -54,6 +54,10 @@ def certify(
     Writes a certificate (NAME.cert.json), or a counterexample (NAME.refutation.json), that `check`
     verifies without trusting this program; NAME is the name in the mission. If it is undecided,
     status 3, nothing is written.
+
+    What it assumes: the eigenvalues of Q and the thrust stay in the mission's bounds, and the
+    vehicle does not turn about its vertical axis. See `region` for the first, `attraction` for a
+    theorem that assumes neither.
 
     Example: `hoverproof certify x4-flyer`
 
@@ -130,7 +134,7 @@ def region(
     mission: MissionName,
     *,
     box: Box = None,
-    out: Annotated[Path | None, Parameter(help="Certificate to write; default: see above.")] = None,
+    out: Annotated[Path | None, Parameter(help="Certificate to write; by default named after the mission.")] = None,
     boxes: Boxes = None,
     figure: Annotated[bool, Parameter(help="Draw the region beside the file.")] = True,
     set_: Set = None,
@@ -212,7 +216,7 @@ def check(
     """Verify a certificate in exact arithmetic, with the standard library alone.
 
     The same as `python -I -S checker.py FILE`, which needs no installation. Takes certificates and
-    refutations of `certify` and `region`. Status 0 if it is accepted, with the theorem in words;
+    refutations of `certify` and `region`, and certificates of `attraction`. Status 0 if it is accepted, with the theorem in words;
     1 if it is rejected, with the reason; 2 if it cannot be read.
 
     Example: `hoverproof check x4-flyer.cert.json`

@@ -58,9 +58,13 @@ def export(
 ) -> int:
     """Certify a mission, and write its control law as C99 firmware with the certificate.
 
-    Exit status 1 or 3 if the gains are refuted or undecided; then nothing is written.
+    The folder gets the C with a self-test, a README for whoever flashes it, an example that flies
+    (CMake), adapters for Crazyflie, PX4 and ArduPilot, and a manifest with hashes. Exit status 1
+    or 3 if the gains are refuted or undecided; then nothing is written.
 
     Example: `hoverproof export x4-flyer --out firmware`
+
+    Example: `hoverproof export crazyflie-2.1 --out firmware --rotor-limits 0,0.15 --tunable`
     """
     import hoverproof
     from hoverproof.export.package import NotCertified
