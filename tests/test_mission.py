@@ -151,8 +151,8 @@ def test_overrides_take_the_place_of_values_in_the_file():
 
 
 def test_a_bare_word_in_an_override_needs_no_quotes():
-    for given in ("abort", '"abort"'):
-        assert load("x4-flyer", {"sensors.out_of_view": given}).sensors.out_of_view == "abort"
+    for word in ("abort", '"abort"'):
+        assert load("x4-flyer", {"sensors.out_of_view": word}).sensors.out_of_view == "abort"
     with pytest.raises(InputError, match=r"gains\.k4: must be .*, not 'fast'"):
         load("x4-flyer", {"gains.k4": "fast"})
 

@@ -35,7 +35,9 @@ if TYPE_CHECKING:
 def certify(
     mission: MissionName,
     *,
-    out: Annotated[Path | None, Parameter(help="Certificate to write; by default named after the mission.")] = None,
+    out: Annotated[
+        Path | None, Parameter(help="Certificate to write; by default named after the mission.")
+    ] = None,
     over_box: Annotated[
         bool,
         Parameter(negative="", help="Use eigenvalue bounds proved over a box (see `region`)."),
@@ -134,7 +136,9 @@ def region(
     mission: MissionName,
     *,
     box: Box = None,
-    out: Annotated[Path | None, Parameter(help="Certificate to write; by default named after the mission.")] = None,
+    out: Annotated[
+        Path | None, Parameter(help="Certificate to write; by default named after the mission.")
+    ] = None,
     boxes: Boxes = None,
     figure: Annotated[bool, Parameter(help="Draw the region beside the file.")] = True,
     set_: Set = None,
@@ -216,8 +220,9 @@ def check(
     """Verify a certificate in exact arithmetic, with the standard library alone.
 
     The same as `python -I -S checker.py FILE`, which needs no installation. Takes certificates and
-    refutations of `certify` and `region`, and certificates of `attraction`. Status 0 if it is accepted, with the theorem in words;
-    1 if it is rejected, with the reason; 2 if it cannot be read.
+    refutations of `certify` and `region`, and certificates of `attraction`. Status 0 if it is
+    accepted, with the theorem in words; 1 if it is rejected, with the reason; 2 if it cannot be
+    read.
 
     Example: `hoverproof check x4-flyer.cert.json`
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import json
 import os
 import re
@@ -122,7 +123,7 @@ def usage(error: CycloptsError) -> str:
 
 def _minus(option: str | None, words: list[str]) -> str | None:
     """Return how an option is given the value behind it, if that starts with a minus."""
-    for word, after in zip(words, words[1:], strict=False):
+    for word, after in itertools.pairwise(words):
         if word == option and re.match(r"-[\d.]", after):
             return f"{option}={after}"
     return None
