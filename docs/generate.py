@@ -57,7 +57,7 @@ def commands() -> str:
     with mock.patch.object(sys, "argv", ["hoverproof"]):  # else the usage names this build
         text = console.app.generate_docs(output_format="markdown")
     _, *sections = re.split(r"(?m)^## hoverproof ", text)
-    parts = ["# Commands", _line(console.app.help), str(console.app.help_epilogue)]
+    parts = ["# Commands", _examples_as_code(console.app.help), str(console.app.help_epilogue)]
     for section in sorted(sections, key=lambda section: section.startswith("-")):
         name, body = section.split("\n", 1)
         name = name.strip()
