@@ -92,12 +92,13 @@ def export(
         return 0
     standing = "certified" if manifest["certified"] else "UNCERTIFIED: nothing is proved"
     print(f"{loaded.name}: firmware written, {precision}, {standing}")
-    print(f"  folder          {out}")
-    print(f"  thrust          {interval(manifest['thrust'])} N, monitored")
-    print(f"  rotors          {interval(manifest['rotor_limits'])} N each")
-    print(f"  law             SHA-256 {manifest['law_sha256']}")
+    print(f"  folder  {out}")
+    print(f"  thrust  {interval(manifest['thrust'])} N, monitored")
+    print(f"  rotors  {interval(manifest['rotor_limits'])} N each")
+    print("SHA-256 of the law, and of the certificate if there is one:")
+    print(f"  {manifest['law_sha256']}")
     if manifest["certified"]:
-        print(f"  certificate     SHA-256 {manifest['certificate_sha256']}")
+        print(f"  {manifest['certificate_sha256']}")
     print(f"Next: cd {out} && cmake -B build && cmake --build build --target fly")
     return 0
 
