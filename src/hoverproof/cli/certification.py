@@ -124,8 +124,9 @@ def certify(
         if verdict.margin_above is not None:
             print(f"  worst eigenvalue of Σ   {number(verdict.margin_above)} kg/s or less, proved")
     print("Asked for by the printed theorem (which is false, see hoverproof derive):")
-    for line in textwrap.wrap("; ".join(d.text() for d in demands), 76):
-        print(f"  {line}")
+    whole = "; ".join(d.text().replace(" ", "\xa0") for d in demands)  # broken between, not within
+    for line in textwrap.wrap(whole, 76):
+        print("  " + line.replace("\xa0", " "))
     if path is not None:
         print(f"Next: hoverproof check {path}")
     return EXIT[verdict.status]
