@@ -19,13 +19,11 @@ from numpy.typing import NDArray
 from hoverproof.certification.atlas import QUANTITIES, VERDICTS
 from hoverproof.certification.limits import bandwidth
 from hoverproof.certification.tuning import Tuned
-from hoverproof.files import replacing
 from hoverproof.mission import Mission
-from hoverproof.show.style import COLOURS
+from hoverproof.show.style import COLOURS, save_figure
 
 Array = NDArray[np.float64]
 
-ENDINGS = {".png": "png", ".svg": "svg"}
 REFUTED, NO_QUESTION = "#D0D0D0", "white"
 DECADES = 3
 LABELS = {"margin": "margin (kg/s)", "decay_rate": "decay rate of L (1/s)"}
@@ -73,7 +71,7 @@ def save_pareto_figure(mission: Mission, points: Sequence[tuple[float, Tuned]], 
     InputError
         If the file cannot be written.
     """
-    save(pareto_figure(mission, points), path)
+    save_figure(pareto_figure(mission, points), path)
 
 
 def atlas_figure(
@@ -220,16 +218,4 @@ def save_atlas_figure(
     InputError
         If the file cannot be written.
     """
-    save(atlas_figure(mission, atlas, what, printed), path)
-
-
-def save(figure: Figure, path: Path) -> None:
-    """Write a figure in the format of the path's ending, PNG if it is none of `ENDINGS`.
-
-    Parameters
-    ----------
-    figure : Figure
-    path : Path
-    """
-    with replacing(path) as beside:
-        figure.savefig(beside, dpi=130, format=ENDINGS.get(path.suffix.lower(), "png"))
+    save_figure(atlas_figure(mission, atlas, what, printed), path)
