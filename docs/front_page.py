@@ -58,13 +58,13 @@ def front_page() -> Figure:
     below = "a TOML file of exact decimals"
     box = panel(0, 0.012, 0.295, "1  You describe the mission", below)
     draw_text(figure.add_axes(lower(box)), mission_lines(), longest=42)
-    below = f"dL/dt \u2264 -{rate:g} L (1/s) for every Q, T in the bounds"
+    below = f"dL/dt ≤ -({rate:g}/s) L for all Q, T in bounds, Ω3 = 0"
     box = panel(0, 0.335, 0.628, "2  Its gains are proved", below)
     draw_gains(figure.add_axes(indented(box)), mission)
     below = "proved in exact arithmetic; the flight simulated"
     box = panel(0, 0.695, 0.988, "3  From here it converges", below)
     draw_region(figure.add_axes(indented(box)), region, flight)
-    below = "\u25cf start   \u2605 goal   \u25a0 target points"
+    below = "● start   ★ goal   ■ target points"
     box = panel(1, 0.012, 0.235, "4  It flies", below)
     draw_path(figure.add_axes(box, projection="3d"), flight)
     below = "directions alone; no distance is ever known"
@@ -127,7 +127,6 @@ def draw_region(axes: Axes, region: Region, flight: xr.Dataset) -> None:
     across, height, places = view.grid()
     inside = hovers_inside(region, places).reshape(len(height), len(across))
     axes.contourf(across, height, inside, levels=[0.5, 1.5], colors=[COLOURS[5]], alpha=0.45)
-    axes.fill([], [], color=COLOURS[5], alpha=0.45, label="proved")
     p, position = view.potential, flight["position"].values
     axes.plot((position - p.goal) @ view.along, p.plane - position[:, 2], color=COLOURS[0])
     axes.plot((position[0] - p.goal) @ view.along, p.plane - position[0, 2], "o", color=COLOURS[3])
