@@ -51,12 +51,12 @@ fuzz: .venv/installed-dev
 	$(BIN)/python tests/fuzz_firmware.py
 
 .venv/installed: pyproject.toml
-	$(PYTHON) -m venv .venv
+	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
 	@touch $@
 
 .venv/installed-dev: pyproject.toml
-	$(PYTHON) -m venv .venv
+	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
 	@touch .venv/installed $@
 

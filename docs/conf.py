@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel
 from sphinx.addnodes import pending_xref
 
 import hoverproof
@@ -35,6 +36,7 @@ exclude_patterns = ["_build"]
 # Pages
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
+smartquotes_action = "qe"  # dashes stay: --help is not –help
 nb_execution_mode = "off"  # the notebooks are kept with their outputs
 nb_merge_streams = True
 
@@ -69,6 +71,15 @@ def bars_are_bars(*arguments: Any) -> None:
         lines[i] = "``".join(parts)
 
 
+def short_signatures(
+    app: Any, what: str, name: str, thing: Any, options: Any, signature: str | None, *rest: Any
+) -> tuple[str, None] | None:
+    """Show the keys of a section of a mission without their defaults, which fill a page."""
+    if what != "class" or not issubclass(thing, BaseModel):
+        return None
+    return f"(*, {', '.join(thing.model_fields)})", None
+
+
 def names_as_imported(app: Any, doctree: Any) -> None:
     """Let a class in a docstring be the one that its module imports, if several bear the name."""
     for node in doctree.findall(pending_xref):
@@ -84,4 +95,5 @@ def setup(app: Any) -> None:
     """Write the pages that are made from the program before the pages are read."""
     app.connect("builder-inited", lambda app: generate.write(Path(app.srcdir)))
     app.connect("autodoc-process-docstring", bars_are_bars)
+    app.connect("autodoc-process-signature", short_signatures)
     app.connect("doctree-read", names_as_imported)

@@ -7,11 +7,12 @@ from the judge, and the notebooks as they are kept.
 from __future__ import annotations
 
 import importlib
+import inspect
 import re
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, get_args
 from unittest import mock
@@ -56,10 +57,12 @@ def commands() -> str:
     with mock.patch.object(sys, "argv", ["hoverproof"]):  # else the usage names this build
         text = console.app.generate_docs(output_format="markdown")
     _, *sections = re.split(r"(?m)^## hoverproof ", text)
-    parts = ["# Commands", _line(console.app.help), str(console.app.help_epilogue)]
-    for section in sections:
+    parts = ["# Commands", _examples_as_code(console.app.help), str(console.app.help_epilogue)]
+    for section in sorted(sections, key=lambda section: section.startswith("-")):
         name, body = section.split("\n", 1)
-        parts.append(f"(command-{name.strip()})=\n## {name.strip()}\n{_examples_as_code(body)}")
+        name = name.strip()
+        title = f"`{name}`" if name.startswith("-") else name
+        parts.append(f"(command-{name})=\n## {title}\n{_examples_as_code(body)}")
     return "\n\n".join(parts) + "\n"
 
 
@@ -77,9 +80,17 @@ def mission_file() -> str:
             continue
         optional = "" if field.is_required() else " (may be left out)"
         parts.append(f"## [{name}]{optional}")
-        parts.append(_line(model.__doc__))
+        words, meanings = _attributes(model.__doc__ or "")
+        parts.append(_line(words))
+        head: tuple[str, ...] = ("key", "accepted", "if left out")
+        rows: list[tuple[str, ...]]
         rows = [(f"`{key}`", *_accepted(model, key, f)) for key, f in model.model_fields.items()]
-        parts.append(_table(("key", "accepted", "if left out"), rows))
+        if meanings:
+            head += ("meaning",)
+            rows = [
+                (*row, meanings[key]) for row, key in zip(rows, model.model_fields, strict=True)
+            ]
+        parts.append(_table(head, rows))
     parts.append("## A complete file\n\nThis is the preset `x4-flyer`, as `hoverproof presets")
     parts[-1] += " x4-flyer` prints it.\n\n```toml\n" + mission.preset_text("x4-flyer") + "```"
     return "\n\n".join(parts) + "\n"
@@ -152,6 +163,17 @@ def internals(documented: str) -> str:
     return "\n\n".join(parts) + "\n"
 
 
+def _attributes(docstring: str) -> tuple[str, dict[str, str]]:
+    """Split a docstring into its words and the meaning of each attribute."""
+    words, _, section = inspect.cleandoc(docstring).partition("Attributes\n----------\n")
+    meanings: dict[str, str] = {}
+    for entry in re.split(r"\n(?=\S)", section):
+        names, *lines = entry.splitlines() or [""]
+        for key in names.split(" : ")[0].split(", "):
+            meanings[key] = _plain(_line(" ".join(lines)))
+    return words, meanings if section else {}
+
+
 def _accepted(model: type[BaseModel], key: str, field: FieldInfo) -> tuple[str, str]:
     """Return what a key accepts, in the words of its own refusals, and its default."""
     words = dict.fromkeys(_refusals(model, key, field))
@@ -192,10 +214,11 @@ def _model_of(field: FieldInfo) -> type[BaseModel] | None:
 def _examples_as_code(body: str) -> str:
     """Set the line `Example: ...` of a help as a block that can be copied."""
     body = re.sub(r"(?m)^Example: `(.*)`$", r"```sh\n\1\n```", body)
+    body = re.sub(r"(?m)^Example: `(.*)` \((.*)\)$", r"```sh\n\1  # \2\n```", body)
     return re.sub(r"(?m)^\*\*Parameters\*\*:", "Options:", body)
 
 
-def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     lines = [head, ("---",) * len(head), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 

@@ -45,17 +45,23 @@ class Run(SphinxDirective):
         "figure": directives.unchanged_required,
         "alt": directives.unchanged_required,
         "head": directives.positive_int,
+        "needs": directives.unchanged_required,  # programs, without which it is shown, not run
     }
 
     def run(self) -> list[nodes.Node]:
         """Run the command and return the block that shows it, and the figure it drew."""
         command = "\n".join(self.content)
+        typed = "\n".join(_as_typed(command))
+        missing = [p for p in self.options.get("needs", "").split() if not shutil.which(p)]
+        if missing:
+            text = f"{typed}\n(not run when this page was built, for want of {', '.join(missing)})"
+            return [nodes.literal_block(text, text, language="console")]
         folder = _folder(self.env.docname)
         done = subprocess.run(
             ["bash", "-euc", command],
             cwd=folder,
             env={
-                **os.environ,
+                **{k: v for k, v in os.environ.items() if not k.startswith("MAKE")},
                 "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
                 "COLUMNS": "80",
                 "NO_COLOR": "1",
@@ -74,8 +80,7 @@ class Run(SphinxDirective):
         shown = done.stdout.splitlines()
         if "head" in self.options and len(shown) > self.options["head"]:
             shown = [*shown[: self.options["head"]], "..."]
-        lines = [*("$ " + line for line in command.splitlines()), *shown]
-        text = "\n".join(line.rstrip() for line in lines)
+        text = "\n".join([typed, *(line.rstrip() for line in shown)])
         result: list[nodes.Node] = [nodes.literal_block(text, text, language="console")]
         if "figure" in self.options:
             name = f"{self.env.docname.replace('/', '-')}-{self.options['figure']}"
@@ -83,6 +88,13 @@ class Run(SphinxDirective):
             uri = os.path.relpath(f"generated/{name}", Path(self.env.docname).parent)
             result.append(nodes.image(uri=uri, alt=self.options["alt"]))
         return result
+
+
+def _as_typed(command: str) -> list[str]:
+    """Put the prompts of a shell before the lines of a command."""
+    lines = command.splitlines()
+    continues = [False, *(line.endswith("\\") for line in lines)]
+    return [("> " if rest else "$ ") + line for rest, line in zip(continues, lines, strict=False)]
 
 
 def _folder(page: str) -> Path:

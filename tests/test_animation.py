@@ -112,7 +112,7 @@ def test_an_interrupted_film_leaves_the_old_file(flight):
 @pytest.mark.parametrize(
     ("path", "speed_up", "message"),
     [
-        ("a.avi", None, r"a.avi: must end in .mp4, .gif, .html"),
+        ("a.avi", None, r"a.avi: must end in .mp4 or .gif or .html"),
         ("a", None, "must end in"),
         ("no/such/folder/a.gif", None, "cannot be written"),
         ("a.gif", 0, "--speed-up: must be a positive number"),

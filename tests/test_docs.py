@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import pytest
+from PIL import Image, ImageChops, ImageStat
 
 ROOT = Path(__file__).parents[1]
 SITE = ROOT / "docs" / "_build" / "html"
@@ -90,6 +93,31 @@ def test_each_command_and_each_public_name_has_its_place():
     for name in set(hoverproof.__all__) - {"__version__"}:
         thing = getattr(hoverproof, name)
         assert f"{thing.__module__}.{thing.__qualname__}" in everything
+
+
+def test_each_public_name_is_in_the_table_of_the_interface():
+    import hoverproof
+
+    page_ = (ROOT / "docs" / "reference" / "api.md").read_text(encoding="utf-8")
+    rows = set(re.findall(r"^\| \{\w+\}`hp\.(\w+) <", page_, flags=re.M))
+    assert rows == set(hoverproof.__all__) - {"__version__"}
+
+
+@pytest.mark.slow
+def test_each_condition_of_a_flight_says_what_it_means():
+    text = (SITE / "generated" / "mission-file.html").read_text(encoding="utf-8")
+    assert "-----" not in text
+    assert "From the frame to its arrival at the controller" in text
+
+
+@pytest.mark.slow
+def test_the_picture_of_the_front_page_can_be_drawn_anew(tmp_path):
+    drawn = tmp_path / "drawn.png"
+    subprocess.run([sys.executable, ROOT / "docs" / "front_page.py", drawn], check=True)
+    with Image.open(drawn) as new, Image.open(ROOT / "docs" / "front-page.png") as kept:
+        assert new.size == kept.size
+        apart = ImageChops.difference(new.convert("L"), kept.convert("L"))
+        assert ImageStat.Stat(apart).mean[0] < 10  # of 255: fonts may differ, what is drawn may not
 
 
 def test_no_page_tells_a_number_that_a_command_did_not_print():

@@ -23,7 +23,6 @@ from hoverproof.mission import load
 
 F = Fraction
 SMALL = ((F(4), F(5)), (F(2), F(5, 2)), (F(-4), F(-3)))
-HASHES = ("sha256", "mission_sha256")
 ROUNDING = 1e-9
 WIDE = ((F(-1), F(6)), (F(-1), F(4)), (F(-5), F(-2)))
 SLOWEST = 1.0  # s of computing

@@ -150,6 +150,13 @@ def test_overrides_take_the_place_of_values_in_the_file():
         load("x4-flyer", {"gains.k4": "]"})
 
 
+def test_a_bare_word_in_an_override_needs_no_quotes():
+    for word in ("abort", '"abort"'):
+        assert load("x4-flyer", {"sensors.out_of_view": word}).sensors.out_of_view == "abort"
+    with pytest.raises(InputError, match=r"gains\.k4: must be .*, not 'fast'"):
+        load("x4-flyer", {"gains.k4": "fast"})
+
+
 def test_points_on_one_line_are_found_in_any_direction():
     line = [[Fraction(t), Fraction(2 * t), Fraction(-t)] for t in range(4)]
     assert on_one_line(line)

@@ -9,7 +9,9 @@ from pathlib import Path
 import pexpect
 import pytest
 
+from hoverproof import cli
 from hoverproof.certification.gains import certify
+from hoverproof.cli.console import app
 from hoverproof.cli.interview import QUESTIONS, interview
 from hoverproof.mission import load
 
@@ -145,3 +147,12 @@ def test_an_existing_file_is_refused_before_the_first_question():
     terminal.expect(pexpect.EOF)
     assert "mass" not in terminal.before
     assert Path("my-flyer.toml").read_text() == "mine"
+
+
+def test_what_it_names_next_are_commands_as_they_stand(capsys):
+    with pytest.raises(SystemExit):
+        cli.main(["new", "mine.toml"])
+    named = [line.split() for line in capsys.readouterr().out.splitlines() if line[:2] == "  "]
+    assert [words[1] for words in named] == ["certify", "tune", "simulate"]
+    for words in named:
+        app.parse_args(words[1:], exit_on_error=False, print_error=False)

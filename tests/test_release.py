@@ -33,6 +33,13 @@ if verdict.status == "proved":
     verdict.certificate.save(Path("c.json"))
     theorem: str = hp.check("c.json")
     flight: xarray.Dataset = hp.simulate(mission, duration=1.0)
+    manifest = hp.export_c(mission, Path("firmware"), precision="float64")
+    print(sorted(manifest), hp.atlas(mission).attrs["mission"])
+region = hp.attraction(mission, starts=())
+if region.status == "proved":
+    print(float(region.reach.sideways))
+tuned = hp.tune(mission, bandwidth=20.0)
+print(hp.simulate_batch(mission, Path("flights.nc"), runs=2).runs_complete)
 names: list[str] = hp.presets()
 for judgement in hp.derive(["31"]):
     print(judgement.id, judgement.verdict, judgement.reason)
@@ -166,6 +173,8 @@ def test_the_wheel_works_alone_in_an_empty_environment(built, tmp_path):
     assert hoverproof_("certify", "x4-flyer")["verdict"] == "proved"
     assert hoverproof_("check", "x4-flyer.cert.json")["accepted"] is True
     assert hoverproof_("simulate", "x4-flyer", "--duration", "20")["outcome"] == "flown"
+    assert hoverproof_("export", "x4-flyer", "--out", "firmware")["certified"] is True
+    assert (work / "firmware" / "x4_flyer.c").exists()
     assert hoverproof_("new", "mine.toml")["out"] == "mine.toml"
     assert hoverproof_("certify", "mine.toml")["verdict"] == "proved"
     place = run(home / "python", "-c", "import hoverproof; print(hoverproof.__file__)", **options)

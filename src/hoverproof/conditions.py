@@ -75,12 +75,16 @@ class Sensors(Section):
         Of the camera.
     width, height : px
         Of the image, with the optical axis in its middle; by default without an edge.
-    pixel_noise, pixel_resolution : px
-        Noise of a point's image coordinates, and what they are rounded to multiples of.
+    pixel_noise : px
+        On each image coordinate of a point.
+    pixel_resolution : px
+        Image coordinates are rounded to multiples of it; 0 does not round.
     out_of_view : "hold" or "abort"
         When a point leaves the image: go on with the last whole frame, or end the flight.
     gyro_noise, gyro_bias : rad/s
+        Of each body rate.
     velocity_noise, velocity_bias : m/s
+        Of each component of the velocity, body frame.
     gravity_noise, gravity_bias : rad
         Of the direction of gravity that an attitude filter makes of the accelerometer.
     """

@@ -383,7 +383,8 @@ def _override(data: dict[str, Any], key: str, value: object) -> None:
         try:
             value = _parse(f"value = {value}", option)["value"]
         except InputError:
-            raise InputError(option, "", f"{value!r} is not a TOML value") from None
+            if not re.fullmatch(r"[A-Za-z][\w-]*", str(value)):  # a bare word stands for itself
+                raise InputError(option, "", f"{value!r} is not a TOML value") from None
     *path, last = key.split(".")
     for depth, part in enumerate([*path, last]):
         known = _known_keys(path[:depth])

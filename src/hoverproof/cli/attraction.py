@@ -113,7 +113,8 @@ def _print_region(verdict: Proved) -> None:
     if height is None:
         print(f"  state with Λ <= {number(verdict.level)} and T > 0; from hover, about the goal:")
     else:
-        print(f"  level hover with Λ <= {number(verdict.level)}{at}, so about the goal")
+        print(f"  level hover with Λ <= {number(verdict.level)}{at},")
+        print("  so about the goal")
     print(f"  sideways, all round     {number(reach.sideways)} m")
     print(f"  up                      {number(reach.up)} m")
     print(f"  down                    {number(reach.down)} m")

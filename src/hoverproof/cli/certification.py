@@ -35,7 +35,9 @@ if TYPE_CHECKING:
 def certify(
     mission: MissionName,
     *,
-    out: Annotated[Path | None, Parameter(help="Certificate to write; default: see above.")] = None,
+    out: Annotated[
+        Path | None, Parameter(help="Certificate to write; by default named after the mission.")
+    ] = None,
     over_box: Annotated[
         bool,
         Parameter(negative="", help="Use eigenvalue bounds proved over a box (see `region`)."),
@@ -54,6 +56,10 @@ def certify(
     Writes a certificate (NAME.cert.json), or a counterexample (NAME.refutation.json), that `check`
     verifies without trusting this program; NAME is the name in the mission. If it is undecided,
     status 3, nothing is written.
+
+    What it assumes: the eigenvalues of Q and the thrust stay in the mission's bounds, and the
+    vehicle does not turn about its vertical axis. See `region` for the first, `attraction` for a
+    theorem that assumes neither.
 
     Example: `hoverproof certify x4-flyer`
 
@@ -118,8 +124,9 @@ def certify(
         if verdict.margin_above is not None:
             print(f"  worst eigenvalue of Σ   {number(verdict.margin_above)} kg/s or less, proved")
     print("Asked for by the printed theorem (which is false, see hoverproof derive):")
-    for line in textwrap.wrap("; ".join(d.text() for d in demands), 76):
-        print(f"  {line}")
+    whole = "; ".join(d.text().replace(" ", "\xa0") for d in demands)  # broken between, not within
+    for line in textwrap.wrap(whole, 76):
+        print("  " + line.replace("\xa0", " "))
     if path is not None:
         print(f"Next: hoverproof check {path}")
     return EXIT[verdict.status]
@@ -130,7 +137,9 @@ def region(
     mission: MissionName,
     *,
     box: Box = None,
-    out: Annotated[Path | None, Parameter(help="Certificate to write; default: see above.")] = None,
+    out: Annotated[
+        Path | None, Parameter(help="Certificate to write; by default named after the mission.")
+    ] = None,
     boxes: Boxes = None,
     figure: Annotated[bool, Parameter(help="Draw the region beside the file.")] = True,
     set_: Set = None,
@@ -212,8 +221,9 @@ def check(
     """Verify a certificate in exact arithmetic, with the standard library alone.
 
     The same as `python -I -S checker.py FILE`, which needs no installation. Takes certificates and
-    refutations of `certify` and `region`. Status 0 if it is accepted, with the theorem in words;
-    1 if it is rejected, with the reason; 2 if it cannot be read.
+    refutations of `certify` and `region`, and certificates of `attraction`. Status 0 if it is
+    accepted, with the theorem in words; 1 if it is rejected, with the reason; 2 if it cannot be
+    read.
 
     Example: `hoverproof check x4-flyer.cert.json`
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import json
 import os
+import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
@@ -39,8 +41,10 @@ def shown_default(value: Any) -> str | None:
 app = App(
     name="hoverproof",
     version=__version__,
-    help="From a camera, a target and a hovering vehicle to gains with a proof and a flight.\n\n"
-    "Example: `hoverproof certify x4-flyer` (each command has its own --help with examples)",
+    help="From a camera, a target and a hovering vehicle to gains with a proof, a flight and C.\n\n"
+    "Example: `hoverproof certify x4-flyer` (a vehicle that comes along; see `presets`)\n\n"
+    "Example: `hoverproof new my-flyer.toml` (a mission file for your own)\n\n"
+    "Each command has its own --help, with examples.",
     help_epilogue="Exit status: 0 done or proved, 1 refuted, rejected or a flight cut short, "
     "2 bad usage or bad input, 3 undecided.",
     default_parameter=Parameter(show_default=shown_default),
@@ -97,12 +101,16 @@ def usage(error: CycloptsError) -> str:
     command = " ".join(error.command_chain or ())
     match error:
         case MissingArgumentError(argument=Argument() as missing) if not missing.has_tokens:
-            name = error.keyword or missing.name.lstrip("-").upper()
-            problem = f"{command} needs {name}"
+            only_named = not missing.field_info.is_positional
+            name = missing.name if only_named else missing.name.lstrip("-").upper()
+            problem = f"{command} needs {error.keyword or name}"
             if error.keyword:
-                problem = f"{name} needs a value"
+                problem = f"{error.keyword} needs a value"
             if missing.parameter.help:
                 problem += f": {missing.parameter.help}"
+            minus = _minus(error.keyword, error.root_input_tokens or [])
+            if minus:
+                problem = f"{error.keyword} needs an equals sign before a minus: {minus}"
         case UnusedCliTokensError(unused_tokens=[first, *_]):
             problem = f"{first!r} is one argument too many."
         case UnknownCommandError(unused_tokens=[first, *_]):
@@ -111,6 +119,14 @@ def usage(error: CycloptsError) -> str:
         case _:
             problem = str(error).strip()
     return f"{problem} (see {f'hoverproof {command}'.strip()} --help)"
+
+
+def _minus(option: str | None, words: list[str]) -> str | None:
+    """Return how an option is given the value behind it, if that starts with a minus."""
+    for word, after in itertools.pairwise(words):
+        if word == option and re.match(r"-[\d.]", after):
+            return f"{option}={after}"
+    return None
 
 
 def plain_console() -> Console | None:

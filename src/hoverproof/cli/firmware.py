@@ -58,9 +58,13 @@ def export(
 ) -> int:
     """Certify a mission, and write its control law as C99 firmware with the certificate.
 
-    Exit status 1 or 3 if the gains are refuted or undecided; then nothing is written.
+    The folder gets the C with a self-test, a README for whoever flashes it, an example that flies
+    (CMake), adapters for Crazyflie, PX4 and ArduPilot, and a manifest with hashes. Exit status 1
+    or 3 if the gains are refuted or undecided; then nothing is written.
 
     Example: `hoverproof export x4-flyer --out firmware`
+
+    Example: `hoverproof export crazyflie-2.1 --out firmware --rotor-limits 0,0.15 --tunable`
     """
     import hoverproof
     from hoverproof.export.package import NotCertified
@@ -88,12 +92,13 @@ def export(
         return 0
     standing = "certified" if manifest["certified"] else "UNCERTIFIED: nothing is proved"
     print(f"{loaded.name}: firmware written, {precision}, {standing}")
-    print(f"  folder          {out}")
-    print(f"  thrust          {interval(manifest['thrust'])} N, monitored")
-    print(f"  rotors          {interval(manifest['rotor_limits'])} N each")
-    print(f"  law             SHA-256 {manifest['law_sha256']}")
+    print(f"  folder  {out}")
+    print(f"  thrust  {interval(manifest['thrust'])} N, monitored")
+    print(f"  rotors  {interval(manifest['rotor_limits'])} N each")
+    print("SHA-256 of the law, and of the certificate if there is one:")
+    print(f"  {manifest['law_sha256']}")
     if manifest["certified"]:
-        print(f"  certificate     SHA-256 {manifest['certificate_sha256']}")
+        print(f"  {manifest['certificate_sha256']}")
     print(f"Next: cd {out} && cmake -B build && cmake --build build --target fly")
     return 0
 

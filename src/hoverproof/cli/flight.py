@@ -41,7 +41,9 @@ def simulate(
         int | None,
         Parameter(help="Keep every so many steps; by default about 2000 are kept, of runs 200."),
     ] = None,
-    out: Annotated[Path | None, Parameter(help="Flight file to write; default: see above.")] = None,
+    out: Annotated[
+        Path | None, Parameter(help="Flight file to write; by default named after the mission.")
+    ] = None,
     figures: Annotated[
         list[Literal["motion", "features", "path"]] | None,
         Parameter(
@@ -82,11 +84,12 @@ def simulate(
     """Fly a mission from its start, with the camera in the loop.
 
     Writes NAME.flight.nc (netCDF-4, with units and the mission inside) and draws the flight beside
-    it; where the gains are proved for the mission's bounds, and the flight keeps to them, with the
-    certified decay of L as a line.
+    it, in NAME.flight.motion.png, features and path; where the gains are proved for the mission's
+    bounds, and the flight keeps to them, with the certified decay of L as a line.
 
-    With --runs, fly it many times: starts and vehicles are drawn from [scatter] of the mission,
-    and the file depends on mission, seed and times alone, not on threads or interruptions.
+    With --runs, fly it many times, into NAME.flights.nc: starts and vehicles are drawn from
+    [scatter] of the mission, and the file depends on mission, seed and times alone, not on threads
+    or interruptions.
     `hoverproof new` writes all that [sensors], [rotors], [wind], [model_error] and [scatter] know.
 
     Example: `hoverproof simulate x4-flyer --duration 1500`
@@ -94,6 +97,8 @@ def simulate(
     Example: `hoverproof simulate x4-flyer --set "start.position=[3, 1, -5]" --json`
 
     Example: `hoverproof simulate x4-flyer --runs 1000 --set scatter.position=[1,1,1]`
+
+    Example: `hoverproof simulate crazyflie-2.1 --controller firmware --step 0.001`
     """
     loaded = load_mission(mission, set_)
     if runs is not None:

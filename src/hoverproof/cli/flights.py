@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,7 +30,10 @@ def fly_many(
         TextColumn("runs, {task.fields[rate]}, left"),
         Remaining(),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    quiet = not sys.stderr.isatty()
+    with Progress(
+        *columns, console=Console(stderr=True), transient=True, disable=quiet
+    ) as progress:
         task = progress.add_task("flying", total=runs, rate="starting")
         before: list[int] = []
 
@@ -69,7 +73,9 @@ def fly_many(
         if count or name == "flown":
             print(f"  {name.replace('_', ' '):24}  {count}")
     print(f"  {'settled within 10 %':24}  {result['settled']}{_range(result['settled_at'], 's')}")
-    print(f"  {'error at the end':24}  {_range(result['final_error'], 'm') or 'none flown'}")
+    print(
+        f"  {'error at the end':24}  {_range(result['final_error'], 'm').strip() or 'none flown'}"
+    )
     if result["runs_that_lost_frames"]:
         print(f"  {'target left the view':24}  {result['runs_that_lost_frames']}")
     print(f"  flights   {path}")

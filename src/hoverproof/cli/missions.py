@@ -25,6 +25,9 @@ def presets(
 ) -> int:
     """List the missions that come with hoverproof, or print one.
 
+    Each is a mission file with its sources in comments; every command that takes a mission takes
+    the name of a preset.
+
     Example: `hoverproof presets`
 
     Example: `hoverproof presets x4-flyer`
@@ -125,5 +128,6 @@ def new(
     print(f"{path}: written, {source if asks else f'from preset {source}'}")
     print("Next:" if asks else "Next: put in your vehicle, target and gains, then")
     print(f"  hoverproof certify {path}")
+    print(f"  hoverproof tune {path} --out {path.with_stem(f'{path.stem}-tuned')}")
     print(f"  hoverproof simulate {path}")
     return 0

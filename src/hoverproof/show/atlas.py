@@ -19,13 +19,11 @@ from numpy.typing import NDArray
 from hoverproof.certification.atlas import QUANTITIES, VERDICTS
 from hoverproof.certification.limits import bandwidth
 from hoverproof.certification.tuning import Tuned
-from hoverproof.files import replacing
 from hoverproof.mission import Mission
-from hoverproof.show.style import COLOURS
+from hoverproof.show.style import COLOURS, save_figure
 
 Array = NDArray[np.float64]
 
-ENDINGS = {".png": "png", ".svg": "svg"}
 REFUTED, NO_QUESTION = "#D0D0D0", "white"
 DECADES = 3
 LABELS = {"margin": "margin (kg/s)", "decay_rate": "decay rate of L (1/s)"}
@@ -73,7 +71,7 @@ def save_pareto_figure(mission: Mission, points: Sequence[tuple[float, Tuned]], 
     InputError
         If the file cannot be written.
     """
-    save(pareto_figure(mission, points), path)
+    save_figure(pareto_figure(mission, points), path)
 
 
 def atlas_figure(
@@ -91,12 +89,31 @@ def atlas_figure(
     printed : (m, n)
         Where, along y and x, the conditions of the printed theorem are met.
     """
+    figure = Figure(figsize=(7.8, 6.8), layout="constrained")
+    axes = figure.subplots()
+    handles = draw_atlas(axes, mission, atlas, what, printed)
+    axes.set_title(f"{mission.name}: what is certified")
+    figure.legend(handles=handles, loc="outside lower center", ncols=2)
+    return figure
+
+
+def draw_atlas(
+    axes: Axes, mission: Mission, atlas: xr.Dataset, what: str, printed: NDArray[np.bool_]
+) -> list[Artist]:
+    """Draw an atlas on axes, with a bar for its colours, and return what belongs in the legend.
+
+    Parameters
+    ----------
+    axes : Axes
+    mission, atlas, what
+        See `atlas_figure`.
+    printed : (m, n)
+        See `atlas_figure`.
+    """
     y, x = (str(name) for name in atlas["margin"].dims)
     scales = [str(scale) for scale in atlas.attrs["scales"]]
     across, along = atlas[x].values, atlas[y].values
     margin, shown = atlas["margin"].values, atlas[what].values
-    figure = Figure(figsize=(7.8, 6.8), layout="constrained")
-    axes = figure.subplots()
     axes.set_xscale(scales[0])
     axes.set_yscale(scales[1])
     handles: list[Artist] = []
@@ -105,6 +122,7 @@ def atlas_figure(
         norm = LogNorm(good.max() / 10**DECADES, good.max())
         mesh = axes.pcolormesh(across, along, good, norm=norm, cmap="viridis", shading="nearest")
         mesh.set_rasterized(True)
+        figure = axes.figure
         figure.colorbar(mesh, ax=axes, label=f"{LABELS[what]}, where certified", extend="min")
     if (margin <= 0).any():
         plain = np.ma.masked_where(~(margin <= 0), np.ones(margin.shape))
@@ -147,12 +165,10 @@ def atlas_figure(
             linestyle="none",
             label="the mission's own point",
         )
-    axes.set_title(f"{mission.name}: what is certified")
     for set_label, name in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
         unit = QUANTITIES[name].unit
         set_label(f"{QUANTITIES[name].words}{'' if unit == '1' else f' ({unit})'}")
-    figure.legend(handles=handles, loc="outside lower center", ncols=2)
-    return figure
+    return handles
 
 
 def _boundary(axes: Axes, atlas: xr.Dataset, x: str, y: str, scales: list[str]) -> list[Artist]:
@@ -202,16 +218,4 @@ def save_atlas_figure(
     InputError
         If the file cannot be written.
     """
-    save(atlas_figure(mission, atlas, what, printed), path)
-
-
-def save(figure: Figure, path: Path) -> None:
-    """Write a figure in the format of the path's ending, PNG if it is none of `ENDINGS`.
-
-    Parameters
-    ----------
-    figure : Figure
-    path : Path
-    """
-    with replacing(path) as beside:
-        figure.savefig(beside, dpi=130, format=ENDINGS.get(path.suffix.lower(), "png"))
+    save_figure(atlas_figure(mission, atlas, what, printed), path)

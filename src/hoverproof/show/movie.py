@@ -40,7 +40,7 @@ def check_file(path: Path) -> None:
     """
     ending = path.suffix.lower()
     if ending not in ENDINGS:
-        raise InputError(str(path), "", f"must end in {', '.join(ENDINGS)}")
+        raise InputError(str(path), "", f"must end in {' or '.join(ENDINGS)}")
     if ending == ".mp4" and find_ffmpeg() is None:
         raise InputError(
             str(path),

@@ -42,12 +42,12 @@ def legend_above(axes: Axes, columns: int = 5) -> None:
 
 
 def save_figure(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG.
+    """Write a figure as SVG if the file's name ends so, and as PNG if not.
 
     Parameters
     ----------
     figure : Figure
-    path : Path or str
+    path : Path
         The file.
 
     Raises
@@ -56,4 +56,5 @@ def save_figure(figure: Figure, path: Path) -> None:
         If the file cannot be written.
     """
     with replacing(path) as beside:
-        figure.savefig(beside, dpi=DPI, format="png")
+        ending = "svg" if path.suffix.lower() == ".svg" else "png"
+        figure.savefig(beside, dpi=DPI, format=ending)

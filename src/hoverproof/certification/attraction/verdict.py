@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.certificate import Certificate, exact
@@ -61,7 +61,7 @@ class Proved:
     certificate : Certificate
     """
 
-    status: ClassVar[str] = "proved"
+    status: ClassVar[Literal["proved"]] = "proved"
     level: Fraction
     weights: tuple[Fraction, ...]
     rate: Fraction
@@ -86,7 +86,7 @@ class Undecided:
     mission : Mission
     """
 
-    status: ClassVar[str] = "undecided"
+    status: ClassVar[Literal["undecided"]] = "undecided"
     reason: str
     mission: Mission
 
