@@ -15,11 +15,9 @@ from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.motion import energies, numbers
 from hoverproof.certification.attraction.potential import Potential
-from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.attraction.verdict import Proved
 from hoverproof.certification.region import eigenvalues
 from hoverproof.files import replacing
-from hoverproof.mission import Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.show.style import COLOURS
 from hoverproof.simulation.closed_loop import GUARDS
@@ -296,7 +294,7 @@ def _draw_space(axes: Any, region: Proved, view: View) -> None:
     axes.set_ylabel("y (m)", labelpad=8)
     axes.set_zlabel("height (m)")
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        axis.set_major_locator(MaxNLocator(4))
+        axis.set_major_locator(MaxNLocator(4, prune="both"))  # numbers clear of each other
     cut = bool((last == len(steps) - 1).any())
     axes.set_title(
         "certified hovers" + (f", cut at {steps[-1]:.3g} m from the goal" if cut else "")
@@ -326,24 +324,22 @@ def _draw_energy(axes: Axes, region: Proved, flights: Flights) -> None:
     axes.legend(loc="upper right", framealpha=0.9)
 
 
-def trade_off_figure(missions: Sequence[Mission], labels: Sequence[str]) -> Figure:
+def trade_off_figure(regions: Sequence[Proved], labels: Sequence[str]) -> Figure:
     """Draw how far hovers are certified sideways and down, against the speed near the goal.
 
     Parameters
     ----------
-    missions : sequence of Mission
-        The same vehicle with other gains.
+    regions : sequence of Proved
+        Without a barrier, of the same vehicle with different gains.
     labels : sequence of str
         One for each.
     """
     figure = Figure(figsize=(7, 5), layout="constrained")
     axes = figure.subplots()
     rows = []
-    for mission, label in zip(missions, labels, strict=True):
-        region = attraction(mission, objective="radius", barrier=False)
-        if isinstance(region, Proved):
-            reach = (float(region.reach.sideways), float(region.reach.down))
-            rows.append((slowest_rate(mission), *reach, label))
+    for region, label in zip(regions, labels, strict=True):
+        reach = (float(region.reach.sideways), float(region.reach.down))
+        rows.append((slowest_rate(region.mission), *reach, label))
     rows.sort()
     speed = [row[0] for row in rows]
     for column, marker, colour, word in (
