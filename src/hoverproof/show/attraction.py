@@ -294,12 +294,15 @@ def _draw_space(axes: Any, region: Proved, view: View) -> None:
     axes.set_ylabel("y (m)", labelpad=8)
     axes.set_zlabel("height (m)")
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        axis.set_major_locator(MaxNLocator(4, prune="both"))  # numbers clear of each other
+        axis.set_major_locator(MaxNLocator(4))
+    axes.set_xlim(edge[..., 0].min(), edge[..., 0].max())  # so that the numbers of two axes do
+    axes.set_ylim(edge[..., 1].min(), edge[..., 1].max())  # not meet in their common corner
     cut = bool((last == len(steps) - 1).any())
     axes.set_title(
         "certified hovers" + (f", cut at {steps[-1]:.3g} m from the goal" if cut else "")
     )
-    axes.set_box_aspect([np.ptp(edge[..., k]) for k in range(3)], zoom=0.88)
+    limits = (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())
+    axes.set_box_aspect([high - low for low, high in limits], zoom=0.88)
     axes.view_init(elev=18, azim=-60)
 
 

@@ -330,8 +330,8 @@ def flight_record(
     mission : Mission
     numbers : FlightNumbers
         Of the mission.
-    states : (samples, 19)
-        Packed; see `hoverproof.plant.rigid_body.RigidBodyState`.
+    states : (n, 19)
+        Packed, a row each sample; see `hoverproof.plant.rigid_body.RigidBodyState`.
     interval : float
         From sample to sample, s.
 
