@@ -6,6 +6,7 @@
 # and what is left of both with a real camera, a wrong mass and a tilted sensor.
 
 # %%
+import textwrap
 from fractions import Fraction
 
 import numpy as np
@@ -136,7 +137,7 @@ tuned = results["proved"].mission
 # More limits can be given, and a wish that cannot be met is answered with the reason:
 
 # %%
-print(hp.tune(bounded, bandwidth=20.0, at_least=0.02).reason)
+print(textwrap.fill(hp.tune(bounded, bandwidth=20.0, at_least=0.02).reason, 90))
 
 # %% [markdown]
 # ## What a decay rate costs
@@ -270,7 +271,8 @@ for latency in ("0.05", "0.4", "1.6", "3.2", "6.4"):
 # $c\,\delta_1$ with the stiffness $c = k_1^2k_2/m$, and a constant force error has to be paid
 # for by just that. If the vehicle is heavier than the controller was told by $\Delta m$, it comes
 # to rest where $c\,|\delta_1| = \Delta m\,g$, and $\delta_1$ cannot be larger than
-# $n + |q^*|$. Half a percent of the mass is enough for the paper's gains to sink onto the target.
+# $n + |q^*|$. Half a percent of the mass is enough for the paper's gains to sink into the plane of
+# the target, where no depth is left.
 
 
 # %%
