@@ -97,10 +97,10 @@ for precision, compiled in firmware.items():
 # %% [markdown]
 # ## Bit for bit
 #
-# A few vectors are few. Here are a thousand random steps near hover: the law is evaluated by numpy,
-# one operation after the other, each rounded to the type of the target, and each output of the
-# compiled C must be the same number. (Fused products would break it; that is why the flags forbid
-# them.)
+# The self-test holds a handful of vectors. Here are a thousand random steps near hover: the law is
+# evaluated by numpy, one operation after the other, each rounded to the type of the target, and
+# each output of the compiled C must be the same number. (Fused products would break it; that is
+# why the flags forbid them.)
 
 # %%
 STEPS = 1000
@@ -305,7 +305,7 @@ print(f"stack, {budgets['flash_bytes']} bytes of flash")
 print(f"so at 1 kHz and one instruction a cycle about {100 * share:.2f} % of the processor")
 
 # %% [markdown]
-# Divisions and square roots take some 14 cycles each, so that the true share is a few times this.
+# Divisions, square roots and memory take more than a cycle, so the true share is larger.
 #
 # ## On the target
 #

@@ -47,9 +47,7 @@ print(f"start {[float(c) for c in mission.start.position]} m, goal {potential.go
 largest = (potential.n - potential.q3) ** 2 / 2
 at_start = float(flight.lyapunov[0])
 print(f"largest level with a bounded set: (n - q3*)²/2 = {largest:.4f}")
-print(
-    f"L at the start of the mission:               {at_start:.4f}, {at_start / largest:.0f} times"
-)
+print(f"L at the start of the mission: {at_start:.4f}, {at_start / largest:.0f} times as much")
 
 # %% [markdown]
 # ## The sum of distances
@@ -130,10 +128,10 @@ for start in region.starts:
     print(f"Λ at {place} m is {(potential.hover_terms(place[None]) @ a)[0]:.1f} m: inside")
 
 # %% [markdown]
-# Both are inside, with room to spare. The picture shows the certified hovers in a
-# plane through goal and start, in space, and $\Lambda$ along simulated flights from hovers all over
-# the window. A flight from a start that is not certified may arrive as well: what is not shown is
-# not refuted. The orange line is all that the level sets of $L$ would give.
+# Both are inside, with room to spare. The picture shows the certified hovers in a plane through
+# goal and start and in space, and $\Lambda$ along simulated flights from hovers all over the
+# window. A flight from a start that is not certified may arrive as well: what is not shown is not
+# refuted. The orange line is all that the level sets of $L$ would give.
 
 # %%
 attraction_figure(region)
