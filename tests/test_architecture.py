@@ -20,6 +20,7 @@ FLOORS = [
     {"plant"},
     {"servo"},
     {"certification", "simulation", "export", "paper"},
+    {"firmware_flight"},
     {"show"},
     {"cli"},
     {"__main__"},

@@ -360,3 +360,20 @@ def test_undecided_has_its_own_exit_status(capsys):
     assert answer["verdict"] == "undecided"
     assert answer["level"] is None
     assert "k3" in answer["reason"]
+
+
+def test_the_trade_off_is_drawn_at_the_speed_and_the_reach_of_each_region():
+    from types import SimpleNamespace
+
+    from hoverproof.show.attraction import trade_off_figure
+
+    missions = [load("x4-flyer", {"gains.k1": k1}) for k1 in ("0.3", "0.2")]
+    reaches = [SimpleNamespace(sideways=F(2), down=F(1)), SimpleNamespace(sideways=F(3), down=F(5))]
+    pairs = zip(missions, reaches, strict=True)
+    regions = [SimpleNamespace(mission=m, reach=reach) for m, reach in pairs]
+    (axes,) = trade_off_figure(regions, ["fast", "slow"]).axes
+    speeds = [slowest_rate(m) for m in reversed(missions)]
+    sideways, down = axes.get_lines()
+    assert list(sideways.get_xdata()) == list(down.get_xdata()) == speeds
+    assert (list(sideways.get_ydata()), list(down.get_ydata())) == ([3, 2], [5, 1])
+    assert [text.get_text() for text in axes.texts] == ["slow", "fast"]

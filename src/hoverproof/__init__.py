@@ -18,10 +18,14 @@ if TYPE_CHECKING:
 
     from hoverproof.certification.atlas import atlas as atlas
     from hoverproof.certification.attraction.proof import attraction as attraction
+    from hoverproof.certification.attraction.starts import Start as Start
     from hoverproof.certification.gains import certify as certify
+    from hoverproof.certification.tuning import pareto as pareto
     from hoverproof.certification.tuning import tune as tune
     from hoverproof.checker import check_file as check
     from hoverproof.errors import InputError as InputError
+    from hoverproof.export.binding import Firmware as Firmware
+    from hoverproof.firmware_flight import fly_firmware as fly_firmware
     from hoverproof.mission import Mission
     from hoverproof.mission import load as load
     from hoverproof.mission import presets as presets
@@ -30,13 +34,17 @@ if TYPE_CHECKING:
     from hoverproof.simulation.flight import simulate as simulate
 
 _HOMES = {
+    "Firmware": ("hoverproof.export.binding", "Firmware"),
     "InputError": ("hoverproof.errors", "InputError"),
+    "Start": ("hoverproof.certification.attraction.starts", "Start"),
     "atlas": ("hoverproof.certification.atlas", "atlas"),
     "attraction": ("hoverproof.certification.attraction.proof", "attraction"),
     "certify": ("hoverproof.certification.gains", "certify"),
     "check": ("hoverproof.checker", "check_file"),
     "derive": ("hoverproof.paper.ledger", "derive"),
+    "fly_firmware": ("hoverproof.firmware_flight", "fly_firmware"),
     "load": ("hoverproof.mission", "load"),
+    "pareto": ("hoverproof.certification.tuning", "pareto"),
     "presets": ("hoverproof.mission", "presets"),
     "simulate": ("hoverproof.simulation.flight", "simulate"),
     "simulate_batch": ("hoverproof.simulation.campaign", "simulate_batch"),
@@ -44,7 +52,9 @@ _HOMES = {
 }
 
 __all__ = [
+    "Firmware",
     "InputError",
+    "Start",
     "__version__",
     "atlas",
     "attraction",
@@ -52,7 +62,9 @@ __all__ = [
     "check",
     "derive",
     "export_c",
+    "fly_firmware",
     "load",
+    "pareto",
     "presets",
     "simulate",
     "simulate_batch",

@@ -15,11 +15,9 @@ from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.motion import energies, numbers
 from hoverproof.certification.attraction.potential import Potential
-from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.attraction.verdict import Proved
 from hoverproof.certification.region import eigenvalues
 from hoverproof.files import replacing
-from hoverproof.mission import Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.show.style import COLOURS
 from hoverproof.simulation.closed_loop import GUARDS
@@ -297,11 +295,14 @@ def _draw_space(axes: Any, region: Proved, view: View) -> None:
     axes.set_zlabel("height (m)")
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_major_locator(MaxNLocator(4))
+    axes.set_xlim(edge[..., 0].min(), edge[..., 0].max())  # so that the numbers of two axes do
+    axes.set_ylim(edge[..., 1].min(), edge[..., 1].max())  # not meet in their common corner
     cut = bool((last == len(steps) - 1).any())
     axes.set_title(
         "certified hovers" + (f", cut at {steps[-1]:.3g} m from the goal" if cut else "")
     )
-    axes.set_box_aspect([np.ptp(edge[..., k]) for k in range(3)], zoom=0.88)
+    limits = (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())
+    axes.set_box_aspect([high - low for low, high in limits], zoom=0.88)
     axes.view_init(elev=18, azim=-60)
 
 
@@ -326,24 +327,22 @@ def _draw_energy(axes: Axes, region: Proved, flights: Flights) -> None:
     axes.legend(loc="upper right", framealpha=0.9)
 
 
-def trade_off_figure(missions: Sequence[Mission], labels: Sequence[str]) -> Figure:
+def trade_off_figure(regions: Sequence[Proved], labels: Sequence[str]) -> Figure:
     """Draw how far hovers are certified sideways and down, against the speed near the goal.
 
     Parameters
     ----------
-    missions : sequence of Mission
-        The same vehicle with other gains.
+    regions : sequence of Proved
+        Without a barrier, of the same vehicle with different gains.
     labels : sequence of str
         One for each.
     """
     figure = Figure(figsize=(7, 5), layout="constrained")
     axes = figure.subplots()
     rows = []
-    for mission, label in zip(missions, labels, strict=True):
-        region = attraction(mission, objective="radius", barrier=False)
-        if isinstance(region, Proved):
-            reach = (float(region.reach.sideways), float(region.reach.down))
-            rows.append((slowest_rate(mission), *reach, label))
+    for region, label in zip(regions, labels, strict=True):
+        reach = (float(region.reach.sideways), float(region.reach.down))
+        rows.append((slowest_rate(region.mission), *reach, label))
     rows.sort()
     speed = [row[0] for row in rows]
     for column, marker, colour, word in (
