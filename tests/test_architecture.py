@@ -21,6 +21,7 @@ FLOORS = [
     {"servo"},
     {"certification", "simulation", "export", "paper"},
     {"show"},
+    {"reporting"},
     {"cli"},
     {"__main__"},
 ]
