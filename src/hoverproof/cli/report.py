@@ -17,7 +17,8 @@ def report(
     mission: MissionName,
     *,
     out: Annotated[
-        Path | None, Parameter(name=["--out", "-o"], help="File to write; default NAME.report.html.")
+        Path | None,
+        Parameter(name=["--out", "-o"], help="File to write; default NAME.report.html."),
     ] = None,
     without: Annotated[
         list[Literal["atlas", "region", "attraction", "flight", "firmware", "ledger"]] | None,

@@ -115,10 +115,12 @@ def rounding(mission: Mission, thrust: tuple[Fraction, Fraction]) -> list[Roundi
     largest: dict[str, float] = {}
     for _ in range(STEPS):
         step = random_step(draw, mission, FLOAT32, "points", thrust)
-        wide = Step(**{k: FLOAT64.scalar(v) for k, v in vars(step).items()})  # the same numbers
+        wide = Step(*(FLOAT64.scalar(v) for v in vars(step).values()))  # type: ignore[arg-type]
         short, long = law_at(law, step, FLOAT32), law_at(law, wide, FLOAT64)
         for name in long:
-            apart = max(abs(float(a) - float(b)) for a, b in zip(short[name], long[name], strict=True))
+            apart = max(
+                abs(float(a) - float(b)) for a, b in zip(short[name], long[name], strict=True)
+            )
             error[name] = max(error.get(name, 0.0), apart)
             largest[name] = max(largest.get(name, 0.0), *(abs(float(b)) for b in long[name]))
     units = {"thrust_rate": "N/s", "torque": "N m", "rotor": "N"}

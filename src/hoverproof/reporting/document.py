@@ -82,7 +82,9 @@ def report(
     """
     for name in without:
         if name not in PARTS:
-            raise InputError("--without", "", f"no part {name!r} ({suggestion(name, PARTS, 'parts')})")
+            raise InputError(
+                "--without", "", f"no part {name!r} ({suggestion(name, PARTS, 'parts')})"
+            )
     if runs is not None and runs < 1:
         raise InputError("--runs", "", f"must be at least 1, not {runs}")
     made_at = _date()

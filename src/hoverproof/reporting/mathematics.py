@@ -12,7 +12,7 @@ from latex2mathml.converter import convert
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.attraction.verdict import Proved as Attraction
 
-PLACES = 15
+DENOMINATOR = 10**15
 RELATIONS = "⪯⪰≺≻"
 
 IMPLIED = (
@@ -37,15 +37,10 @@ def mathml(latex: str, *, block: bool = False) -> str:
     block : bool
         Whether it stands on a line of its own.
     """
-    made: str = convert(latex, display="block" if block else "inline")
+    upright = latex.replace(r"\mathrm{", r"\text{")  # whole words, whatever stands around them
+    made: str = convert(upright, display="block" if block else "inline")
     made = re.sub(r"&#x([0-9A-F]+);", lambda m: _character(int(m[1], 16)), made)
     made = re.sub(f"<mi>([{RELATIONS}])</mi>", r"<mo>\1</mo>", made)
-    words = r'(?:<mi mathvariant="normal">(\w)</mi>)'  # sk is one name, not s times k
-    made = re.sub(
-        f"<mrow>({words}{{2,}})</mrow>",
-        lambda m: f"<mi>{re.sub(words, lambda w: w[1], m[1])}</mi>",
-        made,
-    )
     return made.replace('<math xmlns="http://www.w3.org/1998/Math/MathML"', "<math")
 
 
@@ -68,17 +63,19 @@ def claim(
     """
     return [
         *question(eigenvalues, thrust),
-        r"\Longrightarrow\quad X^T \Sigma(Q, T)\, X \ge t \left|X\right|^2,\quad "
-        rf"t = {decimal(margin)}\ \mathrm{{kg/s}}",
-        r"\Longrightarrow\quad \mathcal{L}(t) \le \mathcal{L}(0)\, e^{-r t},\quad "
-        rf"r = \frac{{2 t}}{{m}} \ge {decimal(decimal_below(rate, 8))}\ \mathrm{{s}}^{{-1}}",
+        r"\Longrightarrow\quad X^T \Sigma(Q, T)\, X \ge \mu \left|X\right|^2",
+        rf"\mu = {decimal(margin)}\ \mathrm{{kg/s}}",
+        r"\Longrightarrow\quad \mathcal{L}(t) \le \mathcal{L}(0)\, e^{-r t}",
+        rf"r = \frac{{2 \mu}}{{m}} \ge {decimal(decimal_below(rate, 8))}\ \mathrm{{s}}^{{-1}}",
     ]
 
 
-def question(eigenvalues: tuple[Fraction, Fraction], thrust: tuple[Fraction, Fraction]) -> list[str]:
+def question(
+    eigenvalues: tuple[Fraction, Fraction], thrust: tuple[Fraction, Fraction]
+) -> list[str]:
     """Return what a theorem on gains supposes, as LaTeX, a line each.
 
-    An end that is no short decimal is rounded inward, which supposes no less.
+    An end that is no short decimal is rounded inward: that claims a little less, never more.
 
     Parameters
     ----------
@@ -169,7 +166,7 @@ def decimal(x: Fraction) -> str:
 
 
 def _is_short(x: Fraction) -> bool:
-    return (x * 10**PLACES).denominator == 1
+    return not DENOMINATOR % x.denominator
 
 
 def _inward(ends: tuple[Fraction, Fraction]) -> tuple[str, str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import json
 import re
 from collections import Counter
 from collections.abc import Iterable
@@ -22,10 +21,10 @@ from hoverproof.certification.gains import Proved, Refuted, Undecided
 from hoverproof.certification.over_box import RegionVerdict
 from hoverproof.export.cost import STEPS
 from hoverproof.paper.judge import Judgement, Verdict
-from hoverproof.reporting import mathematics, pictures, tables
+from hoverproof.reporting import mathematics, pictures, tables, wording
 from hoverproof.reporting.parts import Firmware, Flown, Map, Missing, Parts, sentence
 from hoverproof.reporting.player import player_data
-from hoverproof.reporting.tables import at_least, at_most, interval, place, short
+from hoverproof.reporting.tables import short
 
 CONTENTS = (
     ("theorem", "Verdict and theorem"),
@@ -39,13 +38,10 @@ CONTENTS = (
     ("ledger", "The paper, judged"),
     ("provenance", "Provenance"),
 )
-NOT_CLAIMED = (
-    "That Q and the thrust stay within their bounds: the theorem holds while they do. The sections "
-    "on the eigenvalue region and the region of attraction look at that.",
-    "Anything about a vehicle that turns about its vertical axis: Ω3 = 0 is supposed, which the "
-    "controller keeps if it holds at the start.",
-    "Anything about sampling, noise, delay, limits of the rotors, wind, or errors of the model.",
-)
+UNITS = "kg|m|N|s|rad|1/m|1/s|bytes"
+MENDED = (Verdict.CORRECTED, Verdict.FALSE, Verdict.UNPROVED)
+"""Verdicts on claims that a reader should see first."""
+
 TONES = {
     Verdict.HOLDS: "proved",
     Verdict.CORRECTED: "undecided",
@@ -117,14 +113,16 @@ def context(parts: Parts, origin: Origin) -> dict[str, Any]:
         "contents": CONTENTS,
         "css": _asset("report.css"),
         "js": _asset("player.js"),
-        "headline": headline(parts),
-        "merits": list(_merits(parts)),
+        "headline": wording.headline(parts),
+        "merits": list(wording.merits(parts)),
         "certificate": files.get("gains"),
         "region_file": files.get("region"),
         "attraction_file": files.get("attraction"),
         "files": list(files.values()),
         "rounding_steps": STEPS,
-        "not_claimed": NOT_CLAIMED,
+        "not_claimed": wording.NOT_REFUTED
+        if parts.verdict.status == "refuted"
+        else wording.NOT_CLAIMED,
         "not_covered": NOT_COVERED,
         **vars(origin),
         **_theorem(parts),
@@ -134,60 +132,10 @@ def context(parts: Parts, origin: Origin) -> dict[str, Any]:
     }
 
 
-def headline(parts: Parts) -> str:
-    """Say in one sentence what the verdict is.
-
-    Parameters
-    ----------
-    parts : Parts
-    """
-    problem, verdict = parts.verdict.problem, parts.verdict
-    question = (
-        f"every symmetric Q with eigenvalues from {interval(problem.eigenvalues)} 1/m and every "
-        f"thrust from {interval(problem.thrust)} N"
-    )
-    if isinstance(verdict, Proved):
-        return (
-            f"The gains work for {question}: Σ(Q, T) is positive definite there, and the Lyapunov "
-            f"function falls at least as fast as exp(−{at_least(verdict.decay_rate)} t), t in s."
-        )
-    if isinstance(verdict, Refuted):
-        return (
-            f"The gains do not work for {question}: at an exact counterexample Σ(Q, T) has a "
-            f"negative direction, with an eigenvalue of {at_most(verdict.margin_above)} kg/s or less."
-        )
-    return f"Whether the gains work for {question} was not decided."
-
-
-def _merits(parts: Parts) -> Iterable[tuple[str, str, str]]:
-    """Yield the figures at the head of the page: name, value, note."""
-    verdict, region, flight, firmware = (
-        *(parts.verdict, parts.attraction, parts.flight, parts.firmware),
-    )
-    if isinstance(verdict, Proved):
-        yield "margin of Σ, proved", f"≥ {at_least(verdict.margin)} kg/s", ""
-        yield "decay rate of L, proved", f"≥ {at_least(verdict.decay_rate)} 1/s", ""
-    elif verdict.margin_above is not None:
-        yield "worst eigenvalue of Σ", f"≤ {at_most(verdict.margin_above)} kg/s", "proved"
-    if isinstance(region, Attraction):
-        reach = f"{at_least(region.reach.down)} m down, {at_least(region.reach.up)} m up"
-        yield "may be switched on", f"{at_least(region.reach.sideways)} m sideways", f"{reach}; proved"
-    elif not isinstance(region, Missing):
-        yield "region of attraction", "undecided", ""
-    if isinstance(flight, Flown):
-        settled = flight.summary["settled_at"]
-        value = "not settled" if settled is None else f"settled from {short(settled)} s on"
-        yield "simulated flight", value, "within 10 % of the distance at the start"
-    if isinstance(firmware, Firmware):
-        used = firmware.footprint
-        flash = "flash not measured here" if isinstance(used, Missing) else f"{used.flash} B flash"
-        count = firmware.manifest["budgets"]["instructions"]
-        yield "firmware, Cortex-M4F", f"≤ {count} instructions", flash
-
-
 def _theorem(parts: Parts) -> dict[str, Any]:
     verdict, problem = parts.verdict, parts.verdict.problem
     told: dict[str, Any] = {"statement": None, "claim": None, "counterexample": None}
+    told["theorem_words"] = wording.THEOREM[parts.verdict.status]
     told["question"] = mathematics.question(problem.eigenvalues, problem.thrust)
     if not isinstance(verdict, Undecided):
         told["statement"] = verdict.certificate.statement
@@ -203,18 +151,14 @@ def _theorem(parts: Parts) -> dict[str, Any]:
     told["meanings"] = [
         (id, words, judged[id].derived.latex()) for id, words in mathematics.IMPLIED if judged
     ]
-    told["ledger_reasons"] = [
-        (id, judged[id].reason) for id in ("conditions", "theorem") if judged
-    ]
-    met = all(d.met for d in parts.demands)
-    shape = {"proved": "is proved", "refuted": "is refuted", "undecided": "is undecided"}
-    told["conditions_words"] = (
-        f"The mission {'meets all of them' if met else 'does not meet all of them'}; what is asked, "
-        f"Σ(Q, T) ≻ 0, {shape[verdict.status]}, whatever they say."
-    )
+    told["ledger_reasons"] = [(id, judged[id].reason) for id in ("conditions", "theorem") if judged]
+    told["conditions_words"] = wording.conditions(parts)
     if isinstance(parts.attraction, Attraction):
+        told["attraction_words"] = wording.attraction(parts.attraction)
         told["attraction_statement"] = parts.attraction.certificate.statement
         told["attraction_claim"] = mathematics.attraction_claim(parts.attraction)
+    told["mended"] = [j for j in judged.values() if j.verdict in MENDED]
+    told["unmended"] = [j for j in judged.values() if j.verdict not in MENDED]
     counts = Counter(str(j.verdict) for j in judged.values())
     order = [str(v) for v in Verdict]
     told["tally"] = sorted(counts.items(), key=lambda item: order.index(item[0]))
@@ -229,41 +173,21 @@ def _tables(parts: Parts) -> dict[str, Any]:
         "demands": parts.demands,
     }
     if isinstance(parts.atlas, Map):
-        certified = int((parts.atlas.data["margin"].values > 0).sum())
-        told["atlas_words"] = (
-            "How the verdict changes with two of the gains: of "
-            f"{parts.atlas.data['margin'].size} cells, {certified} are certified."
-        )
+        told["atlas_words"] = wording.atlas(parts.atlas)
     if isinstance(parts.region, RegionVerdict):
         told["region_table"] = tables.region_table(parts.region)
-        told["region_words"] = _region_words(parts.region, parts)
+        told["region_words"] = wording.region(parts.region, parts.mission)
     if isinstance(parts.attraction, Attraction):
         told["attraction_table"] = tables.attraction_table(parts.attraction)
     if isinstance(parts.flight, Flown):
         told["flight_table"] = tables.flight_table(parts.flight)
-        told["flight_words"] = (
-            "A simulation of the closed loop from the start of the mission, with the camera in it. "
-            "It illustrates; it proves nothing."
-        )
-        told["player"] = json.dumps(player_data(parts.flight), separators=(",", ":"))
+        told["flight_words"] = wording.FLIGHT
+        told["player"] = player_data(parts.flight)
         if parts.flight.batch_summary is not None:
             told["batch_table"] = tables.batch_table(parts.flight.batch_summary)
     if isinstance(parts.firmware, Firmware):
         told["firmware_table"] = tables.firmware_table(parts.firmware)
     return told
-
-
-def _region_words(found: RegionVerdict, parts: Parts) -> str:
-    bounds = f"{interval(parts.mission.bounds.eigenvalues)} 1/m"
-    if found.status == "proved":
-        return f"The bounds of the mission, {bounds}, hold at every position in the box."
-    if found.outside is not None:
-        at = place(found.outside.position)
-        return (
-            f"The {found.outside.bound} of the bounds {bounds} breaks at {at}, where Q has an "
-            f"eigenvalue near {short(found.outside.eigenvalue)} 1/m: the theorem says nothing there."
-        )
-    return f"Whether the bounds {bounds} hold all over the box was not decided within the effort."
 
 
 def _pictures(parts: Parts) -> dict[str, Any]:
@@ -331,6 +255,15 @@ def _equation(id: str) -> str:
     return f"eq. {id}" if id.isdigit() else id
 
 
+def _tight(words: str) -> str:
+    """Keep a number and its unit on one line."""
+    return re.sub(
+        rf"(?<=[\d)⁰¹²³⁴-⁹]) (?=({UNITS})\b)|(?<=kg) (?=m)|(?<=N) (?=m)|(?<=[≥≤]) ",
+        "\N{NO-BREAK SPACE}",
+        words,
+    )
+
+
 def _tone(verdict: Judgement | Verdict) -> str:
     return TONES.get(Verdict(str(verdict)), "")
 
@@ -357,6 +290,7 @@ def _template() -> jinja2.Template:
 
         return markupsafe.Markup(mathematics.mathml(latex, block=block))
 
+    environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
     environment.filters |= {
         "mathml": mathml,
         "short": short,
@@ -364,5 +298,6 @@ def _template() -> jinja2.Template:
         "anchor": _anchor,
         "equation": _equation,
         "tone": _tone,
+        "tight": _tight,
     }
     return environment.get_template("report.html.j2")

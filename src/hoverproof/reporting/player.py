@@ -30,7 +30,7 @@ def player_data(flown: Flown) -> dict[str, Any]:
     spans = [{"name": f"whole flight, {duration:g} s", **_track(flight)}]
     if flown.beginning is not None:
         until = float(flown.beginning["time"].values[-1])
-        spans.insert(0, {"name": f"first {until:g} s", **_track(flown.beginning)})
+        spans.append({"name": f"first {until:g} s", **_track(flown.beginning)})
     extent = float(np.ptp(np.vstack([flight["position"].values, scene.points]), axis=0).max())
     size = DRAWN_SPAN * extent / (2 * math.sqrt(2) * scene.arm)
     return {

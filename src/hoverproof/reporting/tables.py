@@ -84,6 +84,17 @@ def interval(ends: Sequence[float | Fraction]) -> str:
     return f"{short(ends[0], 6)} to {short(ends[1], 6)}"
 
 
+def inside(ends: Sequence[Fraction]) -> str:
+    """Write an interval over which something is proved, rounded inward.
+
+    Parameters
+    ----------
+    ends : (low, high)
+        Any numbers.
+    """
+    return f"{at_most(ends[0], 6)} to {at_least(ends[1], 6)}"
+
+
 def place(position: Sequence[float | Fraction]) -> str:
     """Write a position.
 
@@ -92,7 +103,7 @@ def place(position: Sequence[float | Fraction]) -> str:
     position : (3,)
         m.
     """
-    return "(" + ", ".join(short(round(float(c), 4) + 0.0) for c in position) + ") m"
+    return "(" + ",\u00a0".join(short(round(float(c), 4) + 0.0) for c in position) + ")\u00a0m"
 
 
 def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
@@ -153,7 +164,10 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
     ]
     conditions = mission.conditions()
     if conditions:
-        rows = [(s, "; ".join(f"{k} = {_plain(x)}" for k, x in c.items())) for s, c in conditions.items()]
+        rows = [
+            (s, "; ".join(f"{k} = {_plain(x)}" for k, x in c.items()))
+            for s, c in conditions.items()
+        ]
         tables.append(Table("Added to the model in flight (nothing is proved of it)", rows))
     return tables
 
@@ -166,7 +180,7 @@ def _moving(mission: Mission) -> list[tuple[str, str]]:
         ("rates", start.rates, "rad/s"),
     )
     moving = [(n, f"({', '.join(map(short, x))}) {unit}") for n, x, unit in rows if any(x)]
-    return moving or [("", "level, at rest")]
+    return moving or [("at the start", "level, at rest")]
 
 
 def _plain(value: Any) -> str:
@@ -193,7 +207,7 @@ def margins_table(verdict: Verdict) -> Table:
             ("proved upper bound", f"{at_most(verdict.margin_above, 8)} kg/s"),
             ("the two are apart by", f"{short(gap, 1)} of the margin"),
             ("decay rate of L, proved", f"{at_least(verdict.decay_rate, 6)} 1/s"),
-            ("so L halves at least every", f"{short(np.log(2) / float(verdict.decay_rate))} s"),
+            ("so L halves in at most", f"{at_most(Fraction(np.log(2)) / verdict.decay_rate)} s"),
         ]
     elif verdict.margin_above is not None:
         below = "some eigenvalue is negative" if verdict.margin_above < 0 else "of an unknown sign"
@@ -237,7 +251,10 @@ def attraction_table(region: Attraction) -> Table:
         ("up", f"{at_least(reach.up)} m"),
         ("down", f"{at_least(reach.down)} m"),
         ("tilt on the way", f"{at_most(region.tilt)} rad or less"),
-        ("thrust on the way", f"{at_least(region.thrust[0], 5)} to {at_most(region.thrust[1], 5)} N"),
+        (
+            "thrust on the way",
+            f"{at_least(region.thrust[0], 5)} to {at_most(region.thrust[1], 5)} N",
+        ),
         ("eigenvalues of Q", f"{at_most(region.largest_eigenvalue)} 1/m or less"),
     ]
     if height is not None:
@@ -257,7 +274,10 @@ def flight_table(flown: Flown) -> Table:
     rows = [
         ("outcome", f"{told['outcome']}, {short(told['duration'])} s"),
         ("start", f"{place(told['start_position'])}, {short(told['start_error'])} m from the goal"),
-        ("end", f"{place(told['final_position'])}, {short(told['final_error'], 2)} m from the goal"),
+        (
+            "end",
+            f"{place(told['final_position'])}, {short(told['final_error'], 2)} m from the goal",
+        ),
         (
             "within 10 % of the distance at the start",
             "not reached" if settled is None else f"from {short(settled)} s on",
@@ -304,8 +324,8 @@ def firmware_table(firmware: Firmware) -> Table:
     rows = [
         ("target", str(budgets["target"])),
         ("instructions of a step", f"at most {budgets['instructions']} (budget, held by a test)"),
-        ("stack of a step", _used(here and here.stack, budgets["stack_bytes"])),
-        ("flash", _used(here and here.flash, budgets["flash_bytes"])),
+        ("stack of a step", _used(here.stack if here else None, budgets["stack_bytes"])),
+        ("flash", _used(here.flash if here else None, budgets["flash_bytes"])),
         ("thrust that is monitored", f"{interval(firmware.manifest['thrust'])} N"),
         ("limits of each rotor", f"{interval(firmware.manifest['rotor_limits'])} N"),
     ]

@@ -5,6 +5,16 @@ for (const figure of document.querySelectorAll("[data-player]")) {
   new Player(figure, JSON.parse(document.getElementById(figure.dataset.player).textContent));
 }
 
+function reveal() {  // a link into what is folded opens it
+  const target = location.hash.length > 1 && document.getElementById(location.hash.slice(1));
+  let folded = target && target.parentElement.closest("details");
+  if (!folded) return;
+  for (; folded; folded = folded.parentElement.closest("details")) folded.open = true;
+  target.scrollIntoView();
+}
+addEventListener("hashchange", reveal);
+reveal();
+
 for (const event of ["beforeprint", "afterprint"]) {  // what is folded is printed too
   addEventListener(event, () => {
     for (const details of document.querySelectorAll("details")) {
@@ -133,14 +143,25 @@ function Player(root, flight) {
     const forward = scale(-1, toEye);
     const right = [-Math.sin(azimuth), -Math.cos(azimuth), 0];  // level, and at right angles to it
     const up = cross(right, forward);
-    const far = 4 * radius, size = (0.46 * Math.min(width, height * 1.15) * far * zoom) / radius;
-    const at = (p) => {
+    const far = 4 * radius;
+    const flat = (p) => {  // on a plane before the eye, in no unit yet
       const d = sub(p, centre), depth = far + dot(d, forward);
-      return [width / 2 + (size * dot(d, right)) / depth, height / 2 - (size * dot(d, up)) / depth];
+      return [dot(d, right) / depth, -dot(d, up) / depth];
     };
-    const ends = [0, 1].map((k) => [
-      grid * (Math.floor(low[k] / grid) - 0.0), grid * Math.ceil(high[k] / grid),
-    ]);
+    const ends = [0, 1].map((k) => [grid * Math.floor(low[k] / grid), grid * Math.ceil(high[k] / grid)]);
+    const corners = ends[0].flatMap((x) => ends[1].map((y) => [x, y, ground]));
+    const [us, vs] = [0, 1].map((k) => corners.concat(everything).map((p) => flat(p)[k]));
+    const [u0, u1, v0, v1] = [Math.min(...us), Math.max(...us), Math.min(...vs), Math.max(...vs)];
+    const room = { side: 34, top: 40, bottom: 36 };
+    const size = zoom * Math.min(
+      (width - 2 * room.side) / (u1 - u0), (height - room.top - room.bottom) / (v1 - v0 || 1e-9));
+    const at = (p) => {
+      const [u, v] = flat(p);
+      return [
+        width / 2 + size * (u - (u0 + u1) / 2),
+        (height + room.top - room.bottom) / 2 + size * (v - (v0 + v1) / 2),
+      ];
+    };
     for (const k of [0, 1]) {
       for (let x = ends[k][0]; x <= ends[k][1] + grid / 2; x += grid) {
         const mark = (y) => (k ? at([y, x, ground]) : at([x, y, ground]));
@@ -232,7 +253,7 @@ function Player(root, flight) {
     const away = Math.hypot(...sub(state.position, flight.goal));
     const told = {
       clock: `${time.toFixed(digits)} s`, tilt: `${state.tilt.toFixed(3)}°`,
-      position: `(${state.position.map((x) => x.toFixed(3).replace(/^-(?=0\.0+$)/, "")).join(", ")}) m`,
+      position: `(${state.position.map((x) => x.toFixed(3).replace(/^-(?=0\.0+$)/, "").replace("-", "−")).join(", ")}) m`,
       away: `${away.toFixed(3)} m`, thrust: `${state.thrust.toPrecision(5)} N`,
     };
     for (const [name, text] of Object.entries(told)) part(name).textContent = text;
@@ -253,7 +274,7 @@ function Player(root, flight) {
     const duration = span.time.at(-1), pace = duration / WATCHED;
     slider.max = duration;
     slider.step = duration / 1000;
-    part("pace").textContent = `plays at ${pace.toPrecision(2)} × real time`;
+    part("pace").textContent = `plays at ${pace < 10 ? pace.toPrecision(2) : Math.round(pace)} × real time`;
     show(0);
   }
 
