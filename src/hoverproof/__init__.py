@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from hoverproof.mission import load as load
     from hoverproof.mission import presets as presets
     from hoverproof.paper.ledger import derive as derive
+    from hoverproof.reporting.document import report as report
     from hoverproof.simulation.campaign import simulate_batch as simulate_batch
     from hoverproof.simulation.flight import simulate as simulate
 
@@ -38,6 +39,7 @@ _HOMES = {
     "derive": ("hoverproof.paper.ledger", "derive"),
     "load": ("hoverproof.mission", "load"),
     "presets": ("hoverproof.mission", "presets"),
+    "report": ("hoverproof.reporting.document", "report"),
     "simulate": ("hoverproof.simulation.flight", "simulate"),
     "simulate_batch": ("hoverproof.simulation.campaign", "simulate_batch"),
     "tune": ("hoverproof.certification.tuning", "tune"),
@@ -54,6 +56,7 @@ __all__ = [
     "export_c",
     "load",
     "presets",
+    "report",
     "simulate",
     "simulate_batch",
     "tune",

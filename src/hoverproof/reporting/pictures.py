@@ -250,7 +250,7 @@ def flight_pictures(flown: Flown) -> Iterator[Picture]:
         "The errors of the controller and the Lyapunov function L." + claim,
     )
     for name, draw, what, record in (
-        ("position", panels.position, "Position", flight),
+        ("position", panels.position, "Position x, y and z", flight),
         ("attitude", panels.attitude, "Roll, pitch and yaw", first),
         ("rotors", panels.rotor_forces, "Thrust of each rotor", first),
         ("view", panels.required_view, "Angle of the farthest target point off the axis", flight),

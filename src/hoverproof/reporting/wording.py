@@ -139,8 +139,8 @@ def attraction(region: Attraction) -> str:
     above = "" if height is None else f" and at least {at_least(height)} m above the target"
     return (
         f"From every {where} with Λ at most {at_least(region.level, 6)}{above}, with any heading "
-        "and yaw rate, the motion of the exact model comes to the hover at the goal, while all target "
-        "points are seen. The start of the mission is among them."
+        "and yaw rate, the motion of the exact model comes to the hover at the goal, while all "
+        "target points are seen. The start of the mission is among them."
     )
 
 
