@@ -37,9 +37,9 @@ class Footprint:
     compiler : str
         The first line of what it says of its version.
     flash : int
-        Bytes of code and constants, without the self-test.
+        Code and constants, without the self-test: a number of bytes.
     stack : int
-        Bytes of the frame of a step.
+        The frame of a step: a number of bytes.
     """
 
     compiler: str

@@ -27,7 +27,7 @@ class Report:
     path : Path
         The file.
     size : int
-        Bytes of it.
+        Its number of bytes.
     sha256 : str
         Of it.
     verdict : Proved, Refuted or Undecided

@@ -145,6 +145,7 @@ def fraction(x: Fraction) -> str:
     Parameters
     ----------
     x : Fraction
+        Any exact number.
     """
     if x.denominator == 1:
         return str(x.numerator)
@@ -158,6 +159,7 @@ def decimal(x: Fraction) -> str:
     Parameters
     ----------
     x : Fraction
+        Any exact number.
     """
     if not _is_short(x):
         return fraction(x)
