@@ -29,7 +29,7 @@ from hoverproof.paper.ledger import derive
 from hoverproof.show.decay import Decay, decay_along
 from hoverproof.show.panels import beginning
 from hoverproof.simulation.campaign import batch_summary, simulate_batch
-from hoverproof.simulation.flight import simulate, summary, without_conditions
+from hoverproof.simulation.flight import simulate, slowest_rate, summary, without_conditions
 
 PARTS = ("atlas", "region", "attraction", "flight", "firmware", "ledger")
 """The parts that a report may be asked to leave out."""
@@ -233,6 +233,11 @@ def _map(mission: Mission) -> Map:
 
 
 def _fly(mission: Mission, verdict: Verdict, runs: int | None) -> Flown:
+    if slowest_rate(mission) <= 0:
+        raise RuntimeError(
+            "The loop is not stable near its goal, so a flight has no natural length; "
+            f"`hoverproof simulate {mission.source} --duration 20` flies it"
+        )
     whole = simulate(mission)
     decay = decay_along(whole, verdict) if isinstance(verdict, Proved) else None
     duration, early = float(whole["time"].values[-1]), 2 * beginning(whole)
