@@ -190,6 +190,30 @@ def test_a_goal_for_which_no_region_can_be_asked_says_so():
     assert "not axial" in held.reason
 
 
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"sensors": {"width": 640, "height": 480, "focal_length": 300}}, "left the field of view"),
+        ({"start.position": [0, 0, -3]}, "0 m from the goal"),
+    ],
+)
+def test_a_flight_that_ends_at_once_or_does_not_move_is_reported(changes, said):
+    without = ("atlas", "region", "attraction", "firmware", "ledger")
+    report = document.report(hp.load("x4-flyer", changes), "r.html", without=without)
+    text = text_of(report)
+    assert "flight" not in report.missing
+    assert said in text.replace("\N{NO-BREAK SPACE}", " ")
+    Page(text)
+
+
+def test_a_loop_that_is_not_stable_has_no_flight_and_the_page_says_why(monkeypatch):
+    monkeypatch.setattr(parts, "slowest_rate", lambda mission: -1.0)
+    without = ("atlas", "region", "attraction", "firmware", "ledger")
+    report = document.report(hp.load("x4-flyer"), "r.html", without=without)
+    assert report.missing["flight"].startswith("The loop is not stable near its goal")
+    assert report.missing["flight"] in text_of(report)
+
+
 def test_a_mistake_of_the_program_is_not_taken_for_a_missing_part():
     with pytest.raises(KeyError):
         parts.attempt(lambda: {}["x"])

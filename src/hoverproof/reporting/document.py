@@ -30,8 +30,8 @@ class Report:
         Its number of bytes.
     sha256 : str
         Of it.
-    verdict : Proved, Refuted or Undecided
-        On the gains.
+    verdict
+        What `hoverproof.certify` returned.
     missing : dict of str to str
         Parts that are not in it, and why.
     """

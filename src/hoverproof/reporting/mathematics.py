@@ -120,7 +120,7 @@ def attraction_claim(region: Attraction) -> list[str]:
 
     Parameters
     ----------
-    region : Proved
+    region : Attraction
         A region of attraction.
     """
     a2, a3, a4 = map(decimal, region.weights)

@@ -238,6 +238,8 @@ def flight_pictures(flown: Flown) -> Iterator[Picture]:
         "Tracks of the target points in the image.",
         "What the camera sees: the tracks of the target points in the image plane.",
     )
+    if flight.sizes["time"] < 2:
+        return
     claim = ""
     if flown.decay is not None:
         ends = flown.decay.until < float(flight["time"].values[-1])

@@ -197,7 +197,8 @@ def margins_table(verdict: Verdict) -> Table:
 
     Parameters
     ----------
-    verdict : Proved, Refuted or Undecided
+    verdict
+        What `hoverproof.certify` returned.
     """
     rows = []
     if isinstance(verdict, Proved):
@@ -243,7 +244,7 @@ def attraction_table(region: Attraction) -> Table:
 
     Parameters
     ----------
-    region : Proved
+    region : Attraction
     """
     reach, height = region.reach, region.barrier_height
     rows = [
@@ -272,7 +273,8 @@ def flight_table(flown: Flown) -> Table:
     told = flown.summary
     settled = told["settled_at"]
     rows = [
-        ("outcome", f"{told['outcome']}, {short(told['duration'])} s"),
+        ("outcome", str(told["outcome"])),
+        ("length", f"{short(told['duration'])} s"),
         ("start", f"{place(told['start_position'])}, {short(told['start_error'])} m from the goal"),
         (
             "end",

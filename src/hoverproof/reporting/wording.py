@@ -132,7 +132,7 @@ def attraction(region: Attraction) -> str:
 
     Parameters
     ----------
-    region : Proved
+    region : Attraction
     """
     height = region.barrier_height
     where = "state" if height is None else "level hover at rest"

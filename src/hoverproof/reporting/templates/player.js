@@ -273,7 +273,8 @@ function Player(root, flight) {
     span = flight.spans[k];
     const duration = span.time.at(-1), pace = duration / WATCHED;
     slider.max = duration;
-    slider.step = duration / 1000;
+    slider.step = duration / 1000 || 1;
+    slider.disabled = button.disabled = duration === 0;
     part("pace").textContent = `plays at ${pace < 10 ? pace.toPrecision(2) : Math.round(pace)} × real time`;
     show(0);
   }
@@ -331,6 +332,8 @@ function Player(root, flight) {
     e.preventDefault();
   });
   new ResizeObserver(draw).observe(space);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+  for (const query of ["(prefers-color-scheme: dark)", "print"]) {
+    matchMedia(query).addEventListener("change", draw);
+  }
   choose(0);
 }
