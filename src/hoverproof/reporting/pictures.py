@@ -139,7 +139,7 @@ def map_picture(mission: Mission, found: Map) -> Picture:
         draw,
         f"Map of the certified margin over the gains {x} and {y}, the mission's point marked.",
         f"Margin over {x} and {y}, everything else as in the mission; the star is the mission. The "
-        "map is computed in floating point: a certificate exists for the mission's own point only.",
+        "map is computed in floating point; only the mission's own point was decided exactly.",
     )
 
 

@@ -12,9 +12,9 @@ from hoverproof.reporting.parts import Firmware, Flown, Map, Missing, Parts
 from hoverproof.reporting.tables import at_least, at_most, inside, interval, place, short
 
 NOT_REFUTED = (
-    "That the vehicle falls: a refutation shows that this proof of stability fails for a Q and a "
-    "thrust within the assumed bounds. A flight may settle all the same, as one does below if it "
-    "says so; what is gone is the guarantee.",
+    "That the vehicle falls: for a Q and a thrust within the assumed bounds this function L grows, "
+    "and so its guarantee is gone. A flight may settle all the same, and the region of attraction, "
+    "where one is proved below, rests on another function.",
     "That the Q of the counterexample belongs to this target: it lies within the bounds of its "
     "eigenvalues, which is all that was assumed.",
 )
