@@ -22,6 +22,7 @@ FLOORS = [
     {"certification", "simulation", "export", "paper"},
     {"firmware_flight"},
     {"show"},
+    {"reporting"},
     {"cli"},
     {"__main__"},
 ]

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from hoverproof.mission import load as load
     from hoverproof.mission import presets as presets
     from hoverproof.paper.ledger import derive as derive
+    from hoverproof.reporting.document import report as report
     from hoverproof.simulation.campaign import simulate_batch as simulate_batch
     from hoverproof.simulation.flight import simulate as simulate
 
@@ -46,6 +47,7 @@ _HOMES = {
     "load": ("hoverproof.mission", "load"),
     "pareto": ("hoverproof.certification.tuning", "pareto"),
     "presets": ("hoverproof.mission", "presets"),
+    "report": ("hoverproof.reporting.document", "report"),
     "simulate": ("hoverproof.simulation.flight", "simulate"),
     "simulate_batch": ("hoverproof.simulation.campaign", "simulate_batch"),
     "tune": ("hoverproof.certification.tuning", "tune"),
@@ -66,6 +68,7 @@ __all__ = [
     "load",
     "pareto",
     "presets",
+    "report",
     "simulate",
     "simulate_batch",
     "tune",

@@ -188,9 +188,9 @@ def attraction_figure(region: Proved) -> Figure:
     grid = figure.add_gridspec(1, 3, width_ratios=(1.2, 1.1, 0.9), wspace=0.08)
     figure.suptitle(f"{region.mission.name}: where the controller may be switched on (proved)")
     section = figure.add_subplot(grid[0])
-    _draw_section(section, region, view, flights)
+    draw_section(section, region, view, flights)
     _draw_space(figure.add_subplot(grid[1], projection="3d"), region, view)
-    _draw_energy(figure.add_subplot(grid[2]), region, flights)
+    draw_energy(figure.add_subplot(grid[2]), region, flights)
     handles, labels = section.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4)
     return figure
@@ -213,7 +213,17 @@ def save_attraction_figure(region: Proved, path: Path) -> None:
         attraction_figure(region).savefig(beside, dpi=120, format="png")
 
 
-def _draw_section(axes: Axes, region: Proved, view: View, flights: Flights) -> None:
+def draw_section(axes: Axes, region: Proved, view: View, flights: Flights) -> None:
+    """Draw the certified hovers in cross-section, and which simulated starts reach the goal.
+
+    Parameters
+    ----------
+    axes : Axes
+        What to draw on.
+    region : Proved
+    view : View
+    flights : Flights
+    """
     mission, p = region.mission, view.potential
     across, height, places = view.grid()
     shape = (len(height), len(across))
@@ -306,7 +316,16 @@ def _draw_space(axes: Any, region: Proved, view: View) -> None:
     axes.view_init(elev=18, azim=-60)
 
 
-def _draw_energy(axes: Axes, region: Proved, flights: Flights) -> None:
+def draw_energy(axes: Axes, region: Proved, flights: Flights) -> None:
+    """Draw Λ along simulated flights, and the proved level.
+
+    Parameters
+    ----------
+    axes : Axes
+        What to draw on.
+    region : Proved
+    flights : Flights
+    """
     level = float(region.level)
     for kept, colour, label in (
         (flights.certified, COLOURS[0], "start certified"),
