@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -145,8 +146,8 @@ class Potential:
         """
         return float(self.centroid(self._plane_grid(z))[:, 2].max())
 
-    def level_limit(self, largest: float, bottom: float | None) -> float:
-        """Return the lowest W found where an eigenvalue of Q reaches `largest`, z <= bottom.
+    def level_limit(self, largest: float) -> float:
+        """Return the lowest W found where an eigenvalue of Q reaches `largest`.
 
         Infinite if that is nowhere.
 
@@ -154,20 +155,25 @@ class Potential:
         ----------
         largest : float
             1/m.
-        bottom : float or None
-            z, m; None for no bound.
         """
-        directions = sphere(200)
-        radii = np.linspace(0.05, 1.0, 40) * self.n / largest
-        best = np.inf
+        size, value = self._near_points
+        reached = size >= largest
+        return float(value[reached].min()) if reached.any() else np.inf
+
+    @cached_property
+    def _near_points(self) -> tuple[Array, Array]:
+        """Largest eigenvalue of Q, 1/m, and W on spheres about each target point.
+
+        No eigenvalue is above n over the distance to the nearest point.
+        """
+        at_goal = float(eigenvalues(self.points, self.goal[None])[0, 2])
+        radii = np.geomspace(1e-3, 1.0, 120) * self.n / at_goal
+        sizes, values = [], []
         for point in self.points:
-            places = (point + directions[:, None] * radii[None, :, None]).reshape(-1, 3)
-            kept = eigenvalues(self.points, places)[:, 2] >= largest
-            if bottom is not None:
-                kept &= places[:, 2] <= bottom
-            if kept.any():
-                best = min(best, float(self.value(places[kept]).min()))
-        return best
+            places = (point + sphere(200)[:, None] * radii[None, :, None]).reshape(-1, 3)
+            sizes.append(eigenvalues(self.points, places)[:, 2])
+            values.append(self.value(places))
+        return np.concatenate(sizes), np.concatenate(values)
 
     def _span(self) -> float:
         return float(np.ptp(self.points[:, :2], axis=0).max())
