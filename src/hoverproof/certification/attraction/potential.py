@@ -149,30 +149,42 @@ class Potential:
     def level_limit(self, largest: float) -> float:
         """Return the lowest W found where an eigenvalue of Q reaches `largest`.
 
-        Infinite if that is nowhere.
+        Infinite if that is nowhere, 0 if it does so at the goal.
 
         Parameters
         ----------
         largest : float
             1/m.
         """
-        size, value = self._near_points
-        reached = size >= largest
-        return float(value[reached].min()) if reached.any() else np.inf
+        if largest <= self.largest_at_goal:
+            return 0.0
+        size, value = self._rays
+        inner, outer = size[:, :-1], size[:, 1:]
+        crosses = (inner >= largest) != (outer >= largest)
+        if not crosses.any():
+            return np.inf
+        part = (inner[crosses] - largest) / (inner[crosses] - outer[crosses])
+        low, high = value[:, :-1][crosses], value[:, 1:][crosses]
+        return float((low + part * (high - low)).min())
 
     @cached_property
-    def _near_points(self) -> tuple[Array, Array]:
-        """Largest eigenvalue of Q, 1/m, and W on spheres about each target point.
+    def largest_at_goal(self) -> float:
+        """The largest eigenvalue of Q at the goal, 1/m."""
+        return float(eigenvalues(self.points, self.goal[None])[0, 2])
 
-        No eigenvalue is above n over the distance to the nearest point.
+    @cached_property
+    def _rays(self) -> tuple[Array, Array]:
+        """Largest eigenvalue of Q, 1/m, and W, (rays, radii) each, along rays from the target.
+
+        They reach as far as the eigenvalue of the goal does: none is above n over the distance to
+        the nearest point.
         """
-        at_goal = float(eigenvalues(self.points, self.goal[None])[0, 2])
-        radii = np.geomspace(1e-3, 1.0, 120) * self.n / at_goal
+        radii = np.geomspace(1e-3, 1.0, 120) * self.n / self.largest_at_goal
         sizes, values = [], []
         for point in self.points:
             places = (point + sphere(200)[:, None] * radii[None, :, None]).reshape(-1, 3)
-            sizes.append(eigenvalues(self.points, places)[:, 2])
-            values.append(self.value(places))
+            sizes.append(eigenvalues(self.points, places)[:, 2].reshape(200, -1))
+            values.append(self.value(places).reshape(200, -1))
         return np.concatenate(sizes), np.concatenate(values)
 
     def _span(self) -> float:
