@@ -108,7 +108,7 @@ def needed_bandwidth(search: GainSearch, gains: Gains, at_least: float) -> float
     def missing(log_bandwidth: float) -> float:
         nonlocal z
         limits = replace(search.limits, bandwidth=math.exp(log_bandwidth), rate=None)
-        z_new, value = replace(search, limits=limits).climb(z, 0.5, COARSE)
+        z_new, value = replace(search, limits=limits).climb(z, 0.3, COARSE)
         if np.isfinite(value):
             z = z_new
         return at_least - value
@@ -121,7 +121,7 @@ def needed_bandwidth(search: GainSearch, gains: Gains, at_least: float) -> float
         high = low + math.log(STEP)
         still = missing(high)
         if still <= 0:
-            return math.exp(brentq(missing, low, high, xtol=0.002))
+            return math.exp(brentq(missing, low, high, xtol=0.005))
         if short - still < SATURATED * short:
             return None
         low, short = high, still
