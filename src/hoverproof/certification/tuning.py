@@ -11,12 +11,13 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
+from hoverproof.certification.attraction.tuning import RegionTuned, region_pareto, tune_region
 from hoverproof.certification.gain_search import GainSearch, slowest_rate_at_goal
 from hoverproof.certification.gain_search import Objective as RateObjective
 from hoverproof.certification.gains import Proved, certify, search_weights
@@ -38,9 +39,6 @@ from hoverproof.certification.wishes import (
 )
 from hoverproof.errors import InputError
 from hoverproof.mission import Gains, Mission
-
-if TYPE_CHECKING:
-    from hoverproof.certification.attraction.tuning import RegionTuned
 
 Array = NDArray[np.float64]
 Weights = tuple[Fraction, ...] | Literal["search"]
@@ -146,8 +144,6 @@ def tune(
         above = f"{least:g} N is {least - hover:g} N above m g/4 = {hover:g} N"
         return Infeasible(mission, f"the rotors cannot hover: their least thrust of {above}")
     if objective == "region":
-        from hoverproof.certification.attraction.tuning import tune_region  # it rests on this
-
         if at_least is not None or weights != ONES:
             option = "--weights" if at_least is None else "--at-least"
             raise InputError(option, "", "is about L, so not for --objective region")
@@ -186,7 +182,7 @@ def limits_of(
     ----------
     mission : Mission
     bandwidth, rate, tilt, rotor_thrust
-        See `tune`.
+        In rad/s, 1/s, rad and N; see `tune`.
     """
     rotors = mission.rotors
     if rotor_thrust is None and rotors.max_thrust is not None:
@@ -347,8 +343,6 @@ def pareto(
     if not 2 <= count <= 1000:
         raise InputError("--pareto", "", f"must be from 2 to 1000 bandwidths, not {count}")
     if options.get("objective") == "region":
-        from hoverproof.certification.attraction.tuning import region_pareto
-
         names = ("rate", "tilt", "rotor_thrust")
         limits = limits_of(mission, bandwidth, **{k: options.get(k) for k in names})
         return list(region_pareto(mission, count, limits, options.get("minimum_decay"), report))

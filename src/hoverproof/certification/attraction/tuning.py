@@ -163,7 +163,7 @@ class Point(NamedTuple):
     Attributes
     ----------
     cost : float
-        Log of the largest Λ/ℓ of the wanted hovers; `NONE` where there is no region.
+        Log of the largest Λ/ℓ of the wanted hovers, dimensionless; `NONE` where there is no region.
     z : (4,)
         Logarithms of kg/s, kg/s and 1/m; the third is dimensionless.
     """
@@ -298,7 +298,7 @@ class GainRegionSearch:
         size : float
             Radius of the ball of hovers to be inside, m.
         enough : float
-            The first point whose cost is below is taken.
+            The first point whose cost is below is taken; dimensionless.
         """
         hovers, here = self._ball(size), math.log(self.potential.largest_at_goal)
         best = Point(NONE, ())
@@ -414,7 +414,7 @@ def _why_not(search: GainRegionSearch) -> str:
     return (
         f"no region of attraction was found with a slowest motion of {search.floor:.4g} 1/s and "
         f"{limit}; what binds is the inequality of Λ; about {possible:.3g} 1/s leaves a region "
-        f"(--minimum-decay {decimal_below(possible, 2)})"
+        f"(--minimum-decay {float(decimal_below(possible, 2)):g})"
     )
 
 
