@@ -120,21 +120,19 @@ def atlas(
         print_json(result)
         return 0
     share = 100 * certified / margin.size
-    print(
-        f"{loaded.name}: {across.name} from {number(across.values[0])} to "
-        f"{number(across.values[-1])} {across.quantity.unit}, {along.name} from "
-        f"{number(along.values[0])} to {number(along.values[-1])} {along.quantity.unit}"
-    )
+    print(f"{loaded.name}: a map of what is certified")
+    for one in (across, along):
+        ends = f"{number(one.values[0])} to {number(one.values[-1])} {one.quantity.unit}"
+        print(f"  {one.name:23} from {ends}")
     print(
         f"  certified               {certified} of {margin.size} cells, {share:.1f} % "
         "(floating point)"
     )
     if best is not None:
-        print(
-            f"  best cell               {across.name} = {number(across.values[best[1]])}, "
-            f"{along.name} = {number(along.values[best[0]])}: "
-            f"decay rate {number(drawn['decay_rate'].values[best])} 1/s"
-        )
+        places = ((across, best[1]), (along, best[0]))
+        words = ", ".join(f"{one.name} = {number(one.values[i])}" for one, i in places)
+        print(f"  best cell               {words}")
+        print(f"  its decay rate          {number(drawn['decay_rate'].values[best])} 1/s")
     if exact_boundary:
         words = ", ".join(f"{n} {word}" for word, n in counts.items())
         print(f"  at the boundary         {words}, exactly; {result['disagree']} unlike the map")
