@@ -200,7 +200,8 @@ print(f"{flown['duration']:.0f} s")
 #
 # Fast gains ask for more tilt, and more of the region is lost to keeping thrust and tilt in
 # bounds. Without a barrier, so that moving starts count too, this is how far hovers are certified
-# for three sets of gains:
+# for three sets of gains (`hoverproof tune x4-flyer --objective region --pareto 6` finds the best
+# gains for each speed):
 
 # %%
 fast = hp.load("x4-flyer", {"gains.k1": "1.5", "gains.k2": "5", "gains.k3": "30", "gains.k4": "30"})
@@ -210,11 +211,11 @@ regions = [
     hp.attraction(fast, objective="radius", barrier=False),
 ]
 assert all(r.status == "proved" for r in regions)
-labels = [f"k1 = {float(r.mission.gains.k1):g} kg m/s" for r in regions]
-for r, label in zip(regions, labels, strict=True):
-    print(f"{label}: slowest motion {slowest_rate(r.mission):.4f} 1/s,", end=" ")
+for r in regions:
+    print(f"k1 = {float(r.mission.gains.k1):g} kg m/s:", end=" ")
+    print(f"slowest motion {slowest_rate(r.mission):.4f} 1/s,", end=" ")
     print(f"{float(r.reach.sideways):.2f} m sideways")
-trade_off_figure(regions, labels)
+trade_off_figure(regions)
 
 # %% [markdown]
 # Gains that `hp.tune` makes for the largest decay rate of $L$ are another matter: they have a large

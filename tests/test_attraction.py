@@ -368,12 +368,18 @@ def test_the_trade_off_is_drawn_at_the_speed_and_the_reach_of_each_region():
     from hoverproof.show.attraction import trade_off_figure
 
     missions = [load("x4-flyer", {"gains.k1": k1}) for k1 in ("0.3", "0.2")]
-    reaches = [SimpleNamespace(sideways=F(2), down=F(1)), SimpleNamespace(sideways=F(3), down=F(5))]
+    reaches = [
+        SimpleNamespace(sideways=F(2), down=F(1), up=F(9)),
+        SimpleNamespace(sideways=F(3), down=F(5), up=F(7)),
+    ]
     pairs = zip(missions, reaches, strict=True)
     regions = [SimpleNamespace(mission=m, reach=reach) for m, reach in pairs]
-    (axes,) = trade_off_figure(regions, ["fast", "slow"]).axes
+    (axes,) = trade_off_figure(regions, own=regions[0]).axes
     speeds = [slowest_rate(m) for m in reversed(missions)]
-    sideways, down = axes.get_lines()
-    assert list(sideways.get_xdata()) == list(down.get_xdata()) == speeds
-    assert (list(sideways.get_ydata()), list(down.get_ydata())) == ([3, 2], [5, 1])
-    assert [text.get_text() for text in axes.texts] == ["slow", "fast"]
+    lines = {line.get_label(): line for line in axes.get_lines()}
+    for way, drawn in {"sideways": [3, 2], "down": [5, 1], "up": [7, 9]}.items():
+        assert list(lines[way].get_xdata()) == speeds
+        assert list(lines[way].get_ydata()) == drawn
+    stars = [line for line in axes.get_lines() if line.get_marker() == "*" and len(line.get_xdata())]
+    assert {float(star.get_xdata()[0]) for star in stars} == {speeds[1]}
+    assert sorted(float(star.get_ydata()[0]) for star in stars) == [1, 2, 9]

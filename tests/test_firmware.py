@@ -342,6 +342,18 @@ def test_tuned_gains_fly_as_those_folded_in_and_say_that_nothing_is_proved(tmp_p
     assert firmware.set_gains([50.0, 9.0, 28.0, 3.5, 1.2]) == 1  # c q3* would exceed m g
 
 
+def test_the_rotors_of_the_mission_are_the_limits_unless_others_are_asked_for(tmp_path):
+    rotors = {"rotors": {"min_thrust": 2, "max_thrust": 40}}
+    made = export(tmp_path / "own", overrides=rotors)
+    assert made.manifest["rotor_limits"] == [2, 40]
+    limits = (Fraction(1), Fraction(44))
+    made = export(tmp_path / "other", overrides=rotors, rotor_limits=limits)
+    assert made.manifest["rotor_limits"] == [1, 44]
+    weak = {"rotors": {"max_thrust": 20}}
+    with pytest.raises(InputError, match=r"x4-flyer: rotors: must hold .* 23.52 N"):
+        export(tmp_path / "weak", overrides=weak)
+
+
 # --- the flight ---------------------------------------------------------------------------------
 
 

@@ -13,6 +13,7 @@ from cyclopts import CycloptsError
 
 # A command joins the application where it is defined; this order is the order of the help.
 from hoverproof.cli import (  # noqa: F401
+    atlas,
     attraction,
     certification,
     firmware,

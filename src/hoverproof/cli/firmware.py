@@ -42,7 +42,9 @@ def export(
     ] = None,
     rotor_limits: Annotated[
         str | None,
-        Parameter(help="LOWEST,HIGHEST thrust of a rotor, N; by default 0 to half the weight."),
+        Parameter(
+            help="LOWEST,HIGHEST thrust of a rotor, N; by default the mission's, else 0 to m g/2."
+        ),
     ] = None,
     allow_uncertified: Annotated[
         bool,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.motion import energies, numbers
@@ -346,39 +346,62 @@ def draw_energy(axes: Axes, region: Proved, flights: Flights) -> None:
     axes.legend(loc="upper right", framealpha=0.9)
 
 
-def trade_off_figure(regions: Sequence[Proved], labels: Sequence[str]) -> Figure:
-    """Draw how far hovers are certified sideways and down, against the speed near the goal.
+def trade_off_figure(regions: Sequence[Proved], own: Proved | None = None) -> Figure:
+    """Draw how far hovers are certified, against the speed near the goal.
 
     Parameters
     ----------
     regions : sequence of Proved
-        Without a barrier, of the same vehicle with different gains.
-    labels : sequence of str
-        One for each.
+        Of the same vehicle with other gains, proved without a barrier.
+    own : Proved, optional
+        Of the gains that the mission has, for comparison.
     """
-    figure = Figure(figsize=(7, 5), layout="constrained")
+    figure = Figure(figsize=(7, 5.5), layout="constrained")
     axes = figure.subplots()
-    rows = []
-    for region, label in zip(regions, labels, strict=True):
-        reach = (float(region.reach.sideways), float(region.reach.down))
-        rows.append((slowest_rate(region.mission), *reach, label))
-    rows.sort()
-    speed = [row[0] for row in rows]
-    for column, marker, colour, word in (
-        (1, "o-", COLOURS[0], "sideways"),
-        (2, "s--", COLOURS[1], "down"),
+    speed = np.array([slowest_rate(region.mission) for region in regions])
+    order = np.argsort(speed)
+    for way, marker, colour in (
+        ("up", "^-.", COLOURS[2]),
+        ("down", "s--", COLOURS[1]),
+        ("sideways", "o-", COLOURS[0]),
     ):
-        axes.plot(speed, [row[column] for row in rows], marker, color=colour, label=word)
-    for row in rows:
-        highest = max(row[1], row[2])
-        axes.annotate(
-            row[3], (row[0], highest), xytext=(0, 8), textcoords="offset points", ha="center"
-        )
-    axes.set_xlim(0, 1.1 * max(speed, default=1.0))
-    axes.set_ylim(0, 1.2 * max((max(row[1], row[2]) for row in rows), default=1.0))
-    axes.set_xlabel("slowest eigenvalue of the loop at the goal (1/s)")
+        reach = np.array([float(getattr(region.reach, way)) for region in regions])
+        axes.loglog(speed[order], reach[order], marker, color=colour, label=way)
+        if own is not None:
+            held = float(getattr(own.reach, way))
+            axes.plot(slowest_rate(own.mission), held, "*", color=colour, markersize=14, zorder=3)
+    if own is not None:
+        axes.plot([], [], "k*", markersize=14, linestyle="none", label="the mission's own gains")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(FuncFormatter(_some_digits))
+    axes.set_xlabel("decay rate of the slowest motion at the goal (1/s, linearised)")
     axes.set_ylabel("certified hovers reach from the goal (m)")
-    axes.set_title("region and speed, without a barrier")
-    axes.grid(alpha=0.3)
-    axes.legend(loc="lower left")
+    axes.set_title(f"{regions[0].mission.name}: what speed costs, each point proved")
+    axes.grid(alpha=0.3, which="both")
+    figure.legend(loc="outside lower center", ncols=4)
     return figure
+
+
+def _some_digits(value: float, _: int | None) -> str:
+    """Label 2 and 5 of each decade."""
+    return f"{value:g}" if f"{value:.0e}"[0] in "25" else ""
+
+
+def save_trade_off_figure(regions: Sequence[Proved], own: Proved | None, path: Path) -> None:
+    """Write the curve as PNG or SVG.
+
+    Parameters
+    ----------
+    regions, own
+        See `trade_off_figure`.
+    path : Path
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    with replacing(path) as beside:
+        ending = "svg" if path.suffix.lower() == ".svg" else "png"
+        trade_off_figure(regions, own).savefig(beside, dpi=130, format=ending)
