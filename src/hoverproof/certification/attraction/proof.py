@@ -15,6 +15,7 @@ from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.attraction.form import derive_form
 from hoverproof.certification.attraction.inequality import Loop, rate_and_multiplier
 from hoverproof.certification.attraction.potential import Potential
+from hoverproof.certification.attraction.refutation import refute
 from hoverproof.certification.attraction.search import (
     SLACKS,
     Found,
@@ -63,7 +64,7 @@ def attraction(
 
     Returns
     -------
-    Proved or Undecided
+    Proved; Refuted if a wanted start is shown to sink to the target; or Undecided
 
     Raises
     ------
@@ -71,6 +72,21 @@ def attraction(
         If the goal is not axial, or the mission poses no question.
     """
     tell = progress or (lambda text: None)
+    verdict = _search_and_prove(mission, objective, starts, barrier, tell)
+    if isinstance(verdict, Undecided) and (objective == "start" or starts):
+        tell("following the motion from the start")
+        return refute(mission, starts or None, verdict)
+    return verdict
+
+
+def _search_and_prove(
+    mission: Mission,
+    objective: Objective,
+    starts: Sequence[Start] | None,
+    barrier: bool | None,
+    tell: Progress,
+) -> Proved | Undecided:
+    """Try with and without a barrier."""
     potential = Potential.of(mission)
     loop = Loop.of(mission, potential.q3)
     if loop.largest_force <= 0:

@@ -173,7 +173,7 @@ class Search:
             second = [np.log(above * share) for share in (0.85, 0.6, 0.3, 0.15)]
         else:
             here = p.largest_eigenvalue(float(p.goal[2]))
-            second = [np.log(here * times) for times in (2.0, 4.0)]
+            second = [np.log(here * times) for times in (1.1, 1.3, 2.0, 4.0)]
         return [(-np.log(1 / share - 1), y) for y in second for share in (0.003, 0.03, 0.2)]
 
     def best(self, hovers: Array, value: Callable[[Bounds, Solution], float]) -> Found | None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, ClassVar
 
-from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.attraction.starts import Start, State
 from hoverproof.certification.certificate import Certificate, exact
 from hoverproof.mission import Mission
 
@@ -90,8 +90,43 @@ class Undecided:
     reason: str
     mission: Mission
 
+    def because(self, more: str) -> Undecided:
+        """Return it with more to the reason.
 
-Verdict = Proved | Undecided
+        Parameters
+        ----------
+        more : str
+        """
+        return replace(self, reason=f"{self.reason}; {more}")
+
+
+@dataclass(frozen=True)
+class Refuted:
+    """A start that was asked for sinks to the target.
+
+    Attributes
+    ----------
+    state : State
+        Where the motion starts.
+    time : Fraction
+        By then it is as low as the lowest target point, or lower, s.
+    mission : Mission
+    certificate : Certificate
+    """
+
+    status: ClassVar[str] = "refuted"
+    state: State
+    time: Fraction
+    mission: Mission
+    certificate: Certificate
+
+    @property
+    def reason(self) -> str:
+        """What happens."""
+        return f"the vehicle sinks to the target within {float(self.time):.4g} s"
+
+
+Verdict = Proved | Refuted | Undecided
 
 
 def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
@@ -99,7 +134,7 @@ def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
 
     Parameters
     ----------
-    verdict : Proved or Undecided
+    verdict : Proved, Refuted or Undecided
     certificate_path : str or None
         Where the certificate was written.
     """
@@ -109,10 +144,14 @@ def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
         "certificate": certificate_path,
         "not_covered": list(NOT_COVERED),
     }
-    if isinstance(verdict, Undecided):
+    if not isinstance(verdict, Proved):
         nothing = ("level", "weights", "rate", "tilt", "thrust", "largest_eigenvalue")
-        empty = dict.fromkeys((*nothing, "barrier_height", "reach", "statement"))
-        return {**answer, **empty, "starts": [], "reason": verdict.reason}
+        empty = dict.fromkeys((*nothing, "barrier_height", "reach", "statement", "motion"))
+        answer = {**answer, **empty, "starts": [], "reason": verdict.reason}
+        if isinstance(verdict, Refuted):
+            content = verdict.certificate.content
+            answer |= {"statement": content["statement"], "motion": content["motion"]}
+        return answer
     reach, height = verdict.reach, verdict.barrier_height
     return {
         **answer,
@@ -126,6 +165,7 @@ def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
         "reach": {k: float(getattr(reach, k)) for k in ("sideways", "up", "down")},
         "starts": [exact(start.content()) for start in verdict.starts],
         "statement": verdict.certificate.statement,
+        "motion": None,
         "reason": None,
         "units": {
             "rate": "1, of Λ' <= -(k1/m) rate |Y|²",
