@@ -157,11 +157,16 @@ class Potential:
         bottom : float or None
             z, m; None for no bound.
         """
-        directions = sphere(200)
-        radii = np.linspace(0.05, 1.0, 40) * self.n / largest
+        far = self.n / largest  # farther from every point, no eigenvalue is so large
+        span = far + float(np.linalg.norm(self.points - self.goal, axis=1).max())
         best = np.inf
-        for point in self.points:
-            places = (point + directions[:, None] * radii[None, :, None]).reshape(-1, 3)
+        # about each point, where Q grows beyond every bound; and outward from the goal, for W grows
+        # along such rays
+        for center, radii, count in (
+            *((point, np.linspace(0.05, 1.0, 40) * far, 200) for point in self.points),
+            (self.goal, np.linspace(0.01, 1.0, 60) * span, 600),
+        ):
+            places = (center + sphere(count)[:, None] * radii[None, :, None]).reshape(-1, 3)
             kept = eigenvalues(self.points, places)[:, 2] >= largest
             if bottom is not None:
                 kept &= places[:, 2] <= bottom
