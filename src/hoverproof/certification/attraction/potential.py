@@ -145,8 +145,8 @@ class Potential:
         """
         return float(self.centroid(self._plane_grid(z))[:, 2].max())
 
-    def level_limit(self, largest: float, bottom: float | None) -> float:
-        """Return the lowest W found where an eigenvalue of Q reaches `largest`, z <= bottom.
+    def level_limit(self, largest: float) -> float:
+        """Return the lowest W found where an eigenvalue of Q reaches `largest`.
 
         Infinite if that is nowhere.
 
@@ -154,25 +154,30 @@ class Potential:
         ----------
         largest : float
             1/m.
-        bottom : float or None
-            z, m; None for no bound.
         """
+
+        def reached(places: Array) -> NDArray[np.bool_]:
+            found = eigenvalues(self.points, places.reshape(-1, 3))[:, 2] >= largest
+            return found.reshape(places.shape[:-1])
+
+        def lowest(places: Array) -> float:
+            return float(self.value(places).min(initial=np.inf))
+
         far = self.n / largest  # farther from every point, no eigenvalue is so large
+        radii = np.linspace(0.05, 1.0, 40)[:, None] * far
+        about = self.points[:, None, None] + sphere(200)[:, None] * radii
+        best = lowest(about[reached(about)])
+        # W grows along rays from the goal: it is lowest where a ray first meets the limit
         span = far + float(np.linalg.norm(self.points - self.goal, axis=1).max())
-        best = np.inf
-        # about each point, where Q grows beyond every bound; and outward from the goal, for W grows
-        # along such rays
-        for center, radii, count in (
-            *((point, np.linspace(0.05, 1.0, 40) * far, 200) for point in self.points),
-            (self.goal, np.linspace(0.01, 1.0, 60) * span, 600),
-        ):
-            places = (center + sphere(count)[:, None] * radii[None, :, None]).reshape(-1, 3)
-            kept = eigenvalues(self.points, places)[:, 2] >= largest
-            if bottom is not None:
-                kept &= places[:, 2] <= bottom
-            if kept.any():
-                best = min(best, float(self.value(places[kept]).min()))
-        return best
+        rays, radii = sphere(600), np.geomspace(0.004, 1.0, 48) * span
+        met = reached(self.goal + rays[:, None] * radii[:, None])
+        rays, first = rays[met.any(axis=1)], met.argmax(axis=1)[met.any(axis=1)]
+        low, high = radii[np.maximum(first - 1, 0)], radii[first]
+        for _ in range(10):
+            middle = (low + high) / 2
+            inside = reached(self.goal + rays * middle[:, None])
+            low, high = np.where(inside, low, middle), np.where(inside, middle, high)
+        return min(best, lowest(self.goal + rays * high[:, None]))
 
     def _span(self) -> float:
         return float(np.ptp(self.points[:, :2], axis=0).max())

@@ -191,14 +191,16 @@ def _attempt(
                 f"({found.binding})"
             )
         tell("proving")
-        proved = prove(mission, found, starts)
+        proved = prove(mission, found, starts, slack)
         if isinstance(proved, Proved):
             return proved
         reason = proved
     return reason
 
 
-def prove(mission: Mission, found: Found, starts: Sequence[Start] = ()) -> Proved | str:
+def prove(
+    mission: Mission, found: Found, starts: Sequence[Start] = (), slack: Slack = SLACKS[0]
+) -> Proved | str:
     """Round what was found, and prove it exactly.
 
     Parameters
@@ -206,12 +208,14 @@ def prove(mission: Mission, found: Found, starts: Sequence[Start] = ()) -> Prove
     mission : Mission
     found : Found
     starts : sequence of Start
+    slack : Slack
+        Of its fields, how much of the reach is given away.
 
     Returns
     -------
     Proved, or the reason why the checker rejects it
     """
-    draft = _draft(mission, found, starts)
+    draft = _draft(mission, found, starts, 1 - slack.reach)
     try:
         _complete(draft, mission, found)
         certificate = seal_content(mission, "attraction", draft, model_fingerprint())
@@ -221,7 +225,7 @@ def prove(mission: Mission, found: Found, starts: Sequence[Start] = ()) -> Prove
     return _verdict(mission, certificate, starts)
 
 
-def _draft(mission: Mission, found: Found, starts: Sequence[Start]) -> dict[str, Any]:
+def _draft(mission: Mission, found: Found, starts: Sequence[Start], share: float) -> dict[str, Any]:
     """Return claim and hints as far as they follow from the search alone."""
     potential = Potential.of(mission)
     weights = [decimal_below(float(w), 4) for w in found.weights]
@@ -235,7 +239,7 @@ def _draft(mission: Mission, found: Found, starts: Sequence[Start]) -> dict[str,
         least = min(
             reach_along(potential, np.array(d), np.array(a), size, bottom) for d in directions
         )
-        return decimal_below(least * 0.995, 3)
+        return decimal_below(least * share, 3)
 
     turns = np.linspace(0, 2 * np.pi, 72, endpoint=False)
     around = [(float(np.cos(t)), float(np.sin(t)), 0.0) for t in turns]

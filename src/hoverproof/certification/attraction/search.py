@@ -26,16 +26,22 @@ class Slack:
 
     Attributes
     ----------
-    level, eigenvalue, omega : float
-        Shares of the level, of λ₊ and of what tilt may add to the height; dimensionless.
+    level, eigenvalue, omega, reach : float
+        Shares of the level, of λ₊, of what tilt may add to the height, and of how far hovers
+        reach; dimensionless.
     """
 
     level: float
     eigenvalue: float
     omega: float
+    reach: float
 
 
-SLACKS = (Slack(0.03, 0.03, 0.03), Slack(0.08, 0.06, 0.06), Slack(0.2, 0.1, 0.1))
+SLACKS = (
+    Slack(0.03, 0.03, 0.03, 0.005),
+    Slack(0.08, 0.06, 0.06, 0.02),
+    Slack(0.2, 0.1, 0.1, 0.05),
+)
 
 
 @dataclass(frozen=True)
@@ -129,7 +135,7 @@ class Search:
         force = self.loop.largest_force / (1 + np.exp(-x[0]))
         if not self.barrier:
             largest = float(np.exp(x[1]))
-            limit = self.potential.level_limit(largest, None)
+            limit = self.potential.level_limit(largest)
             return Bounds(force, largest, None, None, limit * (1 - self.slack.level))
         p = self.potential
         z = p.plane - float(np.exp(x[1]))
