@@ -271,7 +271,7 @@ def test_a_motion_that_does_not_sink_as_claimed_is_rejected(sinking, path, value
 )
 def test_work_without_end_is_rejected(sinking, path, value, monkeypatch):
     monkeypatch.setattr(checker, "MAX_STEPS", 60)
-    with pytest.raises(checker.Rejected, match="not followed to its end|not shown to sink"):
+    with pytest.raises(checker.Rejected, match=r"not followed to its end|not shown to sink"):
         checker.check(changed(sinking.certificate, path, value))
 
 
