@@ -99,6 +99,9 @@ def attraction(
     if isinstance(verdict, Undecided):
         for reason in verdict.reason.split("; "):
             print(textwrap.fill(reason, 80, initial_indent="  ", subsequent_indent="    "))
+        for line in verdict.advice:
+            help_ = f"would help: {line}"
+            print(textwrap.fill(help_, 80, initial_indent="  ", subsequent_indent="    "))
         return EXIT[verdict.status]
     if isinstance(verdict, Proved):
         _print_region(verdict)

@@ -108,7 +108,20 @@ def _search_and_prove(
         if isinstance(verdict, Proved):
             return verdict
         reasons.append(("with" if with_barrier else "without") + f" a barrier: {verdict}")
-    return Undecided("; ".join(reasons), mission)
+    return Undecided("; ".join(reasons), mission, _advice(mission, bool(wanted)))
+
+
+def _advice(mission: Mission, asked: bool) -> tuple[str, ...]:
+    """Say what may help."""
+    k, lines = mission.gains, []
+    if k.k3 < 3 * k.k1 * k.k2:
+        needed = f"k3 >= 3 k1 k2 = {float(3 * k.k1 * k.k2):.6g} kg/s"
+        lines.append(f"{needed} (now {float(k.k3):.6g}): then a barrier makes regions far larger")
+    else:
+        lines.append("smaller k1 or k2, which ask for less force and tilt")
+    if asked:
+        lines.append("a start nearer to the goal; --objective radius tells how near")
+    return tuple(lines)
 
 
 def estimate(mission: Mission, *, objective: Objective = "radius", barrier: bool = False) -> Found:

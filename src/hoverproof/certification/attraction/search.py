@@ -385,4 +385,4 @@ def _binding(search: Search, b: Bounds, s: Solution) -> str:
         parts.append("the force, hence thrust and tilt, must stay small")
     if b.bottom is not None:
         parts.append("the barrier allows only little tilt")
-    return "; ".join(parts) or "the gains"
+    return ", and ".join(parts) or "the gains"

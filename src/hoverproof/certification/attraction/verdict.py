@@ -15,6 +15,7 @@ NOT_COVERED = (
     "sampling, delay and noise of measurements",
     "errors of the model: mass, inertia, wind, drag, limits of the rotors",
     "a camera that loses the target: every point is taken to be seen at all times",
+    "the ground, unless a barrier is used: a motion may pass between the target points",
 )
 """What the theorem does not say, in words."""
 
@@ -84,11 +85,14 @@ class Undecided:
     reason : str
         What stood in the way.
     mission : Mission
+    advice : tuple of str
+        What may help.
     """
 
     status: ClassVar[str] = "undecided"
     reason: str
     mission: Mission
+    advice: tuple[str, ...] = ()
 
     def because(self, more: str) -> Undecided:
         """Return it with more to the reason.
@@ -143,6 +147,7 @@ def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
         "verdict": verdict.status,
         "certificate": certificate_path,
         "not_covered": list(NOT_COVERED),
+        "advice": list(verdict.advice) if isinstance(verdict, Undecided) else [],
     }
     if not isinstance(verdict, Proved):
         nothing = ("level", "weights", "rate", "tilt", "thrust", "largest_eigenvalue")
