@@ -174,17 +174,21 @@ class Potential:
 
     @cached_property
     def _rays(self) -> tuple[Array, Array]:
-        """Largest eigenvalue of Q, 1/m, and W, (rays, radii) each, along rays from the target.
+        """Largest eigenvalue of Q, 1/m, and W, (rays, radii) each, from the target and the goal.
 
-        They reach as far as the eigenvalue of the goal does: none is above n over the distance to
-        the nearest point.
+        Rays from the target points reach as far as the eigenvalue of the goal does (none is above n
+        over the distance to the nearest point); those from the goal, along which W grows, reach
+        beyond all of these.
         """
-        radii = np.geomspace(1e-3, 1.0, 120) * self.n / self.largest_at_goal
+        far = self.n / self.largest_at_goal
+        beyond = far + float(np.linalg.norm(self.points - self.goal, axis=1).max())
+        reaches = [(point, 200, far * np.geomspace(1e-3, 1.0, 120)) for point in self.points]
+        nearer = beyond * np.concatenate([[0.0], np.geomspace(1e-3, 1.0, 119)])
         sizes, values = [], []
-        for point in self.points:
-            places = (point + sphere(200)[:, None] * radii[None, :, None]).reshape(-1, 3)
-            sizes.append(eigenvalues(self.points, places)[:, 2].reshape(200, -1))
-            values.append(self.value(places).reshape(200, -1))
+        for start, rays, radii in [*reaches, (self.goal, 600, nearer)]:
+            places = (start + sphere(rays)[:, None] * radii[None, :, None]).reshape(-1, 3)
+            sizes.append(eigenvalues(self.points, places)[:, 2].reshape(rays, -1))
+            values.append(self.value(places).reshape(rays, -1))
         return np.concatenate(sizes), np.concatenate(values)
 
     def _span(self) -> float:

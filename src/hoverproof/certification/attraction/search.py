@@ -26,16 +26,22 @@ class Slack:
 
     Attributes
     ----------
-    level, eigenvalue, omega : float
-        Shares of the level, of λ₊ and of what tilt may add to the height; dimensionless.
+    level, eigenvalue, omega, reach : float
+        Shares of the level, of λ₊, of what tilt may add to the height, and of how far hovers
+        reach; dimensionless.
     """
 
     level: float
     eigenvalue: float
     omega: float
+    reach: float
 
 
-SLACKS = (Slack(0.03, 0.03, 0.03), Slack(0.08, 0.06, 0.06), Slack(0.2, 0.1, 0.1))
+SLACKS = (
+    Slack(0.03, 0.03, 0.03, 0.005),
+    Slack(0.08, 0.06, 0.06, 0.02),
+    Slack(0.2, 0.1, 0.1, 0.05),
+)
 
 
 @dataclass(frozen=True)
@@ -175,7 +181,7 @@ class Search:
             second = [np.log(above * share) for share in (0.85, 0.6, 0.3, 0.15)]
         else:
             here = p.largest_eigenvalue(float(p.goal[2]))
-            second = [np.log(here * times) for times in (1.3, 2.0, 4.0, 8.0)]
+            second = [np.log(here * times) for times in (1.1, 1.3, 2.0, 4.0, 8.0)]
         return [(-np.log(1 / share - 1), y) for y in second for share in (0.003, 0.03, 0.2, 0.6)]
 
     def best(self, hovers: Array, value: Callable[[Bounds, Solution], float]) -> Found | None:
@@ -387,4 +393,4 @@ def _binding(search: Search, b: Bounds, s: Solution) -> str:
         parts.append("the force, hence thrust and tilt, must stay small")
     if b.bottom is not None:
         parts.append("the barrier allows only little tilt")
-    return "; ".join(parts) or "the gains"
+    return ", and ".join(parts) or "the gains"
