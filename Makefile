@@ -12,7 +12,7 @@ demo: .venv/installed
 	@$(BIN)/hoverproof simulate x4-flyer --out demo/x4-flyer.flight.nc --animate demo/x4-flyer.flight.html
 
 # Everything that CI runs: style, types, the documentation, all tests, and every notebook executed.
-test: lint docs
+test: .venv/installed-compare lint docs
 	$(BIN)/pytest -n auto
 	$(BIN)/pytest -n auto --nbmake notebooks
 
@@ -26,7 +26,7 @@ lint: .venv/installed-dev
 	$(BIN)/mypy
 
 # Make the notebooks anew from derivations/ and examples/, with their outputs.
-notebooks: .venv/installed-dev
+notebooks: .venv/installed-compare
 	$(BIN)/python notebooks/build.py
 
 # Build the documentation, warnings as errors: docs/_build/html/index.html.
@@ -59,6 +59,10 @@ fuzz: .venv/installed-dev
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
 	@touch .venv/installed $@
+
+.venv/installed-compare: .venv/installed-dev
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[compare]"
+	@touch $@
 
 .venv/installed-docs: .venv/installed-dev
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[docs]"

@@ -8,6 +8,20 @@
 # Each `assert` below is an exact proof for all values of all symbols. The closed loop comes from
 # the package; only the claimed closed forms are typed. The goal is straight below:
 # $q^* = q_3^*e_3$.
+#
+# ## What is given
+#
+# | symbol | meaning | unit |
+# | --- | --- | --- |
+# | $\delta_1, \delta_2, \delta_3, \delta_4$ | errors of image, velocity, force and body rate | 1 |
+# | $\xi$, $V$, $R$ | position (world, $z$ down), velocity (body), body to world | m, m/s, 1 |
+# | $q$, $\rho = R^\top e_3$ | image centroid and direction of gravity, in body axes | 1 |
+# | $T$, $F = -Te_3 + mg\rho$ | thrust and force | N |
+# | $P_i'$, $P_i' - \xi$ | target point, and the ray to it, in world axes | m |
+# | $Q = Q^\top \succeq 0$ | matrix of the unknown depths | 1/m |
+# | $k_1, k_2, k_3, k_4$ | gains | kg m/s, 1/m, kg/s, kg/s |
+# | $c = k_1^2k_2/m$, $f = k_1k_2(k_1k_2+k_3)/\big(m\,(T - c\,q_3^*)\big)$ | | N, 1/m |
+# | $\pi = I - e_3e_3^\top$ | drops the third component | 1 |
 
 # %%
 import casadi as ca

@@ -188,7 +188,7 @@ def path_figure():
     space.plot(points[0], -points[1], -points[2], "ks", ms=4, ls="none")
     space.set(xlabel="x, m", ylabel="-y, m", zlim=(0, 5.5))
     space.set_title("up is up; squares: target", fontsize=10)
-    space.text(*(goal * (1, -1, -1)), " goal")
+    space.text(*(goal * (1, -1, -1)), "goal  ", ha="right")
     space.text(*(start * (1, -1, -1)), " start")
     height.set(xlabel="time, s", ylabel="height above the target, m")
     space.view_init(22, -60)
@@ -201,11 +201,11 @@ path_figure()
 # %% [markdown]
 # ## What the camera sees, and how fast they go
 #
-# Classical IBVS moves each point on a straight line in the image; that is what it is made for. On
-# the vehicle the picture shifts at the start: it tilts to get going, and the whole image shifts
-# with the tilt. The centroid law is limited in speed without any further measure, because $|q -
-# q^*|$ is bounded: with $n$ points it never asks for more than $\kappa(n + |q^*|)$. Classical
-# IBVS asks for more the farther it is away.
+# Classical IBVS moves each point on a straight line in the image, from the circle to the square;
+# that is what it is made for. On the vehicle the picture shifts at the start: it tilts to get
+# going, and the whole image shifts with the tilt. The centroid law is limited in speed without any
+# further measure, because $|q - q^*|$ is bounded: with $n$ points it never asks for more than
+# $\kappa(n + |q^*|)$. Classical IBVS asks for more the farther it is away.
 
 
 # %%
@@ -217,10 +217,12 @@ def image_figure():
             axes.plot(*image[:, i].T, color=colour, lw=1.2)
             axes.plot(*image[0, i], "o", color=colour, mfc="white")
             axes.plot(*image[-1, i], "s", color=colour)
-        axes.set(xlim=(-1.7, 0.5), ylim=(0.5, -1.1), aspect="equal", xlabel="x (focal length 1)")
+        axes.set(
+            xlim=(-1.7, 0.5), ylim=(0.5, -1.1), aspect="equal", xlabel="image x, focal lengths"
+        )
         axes.set_title(name, fontsize=10)
         axes.grid(alpha=0.3)
-    figure.axes[0].set_ylabel("y; circles: start, squares: end")
+    figure.axes[0].set_ylabel("image y, focal lengths")
     return figure
 
 
@@ -382,7 +384,7 @@ def spherical_figure():
         tracks.items(), COLOURS, ("-", "--", "-.", ":"), strict=False
     ):
         axes.semilogy(error, style, color=colour, label=name, lw=2)
-    axes.set(xlabel="step", ylabel="distance from the goal, m", ylim=(1e-9, 1e9))
+    axes.set(xlabel="step", ylabel="distance from the goal, m", ylim=(1e-9, 1e4))
     legend_above(axes, columns=2)
     return figure
 
@@ -390,5 +392,7 @@ def spherical_figure():
 spherical_figure()
 
 # %% [markdown]
+# With the distance alone the run leaves the picture, and the numbers as well.
+#
 # A Jacobian and a law are worth a check against finite differences, and a derivation one by
 # machine: every equation behind this package is proved from the rigid body and the image.

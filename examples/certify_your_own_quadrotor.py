@@ -162,7 +162,7 @@ def gain_figure():
             label=status,
         )
     axes.axhline(0, color="black", lw=0.8)
-    axes.set(xlabel="gain k4, kg/s", ylabel="worst eigenvalue of Σ, 10⁻³ kg/s", ylim=(-20, 10))
+    axes.set(xlabel="gain k4, kg/s", ylabel="worst eigenvalue of Σ, 10⁻³ kg/s", ylim=(-22, 10))
     legend_above(axes)
     return figure
 

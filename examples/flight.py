@@ -28,7 +28,7 @@ from hoverproof.simulation.flight import summary
 # %%
 mission = hp.load("x4-flyer")
 verdict = hp.certify(mission)
-flight = hp.simulate(mission)
+flight = hp.simulate(mission, every=10)  # a sample each 0.1 s
 
 result = summary(flight)
 print(f"gains: {verdict.status}")

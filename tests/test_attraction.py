@@ -360,3 +360,26 @@ def test_undecided_has_its_own_exit_status(capsys):
     assert answer["verdict"] == "undecided"
     assert answer["level"] is None
     assert "k3" in answer["reason"]
+
+
+def test_the_trade_off_is_drawn_at_the_speed_and_the_reach_of_each_region():
+    from types import SimpleNamespace
+
+    from hoverproof.show.attraction import trade_off_figure
+
+    missions = [load("x4-flyer", {"gains.k1": k1}) for k1 in ("0.3", "0.2")]
+    reaches = [
+        SimpleNamespace(sideways=F(2), down=F(1), up=F(9)),
+        SimpleNamespace(sideways=F(3), down=F(5), up=F(7)),
+    ]
+    pairs = zip(missions, reaches, strict=True)
+    regions = [SimpleNamespace(mission=m, reach=reach) for m, reach in pairs]
+    (axes,) = trade_off_figure(regions, own=regions[0]).axes
+    speeds = [slowest_rate(m) for m in reversed(missions)]
+    lines = {line.get_label(): line for line in axes.get_lines()}
+    for way, drawn in {"sideways": [3, 2], "down": [5, 1], "up": [7, 9]}.items():
+        assert list(lines[way].get_xdata()) == speeds
+        assert list(lines[way].get_ydata()) == drawn
+    stars = [line for line in axes.get_lines() if line.get_marker() == "*" and len(line.get_xdata())]
+    assert {float(star.get_xdata()[0]) for star in stars} == {speeds[1]}
+    assert sorted(float(star.get_ydata()[0]) for star in stars) == [1, 2, 9]

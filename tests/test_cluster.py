@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import socket
 import subprocess
@@ -10,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from hoverproof.certification.atlas import atlas, axis
+from hoverproof.cli import main
 from hoverproof.errors import InputError
 from hoverproof.mission import load
 from hoverproof.simulation import plan
@@ -72,6 +75,37 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_bytes(cluster, monkeypatch
     assert batch_summary("far.nc")["outcomes"]["flown"] == 400
     simulate_batch(mission, "here.nc", **options)
     assert Path("far.nc").read_bytes() == Path("here.nc").read_bytes()
+
+
+def test_an_atlas_drawn_on_a_cluster_is_the_one_drawn_here(cluster):
+    address, workers = cluster
+    mission = load("x4-flyer")
+    x, y = axis(mission, "k3", cells=70), axis(mission, "k4", cells=70)
+    seen = []
+
+    def lose_one(done, total):
+        seen.append((done, total))
+        workers[0].kill()
+
+    far = atlas(mission, x, y, exact=True, scheduler=address, report=lose_one)
+    assert workers[0].poll() is not None
+    assert seen[:2] == [(1, 2), (2, 2)]
+    assert far.identical(atlas(mission, x, y, exact=True, processes=1))
+
+
+def test_the_command_for_an_atlas_reaches_a_cluster(cluster, capsys):
+    options = ("--x", "k3", "--y", "k4", "--cells", "65", "--scheduler", cluster[0], "--json")
+    with pytest.raises(SystemExit) as done:
+        main(["atlas", "x4-flyer", *options])
+    assert done.value.code == 0
+    assert json.loads(capsys.readouterr().out)["cells"] == 65 * 65
+
+
+def test_processes_and_a_scheduler_exclude_each_other(capsys):
+    with pytest.raises(SystemExit) as done:
+        main(["atlas", "x4-flyer", "--processes", "2", "--scheduler", "tcp://127.0.0.1:1"])
+    assert done.value.code == 2
+    assert "does not go with --scheduler" in capsys.readouterr().err
 
 
 def test_without_a_scheduler_there_is_one_clear_message(monkeypatch):

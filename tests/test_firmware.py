@@ -342,6 +342,18 @@ def test_tuned_gains_fly_as_those_folded_in_and_say_that_nothing_is_proved(tmp_p
     assert firmware.set_gains([50.0, 9.0, 28.0, 3.5, 1.2]) == 1  # c q3* would exceed m g
 
 
+def test_the_rotors_of_the_mission_are_the_limits_unless_others_are_asked_for(tmp_path):
+    rotors = {"rotors": {"min_thrust": 2, "max_thrust": 40}}
+    made = export(tmp_path / "own", overrides=rotors)
+    assert made.manifest["rotor_limits"] == [2, 40]
+    limits = (Fraction(1), Fraction(44))
+    made = export(tmp_path / "other", overrides=rotors, rotor_limits=limits)
+    assert made.manifest["rotor_limits"] == [1, 44]
+    weak = {"rotors": {"max_thrust": 20}}
+    with pytest.raises(InputError, match=r"x4-flyer: rotors: must hold .* 23.52 N"):
+        export(tmp_path / "weak", overrides=weak)
+
+
 # --- the flight ---------------------------------------------------------------------------------
 
 
@@ -352,6 +364,41 @@ def test_the_firmware_flies_as_the_simulation_does(both, x4):
     assert flown["any_status"] == 0
     error = np.abs(flown["state"][:, :3] - ideal["position"].values).max()
     assert error < 2e-4, error  # m, of 1.6 m flown
+
+
+def test_a_record_of_a_flight_holds_what_the_package_itself_flew(both, x4):
+    firmware = both["x4-flyer", "float64"]
+    flight = hoverproof.fly_firmware(x4, firmware, duration=2.0, step=0.001, every=100)
+    flown = firmware.fly(0.001, 20, 100)
+    assert flight.attrs["outcome"] == "flown"
+    assert flight.attrs["machine"] == "firmware, float64"
+    assert (flight["position"].values == flown["state"][:, :3]).all()
+    assert (flight["rotor_thrust"].values == flown["rotor"]).all()
+    assert (flight["firmware_status"].values == 0).all()
+    assert float(flight["time"][-1]) == pytest.approx(2.0)
+
+
+def test_the_firmware_of_another_mission_is_refused(both, x4):
+    with pytest.raises(InputError, match="not the mission of the firmware crazyflie_2_1"):
+        hoverproof.fly_firmware(x4, both["crazyflie-2.1", "float64"], duration=1.0)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "times", "told"),
+    [
+        ({"sensors.latency": "0.01"}, {}, "sensors"),
+        ({}, {"step": 0.2}, "--step"),
+        ({}, {"step": 0.0}, "--step"),
+        ({}, {"duration": 0.0}, "--duration"),
+        ({}, {"duration": float("inf")}, "--duration"),
+        ({}, {"duration": 1.0, "every": 0}, "--every"),
+        ({}, {"duration": 1.0, "every": 101}, "--every"),
+    ],
+)
+def test_a_flight_of_firmware_that_cannot_be_is_refused(overrides, times, told):
+    with pytest.raises(InputError) as refused:
+        hoverproof.fly_firmware(load("x4-flyer", overrides), **times)
+    assert told in str(refused.value)
 
 
 def test_one_flies_it_from_the_command_line(capsys):

@@ -9,9 +9,12 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from hoverproof import checker
 from hoverproof.certification.attraction.proof import attraction
+from hoverproof.certification.attraction.refutation import refute
+from hoverproof.certification.attraction.verdict import Undecided
 from hoverproof.mission import load
 from test_hostile import floats, mutants, put
 
@@ -24,7 +27,7 @@ def remade(mutant):
     """Return a copy with hashes and statement made anew where the checker has a statement."""
     forged = copy.deepcopy(mutant)
     try:
-        if forged["mission"]["goal"].get("height"):
+        if forged["mission"]["goal"].get("height") and "hover" in forged:
             forged["hover"] = forged["goal_position"]
         forged["mission_sha256"] = checker.digest(forged["mission"])
         forged["statement"] = checker.statement(forged)
@@ -166,7 +169,7 @@ class Truth:
             assert self.seen(np.array([x, y, z]))[2] <= self.q3 - omega + 1e-9
 
 
-def tried(mutant, tally):
+def tried(mutant, tally, truth=Truth):
     """Check one mutant; whatever is accepted must be true, and nothing else may be raised."""
     try:
         theorem = checker.check(mutant)
@@ -176,7 +179,7 @@ def tried(mutant, tally):
     if theorem is not None:
         tally["accepted"] += 1
         assert theorem == mutant["statement"]
-        Truth(mutant).holds()
+        truth(mutant).holds()
 
 
 @pytest.mark.slow
@@ -211,3 +214,107 @@ def test_no_mutant_is_accepted_unless_true(certificates, name):
     print(f"{name}:", dict(tally))
     assert tally["accepted"] > 20
     assert tally["mutants"] >= 1200  # 2,400 with both names
+
+
+# --- motions that sink --------------------------------------------------------------------------
+
+FALLING = {"start": "{position = [0.1, 0.2, -0.2], velocity = [0.1, 0, 1.5]}"}
+
+
+class Sunk:
+    """An accepted motion in floating point, from the error chain, read without the checker."""
+
+    def __init__(self, content):
+        mission, motion = content["mission"], content["motion"]
+        k1, k2, k3, k4 = (floats(mission["gains"][k]) for k in ("k1", "k2", "k3", "k4"))
+        m, g = (floats(mission["vehicle"][k]) for k in ("mass", "gravity"))
+        self.points, self.time = floats(mission["target"]["points"]), floats(motion["time"])
+        sides = [floats(motion[k]) for k in ("position", "velocity", "axis", "turning")]
+        sides.append(floats(motion["thrust"])[None])
+        self.low, self.high = np.vstack(sides).T
+        if "height" in mission["goal"]:
+            hover = floats(content["goal_position"])
+            rays = self.points - hover
+            self.q3 = (rays / np.linalg.norm(rays, axis=1)[:, None]).sum(axis=0)[2]
+        else:
+            self.q3 = floats(mission["goal"]["centroid"])[2]
+        self.m, self.g, self.c, self.k1 = m, g, k1**2 * k2 / m, k1
+        self.k12, self.K, self.k4 = k1 * k2, k1 * k2 + k3, k4
+
+    def errors(self, z):
+        """Return q, δ2, δ3 and T b - c q* in world axes."""
+        x, v, b, T = z[:3], z[3:6], z[6:9], z[12]
+        rays = self.points - x
+        q = (rays / np.linalg.norm(rays, axis=1)[:, None]).sum(axis=0)
+        d2 = self.m / self.k1 * v - (q - self.q3 * b)
+        return q, d2, (self.m * self.g * np.array([0, 0, 1]) - T * b) / self.c + d2
+
+    def rate(self, _, z):
+        """Differentiate δ4 = Pδ3 - ((T - c q3*)/(c κ)) b' numerically; no closed form of b''."""
+        v, b, w, T = z[3:6], z[6:9], z[9:12], z[12]
+        D, kappa = T - self.c * self.q3, self.K / self.m
+        _, d2, d3 = self.errors(z)
+        across = np.eye(3) - np.outer(b, b)
+        d4 = across @ d3 - D / (self.c * kappa) * w
+        rays = self.points - z[:3]
+        r = np.linalg.norm(rays, axis=1)[:, None]
+        flow = (v / r - rays * (rays @ v)[:, None] / r**3).sum(axis=0)  # Q v
+        d4_rate = across @ (flow - kappa * d3) - self.k4 / self.m * d4 - (w @ d4) * b
+        d2_rate = flow + (self.c / self.k1) * (d3 - d2) + self.q3 * w
+        acceleration = (self.c / self.m) * (d3 - d2)
+        d3_rate = flow + (self.K * (d4 - d3) + self.k12 * (d3 - d2)) / self.m
+        jerk = (self.c / self.m) * (d3_rate - d2_rate)
+        T_rate = -self.m * jerk @ b
+        wanted = across @ d3_rate - (w @ d3) * b - (b @ d3) * w - d4_rate
+        w_rate = (self.c * kappa * wanted - T_rate * w) / D
+        return np.concatenate([v, acceleration, w, w_rate, [T_rate]])
+
+    def holds(self):
+        """Fly from corners and the middle."""
+        rng = np.random.default_rng(0)
+        for share in (0.5, *(rng.integers(0, 2, 13) for _ in range(2))):
+            z = self.low + share * (self.high - self.low)
+            assert abs(z[6:9] @ z[6:9] - 1) < 0.1
+            assert z[12] > self.c * self.q3
+            if self.time:
+                flown = solve_ivp(self.rate, (0, self.time), z, rtol=1e-9, atol=1e-11)
+                assert flown.success
+                assert (flown.y[12] > self.c * self.q3).all()
+                z = flown.y[:, -1]
+            assert z[2] >= self.points[:, 2].max() - 1e-7
+
+
+@pytest.fixture(scope="module")
+def motions():
+    """Motions followed a little longer than needed, so that many mutants stay true."""
+    exact = load("x4-flyer", FALLING)
+    found = {"state": refute(exact, None, Undecided("", exact)).certificate.content}
+    wide = copy.deepcopy(found["state"])
+    for name in ("position", "velocity"):
+        wide["motion"][name] = [[str(F(a) - F(1, 10**4)), a] for a, _ in wide["motion"][name]]
+    wide["motion"]["time"] = str(F(wide["motion"]["time"]) + F(1, 100))
+    found["box"] = remade(wide)
+    return found
+
+
+@pytest.mark.parametrize("worse", [("time", "1/100"), ("velocity", [["0", "0"]] * 3)])
+def test_the_truth_about_motions_tells_a_false_claim(motions, worse):
+    Sunk(motions["state"]).holds()
+    with pytest.raises(AssertionError):
+        Sunk(put(motions["state"], ("motion", worse[0]), worse[1])).holds()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["state", "box"])
+def test_no_mutant_of_a_motion_is_accepted_unless_true(motions, name, monkeypatch):
+    monkeypatch.setattr(checker, "MAX_STEPS", 160)
+    content, tally = motions[name], Counter()
+    tried(content, tally, Sunk)
+    assert tally["accepted"] == 1
+    for number, mutant in mutants(content):
+        tried(mutant, tally, Sunk)
+        if number % STEP == 0:
+            tried(remade(mutant), tally, Sunk)
+    print(f"{name}:", dict(tally))
+    assert tally["accepted"] > 20
+    assert tally["mutants"] >= 2000

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import re
 import shlex
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
+from firmware_kit import export, tool
 from hoverproof.certification.gains import Proved, certify
 from hoverproof.certification.tuning import tune
 from hoverproof.editing import mission_text
+from hoverproof.export.binding import Firmware
 from hoverproof.mission import load, preset_text, presets
 from hoverproof.simulation.flight import simulate, summary
 
@@ -70,6 +73,26 @@ def test_along_the_flight_q_stays_in_the_bounds_and_l_falls_as_fast_as_proved(na
     level, time = flight["lyapunov"].values, flight["time"].values
     good = level > 1e-12 * level[0]
     assert (level[good] <= level[0] * np.exp(-rate * time[good]) * (1 + 1e-9)).all()
+
+
+@pytest.mark.parametrize("name", SETTLES)
+def test_the_firmware_of_a_preset_flies_as_the_model_until_it_has_settled(name, tmp_path):
+    """Outputs held for a step are all that differs, so a tenth of the step is a tenth as far."""
+    tool("cc")
+    limits = (0, Fraction(MOST_THRUST[name]))
+    export(tmp_path, name, precision="float64", rotor_limits=limits)
+    firmware, seconds = Firmware(tmp_path), SETTLES[name]
+    ideal = simulate(load(name), duration=float(seconds), step=0.001, every=1000)
+    way = np.linalg.norm(ideal["position"].values[-1] - ideal["position"].values[0])
+    far = []
+    for step in (1e-3, 1e-4):
+        firmware.reset()
+        flown = firmware.fly(step, seconds, round(1 / step))
+        assert flown["any_status"] == 0  # no fault, no rotor at its limit
+        assert 0 < flown["rotor"].min() <= flown["rotor"].max() < MOST_THRUST[name]
+        far.append(np.abs(flown["state"][:, :3] - ideal["position"].values).max())
+    assert far[0] < 1e-3 * way, far
+    assert far[1] < 0.11 * far[0], far
 
 
 @pytest.mark.slow

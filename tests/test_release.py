@@ -173,8 +173,12 @@ def test_the_wheel_works_alone_in_an_empty_environment(built, tmp_path):
     assert hoverproof_("certify", "x4-flyer")["verdict"] == "proved"
     assert hoverproof_("check", "x4-flyer.cert.json")["accepted"] is True
     assert hoverproof_("simulate", "x4-flyer", "--duration", "20")["outcome"] == "flown"
-    assert hoverproof_("export", "x4-flyer", "--out", "firmware")["certified"] is True
+    exported = hoverproof_("export", "x4-flyer", "--out", "firmware")
+    assert exported["certified"] is True
     assert (work / "firmware" / "x4_flyer.c").exists()
+    reported = hoverproof_("report", "x4-flyer", "--without", "attraction")
+    assert set(reported["missing"]) == {"attraction"}
+    assert (work / reported["out"]).stat().st_size == reported["bytes"]
     assert hoverproof_("new", "mine.toml")["out"] == "mine.toml"
     assert hoverproof_("certify", "mine.toml")["verdict"] == "proved"
     place = run(home / "python", "-c", "import hoverproof; print(hoverproof.__file__)", **options)

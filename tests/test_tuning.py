@@ -272,6 +272,36 @@ def test_a_sampling_rate_limits_the_bandwidth(x4):
     assert not used["bandwidth"].binds
 
 
+def test_limits_of_the_mission_s_rotors_are_kept_unless_another_is_given(x4):
+    """The command at the start as the simulator flies it, with and without the limits."""
+    rotors = {"rotors": "{min_thrust = 23.47, max_thrust = 23.56}"}
+    weak = load("x4-flyer", rotors)
+    free, kept, given_one = tune(x4, bandwidth=5.0), tune(weak, bandwidth=5.0), 24.0
+
+    def first(tuned):
+        ideal = load("x4-flyer", given(tuned))
+        return simulate(ideal, duration=0.1)["rotor_thrust"].values[0]
+
+    assert first(free).max() > 23.56
+    assert first(free).min() < 23.47
+    assert 23.47 <= first(kept).min() <= first(kept).max() <= 23.56
+    used = {u.name: u for u in kept.uses}
+    assert used["highest rotor thrust at the start"].limit == 23.56
+    assert used["lowest rotor thrust at the start"].limit == 23.47
+    asked = tune(weak, bandwidth=5.0, rotor_thrust=given_one)
+    assert {u.limit for u in asked.uses} >= {24.0, 23.47}
+
+
+def test_rotors_that_cannot_hover_are_named():
+    for rotors, words in (
+        ("{max_thrust = 20}", "3.52 N below"),
+        ("{min_thrust = 25}", "above m g"),
+    ):
+        answer = tune(load("x4-flyer", {"rotors": rotors}))
+        assert isinstance(answer, Infeasible)
+        assert words in answer.reason
+
+
 # --- wishes that cannot be met --------------------------------------------------------------------
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Install what the firmware checks need besides Python: compilers, an emulated board, analysers.
+# Install what checks need besides Python: compilers, an emulated board, analysers, a browser.
 # For Debian and its kin; asks for root where it is not run as root. Nothing is installed twice.
 set -euo pipefail
 
@@ -9,6 +9,7 @@ packages=(
   qemu-system-arm                # boards to run it on
   cppcheck                       # with its MISRA C:2012 addon
   frama-c-base                   # Eva: no run-time error over the input box
+  chromium                       # opens reports
 )
 
 missing=()

@@ -18,33 +18,45 @@ if TYPE_CHECKING:
 
     from hoverproof.certification.atlas import atlas as atlas
     from hoverproof.certification.attraction.proof import attraction as attraction
+    from hoverproof.certification.attraction.starts import Start as Start
     from hoverproof.certification.gains import certify as certify
+    from hoverproof.certification.tuning import pareto as pareto
     from hoverproof.certification.tuning import tune as tune
     from hoverproof.checker import check_file as check
     from hoverproof.errors import InputError as InputError
+    from hoverproof.export.binding import Firmware as Firmware
+    from hoverproof.firmware_flight import fly_firmware as fly_firmware
     from hoverproof.mission import Mission
     from hoverproof.mission import load as load
     from hoverproof.mission import presets as presets
     from hoverproof.paper.ledger import derive as derive
+    from hoverproof.reporting.document import report as report
     from hoverproof.simulation.campaign import simulate_batch as simulate_batch
     from hoverproof.simulation.flight import simulate as simulate
 
 _HOMES = {
+    "Firmware": ("hoverproof.export.binding", "Firmware"),
     "InputError": ("hoverproof.errors", "InputError"),
+    "Start": ("hoverproof.certification.attraction.starts", "Start"),
     "atlas": ("hoverproof.certification.atlas", "atlas"),
     "attraction": ("hoverproof.certification.attraction.proof", "attraction"),
     "certify": ("hoverproof.certification.gains", "certify"),
     "check": ("hoverproof.checker", "check_file"),
     "derive": ("hoverproof.paper.ledger", "derive"),
+    "fly_firmware": ("hoverproof.firmware_flight", "fly_firmware"),
     "load": ("hoverproof.mission", "load"),
+    "pareto": ("hoverproof.certification.tuning", "pareto"),
     "presets": ("hoverproof.mission", "presets"),
+    "report": ("hoverproof.reporting.document", "report"),
     "simulate": ("hoverproof.simulation.flight", "simulate"),
     "simulate_batch": ("hoverproof.simulation.campaign", "simulate_batch"),
     "tune": ("hoverproof.certification.tuning", "tune"),
 }
 
 __all__ = [
+    "Firmware",
     "InputError",
+    "Start",
     "__version__",
     "atlas",
     "attraction",
@@ -52,8 +64,11 @@ __all__ = [
     "check",
     "derive",
     "export_c",
+    "fly_firmware",
     "load",
+    "pareto",
     "presets",
+    "report",
     "simulate",
     "simulate_batch",
     "tune",

@@ -987,6 +987,217 @@ def state_of(start: Start) -> str:
     )
 
 
+# --- motions that sink to the target ------------------------------------------------------------
+#
+# Let q* = q3* e3 and Ω3 = 0. In world axes, with b = R e3, w = b', D = T - c q3*, c = k1² k2/m,
+# κ = (k1 k2 + k3)/m, y = (m g/c) e3 + (m/k1) ξ' - Σ (P'i - ξ)/ri, the closed loop is
+#
+#   ξ'' = g e3 - (T/m) b,   T' = κ(c bᵀy - D),   w' = (cκ/D)(I - bbᵀ) a - |w|² b - h w,
+#   a = (m g/k1) e3 + (κ + k4/m) y,   h = (T' + cκ bᵀy)/D + k4/m.
+#
+# With 1/D and 1/ri as unknowns of their own, (1/D)' = -T'/D², (1/ri)' = (P'i - ξ)ᵀξ'/ri³, the right
+# sides are polynomials. For a step s let ci hold the Taylor coefficients z⁽ⁱ⁾(0) sⁱ/i! of all
+# motions that start in a box Z, and d those of order p in Z + 2r, r = |c1| + ... + |c(p-1)|. Until
+# a motion from Z leaves Z + 2r it is within r + |d| of its start. So if |d| <= r, it does not leave
+# within the step, hence exists, and ends in c0 + ... + c(p-1) + d.
+
+BITS, ORDER, ACCURACY = 192, 24, 80  # numbers are multiples of 2^-BITS; |d| < 2^-ACCURACY
+MAX_STEPS = 2400  # steps tried times points
+
+
+class Ball:
+    """The numbers within `rad` of `mid`, both whole multiples of 2^-BITS."""
+
+    __slots__ = ("mid", "rad")
+
+    def __init__(self, mid: int, rad: int = 0) -> None:
+        self.mid, self.rad = mid, rad
+
+    @classmethod
+    def over(cls, low: Fraction, high: Fraction) -> "Ball":
+        """Enclose an interval."""
+        bottom, top = math.floor(low * (1 << BITS)), math.ceil(high * (1 << BITS))
+        return cls((bottom + top) // 2, (top - bottom + 1) // 2)
+
+    def __add__(self, other: "Ball") -> "Ball":
+        return Ball(self.mid + other.mid, self.rad + other.rad)
+
+    def __sub__(self, other: "Ball") -> "Ball":
+        return Ball(self.mid - other.mid, self.rad + other.rad)
+
+    def __mul__(self, other: "Ball") -> "Ball":
+        return product([self], [other])
+
+    def size(self) -> int:
+        """Bound the absolute value."""
+        return abs(self.mid) + self.rad
+
+
+Series = list[Ball]  # Taylor coefficients
+NOUGHT = Ball(0)
+
+
+def product(x: Series, y: Series) -> Ball:
+    """Return the last coefficient of the product of two series."""
+    mid = rad = 0
+    for a, b in zip(x, reversed(y), strict=True):
+        mid += a.mid * b.mid
+        rad += abs(a.mid) * b.rad + a.rad * (abs(b.mid) + b.rad)
+    return Ball(mid >> BITS, (rad >> BITS) + 2)
+
+
+def inner(x: Sequence[Series], y: Sequence[Series]) -> Ball:
+    """Return the last coefficient of xᵀy."""
+    return sum((product(a, b) for a, b in zip(x, y, strict=True)), NOUGHT)
+
+
+class Motion(NamedTuple):
+    """A motion that is claimed to sink to the height of the lowest target point."""
+
+    s: Setting
+    start: list[list[Fraction]]  # intervals of ξ, ξ', b, w in world axes, and of T
+    time: Fraction  # s
+    depth: Fraction  # z of the lowest target point, m
+
+
+def read_motion(c: Any) -> Motion:
+    """Read the start of a motion and for how long it is to be followed."""
+    s, given = read_setting(c), keys(c["motion"], (*STATE, "thrust", "time"), "motion")
+    require(all(end == 0 for ends in s.centroid[:2] for end in ends), "the goal is not axial")
+    start = [side for name in STATE for side in numbers(given[name], 3, 2)]
+    start.append(numbers(given["thrust"], 2))
+    require(all(low <= high for low, high in start), "the start is not in order")
+    for x, value in ((start[6:9], 1), (start[9:12], 0)):  # bᵀb and bᵀw
+        ends = [[a * b for a in p for b in q] for p, q in zip(start[6:9], x, strict=True)]
+        held = sum(map(min, ends)) <= value <= sum(map(max, ends))
+        require(held, "b is not a unit vector, or w not across it")
+    time = number(given["time"])
+    require(0 <= time <= 1000, "the time is not between 0 and 1000 s")
+    return Motion(s, start, time, max(point[2] for point in s.points))
+
+
+STATE = ("position", "velocity", "axis", "turning")
+
+
+def unknowns(p: Motion) -> Series:
+    """Enclose ξ, ξ', b, w, T, 1/D and every 1/ri at the start."""
+    c = p.s.g["k1"] ** 2 * p.s.g["k2"] / p.s.m
+    ends = [p.start[12][0] - c * p.s.centroid[2][1], p.start[12][1] - c * p.s.centroid[2][0]]
+    require(ends[0] > 0, "the thrust at the start is not above the singularity T = c q3*")
+    boxes = [*p.start, [1 / ends[1], 1 / ends[0]]]
+    for point in p.s.points:
+        sides = [[a - x, b - x] for (a, b), x in zip(p.start, point, strict=False)]
+        near = sum((max(a, -b, Fraction(0)) ** 2 for a, b in sides), Fraction(0))
+        far = sum((max(-a, b) ** 2 for a, b in sides), Fraction(0))
+        require(near > 0, "the start is at a target point")
+        boxes.append([1 / square_root(far)[1], 1 / square_root(near)[0]])
+    return [Ball.over(*box) for box in boxes]
+
+
+def taylor(p: Motion, z: Series, step: Fraction, order: int) -> list[Series]:
+    """Return the coefficients up to an order, times stepⁱ, of all motions from a box."""
+    m, g, (k1, k2, k3, k4) = p.s.m, p.s.gravity, (p.s.g[k] for k in GAINS[:4])
+    c, kappa = k1**2 * k2 / m, (k1 * k2 + k3) / m
+    exact = [c, kappa, c * kappa, k4 / m, kappa + k4 / m, m / k1, 1 / m, g, m * g / c, m * g / k1]
+    C, K, CK, H, quick, slow, light, G, far, pull = fixed = [Ball.over(x, x) for x in exact]
+    points = [[Ball.over(x, x) for x in point] for point in p.s.points]
+    singular = Ball.over(*(c * q3 for q3 in p.s.centroid[2]))
+    largest = max(x.size() for x in (*fixed, *z, *itertools.chain(*points)))
+    require(largest < 10**12 << BITS, "a number is out of reach")
+    series, n = [[x] for x in z], len(points)
+    xi, v, b, w = (series[i : i + 3] for i in (0, 3, 6, 9))
+    T, x, u = series[12], series[13], series[14:]
+    rays, (y, a) = [empty(3) for _ in points], (empty(3), empty(3))
+    closing, u2, u3 = empty(n), empty(n), empty(n)
+    by, ba, rise, swing, gain, x2, inward, brake = empty(8)
+    for i in range(order):
+        one = Ball(int(i == 0) << BITS)  # the coefficient of 1
+        for j in range(n):
+            for k in range(3):
+                rays[j][k].append(points[j][k] * one - xi[k][i])
+            closing[j].append(inner(rays[j], v))
+            u2[j].append(product(u[j], u[j]))
+            u3[j].append(product(u2[j], u[j]))
+        ups = (NOUGHT, NOUGHT, one)
+        for k, up in enumerate(ups):
+            y[k].append(far * up + slow * v[k][i] - inner([ray[k] for ray in rays], u))
+            a[k].append(pull * up + quick * y[k][i])
+        by.append(inner(b, y))
+        ba.append(inner(b, a))
+        rise.append(K * (C * by[i] + singular * one - T[i]))
+        swing.append(rise[i] + CK * by[i])
+        gain.append(CK * x[i])
+        x2.append(product(x, x))
+        inward.append(product(gain, ba) + inner(w, w))
+        brake.append(product(swing, x) + H * one)
+        rates = [
+            *(side[i] for side in v),
+            *(G * up - light * product(T, side) for up, side in zip(ups, b, strict=True)),
+            *(side[i] for side in w),
+            *(product(gain, a[k]) - product(inward, b[k]) - product(brake, w[k]) for k in range(3)),
+            rise[i],
+            NOUGHT - product(x2, rise),
+            *(product(u3[j], closing[j]) for j in range(n)),
+        ]
+        part = Ball.over(step / (i + 1), step / (i + 1))
+        for line, rate in zip(series, rates, strict=True):
+            line.append(part * rate)
+    return series
+
+
+def empty(count: int) -> list[Series]:
+    """Return series without coefficients."""
+    return [[] for _ in range(count)]
+
+
+def advance(p: Motion, z: Series, step: Fraction) -> Series | None:
+    """Enclose where all motions from a box are after a step; None if that is not shown."""
+    series = taylor(p, z, step, ORDER - 1)
+    reach = [sum(x.size() for x in line[1:]) for line in series]
+    hull = [Ball(x.mid, x.rad + 2 * r + 1) for x, r in zip(z, reach, strict=True)]
+    if max(reach) >> (BITS + 20):
+        return None
+    rest = [line[ORDER] for line in taylor(p, hull, step, ORDER)]
+    for x, r in zip(rest, reach, strict=True):
+        if x.size() > min(r, 1 << (BITS - ACCURACY)):
+            return None
+    return [sum(line, x) for line, x in zip(series, rest, strict=True)]
+
+
+def verify_motion(c: Any, p: Motion) -> None:
+    """Verify that the motion exists for the time, and where it ends."""
+    z, left, step = unknowns(p), p.time, Fraction(1, 8)
+    for _ in range(MAX_STEPS // len(p.s.points)):
+        if not left:
+            break
+        step = min(step, left)
+        new = advance(p, z, step)
+        if new is None:
+            step /= 2
+        else:
+            z, left, step = new, left - step, 2 * step
+    require(not left, "the motion is not followed to its end")
+    sunk = z[2].mid - z[2].rad >= p.depth * (1 << BITS)
+    require(sunk, "the motion is not shown to sink to the lowest target point")
+
+
+def theorem_of_motion(c: Any, p: Motion) -> str:
+    """Say in words from where the vehicle sinks to the target."""
+    gains = ", ".join(f"{k} = {p.s.g[k]}" for k in GAINS[:4])
+    sides = [about(a) if a == b else f"[{about(a)}, {about(b)}]" for a, b in p.start]
+    place, speed, axis, turning = (", ".join(sides[i : i + 3]) for i in (0, 3, 6, 9))
+    return (
+        f"It is not true that, for the mission {p.s.name} (m = {p.s.m} kg, g = {p.s.gravity} m/s², "
+        f"{gains}, goal straight below with q3* = {float(sum(p.s.centroid[2]) / 2):.12g} to 12 "
+        f"digits), the controller may be switched on in every state with position ({place}) m, "
+        f"velocity ({speed}) m/s and thrust {sides[12]} N whose body axis e3 is ({axis}) and turns "
+        f"at ({turning}) 1/s, all in world axes. With the exact model and controller in "
+        f"continuous time, all target points seen, any heading and yaw rate zero, the motion from "
+        f"every such state exists for {about(p.time)} s, T > c q3* on the way, and then the "
+        f"vehicle is as low as the lowest target point or lower: z >= {about(p.depth)} m."
+    )
+
+
 class Kind(NamedTuple):
     """A kind of certificate: its own keys, how they are read, what it says and how it is shown."""
 
@@ -1010,6 +1221,7 @@ KINDS = {
         verify_attraction,
         read_attraction,
     ),
+    "sinking": Kind(("motion",), theorem_of_motion, verify_motion, read_motion),
 }
 
 

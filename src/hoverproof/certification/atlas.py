@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Iterable
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
@@ -26,6 +26,7 @@ from hoverproof.certification.margins import Questions, margins
 from hoverproof.certification.problem import ONES, gain_problem
 from hoverproof.errors import InputError
 from hoverproof.mission import Bounds, Gains, Mission
+from hoverproof.spread import spread
 
 Array = NDArray[np.float64]
 Scale = Literal["log", "linear"]
@@ -176,6 +177,7 @@ def atlas(
     weights: tuple[Fraction, ...] = ONES,
     exact: bool = False,
     processes: int | None = None,
+    scheduler: str | None = None,
     report: Report = lambda done, total: None,
 ) -> xr.Dataset:
     """Map the certified margin and decay rate over two gains or bounds.
@@ -191,6 +193,8 @@ def atlas(
         Decide with `certify` each cell that has a neighbour of another sign.
     processes : int, optional
         Number of those that work at once; by default one for each CPU.
+    scheduler : str, optional
+        Address of a Dask scheduler whose workers do it instead; they need this hoverproof.
     report : callable
         Called with how much is done, of how much.
 
@@ -204,7 +208,7 @@ def atlas(
     Raises
     ------
     InputError
-        If an axis cannot be used.
+        If an axis or the scheduler cannot be used.
     """
     x = axis(mission, x, option="--x") if isinstance(x, str) else x
     y = axis(mission, y, option="--y") if isinstance(y, str) else y
@@ -213,36 +217,37 @@ def atlas(
     pairs = np.stack(np.meshgrid(x.values, y.values), axis=-1).reshape(-1, 2)
     parts = [pairs[i : i + CHUNK] for i in range(0, len(pairs), CHUNK)]
     measure = partial(cell_margins, mission, x.name, y.name, weights)
-    done = _spread(measure, parts, processes, report)
+    done = _spread(measure, parts, processes, scheduler, report)
     margin = np.concatenate(done).reshape(len(y.values), len(x.values))
     verdict = np.full(margin.shape, NOT_ASKED, np.int16)
     if exact:
         asked = np.argwhere(on_boundary(margin))
         groups = [asked[i : i + EXACT_CHUNK] for i in range(0, len(asked), EXACT_CHUNK)]
         decide = partial(cell_verdicts, mission, x, y, weights)
-        found = _spread(decide, groups, processes, report)
+        found = _spread(decide, groups, processes, scheduler, report)
         if len(asked):
             verdict[tuple(asked.T)] = np.concatenate(found)
     return _dataset(mission, x, y, weights, margin, verdict)
 
 
 def _spread(
-    work: Callable[[Any], Any], parts: list[Any], processes: int | None, report: Report
+    work: Callable[[Any], Any],
+    parts: list[Any],
+    processes: int | None,
+    scheduler: str | None,
+    report: Report,
 ) -> list[Any]:
-    """Do parts of the work in processes, and return the results in the order of the parts."""
-    if processes == 1 or len(parts) < 2:
-        return [_reported(work(part), i + 1, len(parts), report) for i, part in enumerate(parts)]
-    results: list[Any] = [None] * len(parts)
-    with ProcessPoolExecutor(processes) as pool:
-        futures = {pool.submit(work, part): i for i, part in enumerate(parts)}
-        for count, future in enumerate(as_completed(futures)):
-            results[futures[future]] = _reported(future.result(), count + 1, len(parts), report)
+    """Do parts of the work in processes or on a cluster; return the results in their order."""
+    if scheduler is None and (processes == 1 or len(parts) < 2):
+        done: Iterable[Any] = map(work, parts)
+    else:
+        pool = ProcessPoolExecutor(processes) if scheduler is None else None
+        done = spread(work, parts, executor=pool, scheduler=scheduler)
+    results = []
+    for result in done:
+        results.append(result)
+        report(len(results), len(parts))
     return results
-
-
-def _reported(result: Any, done: int, total: int, report: Report) -> Any:
-    report(done, total)
-    return result
 
 
 def cell_margins(

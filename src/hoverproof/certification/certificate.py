@@ -36,6 +36,10 @@ class Certificate:
         """The theorem in words."""
         return str(self.content["statement"])
 
+    def text(self) -> str:
+        """Return what is written to the file."""
+        return json.dumps(self.content, indent=2, ensure_ascii=False) + "\n"
+
     def save(self, path: str | Path) -> None:
         """Write the certificate to a JSON file.
 
@@ -48,7 +52,7 @@ class Certificate:
         InputError
             If the file cannot be written.
         """
-        write_text(path, json.dumps(self.content, indent=2, ensure_ascii=False) + "\n")
+        write_text(path, self.text())
 
 
 def seal(problem: GainProblem, kind: str, parts: dict[str, Any]) -> Certificate:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.algebra.decimals import decimal_below
 from hoverproof.errors import InputError
-from hoverproof.mission import Mission
+from hoverproof.mission import Gains, Mission
 from hoverproof.plant import camera, rotors
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import rotation_matrix
@@ -22,6 +25,8 @@ Array = NDArray[np.float64]
 BANDWIDTH_TIMES_SAMPLE = 0.2
 """Largest bandwidth times sampling period: some 30 samples a period of the fastest motion."""
 
+YAW_PART = 4
+YAW_EFFORT = 2
 BINDS = 0.01
 """A limit binds where less than this part of it is left."""
 
@@ -40,13 +45,16 @@ class Limits:
     tilt : float or None
         Largest tilt that the controller may ask for at the mission's start, rad.
     rotor_thrust : float or None
-        Largest thrust of a rotor, N; the first command must keep each between 0 and this.
+        Largest thrust of a rotor, N; the first command must keep each below this.
+    least_thrust : float or None
+        Lowest thrust of a rotor, N; 0 if only the largest is given.
     """
 
     bandwidth: float
     rate: float | None = None
     tilt: float | None = None
     rotor_thrust: float | None = None
+    least_thrust: float | None = None
 
     def __post_init__(self) -> None:
         for option, value, unit, most in (
@@ -57,6 +65,14 @@ class Limits:
         ):
             if value is not None and not 0 < value <= most:
                 raise InputError(option, "", f"must be above 0 and at most {most:g} {unit}")
+
+    @property
+    def rotors(self) -> tuple[float, float] | None:
+        """The lowest and the largest thrust of a rotor, N; None without limits."""
+        if self.rotor_thrust is None and self.least_thrust is None:
+            return None
+        most = math.inf if self.rotor_thrust is None else self.rotor_thrust
+        return self.least_thrust or 0.0, most
 
     @property
     def fastest(self) -> float:
@@ -75,12 +91,15 @@ class Use:
     value, limit : float
         Bare numbers in `unit`.
     unit : str
+    least : bool
+        Whether the value must not be below the limit, rather than above.
     """
 
     name: str
     value: float
     limit: float
     unit: str
+    least: bool = False
 
     @property
     def binds(self) -> bool:
@@ -188,17 +207,18 @@ def highest_k4(
     k1, k2, k3 = gains
     low = np.zeros(len(k1))
     high = limits.fastest * float(command.mission.vehicle.mass) - k1 * k2 - k3
-    if limits.tilt is None and limits.rotor_thrust is None:
+    if limits.tilt is None and limits.rotors is None:
         return low, high
     unit = np.maximum(high, 1e-300)
     at_zero, tilt = command((*gains, low))
     if limits.tilt is not None:
         high = np.where(tilt <= limits.tilt, high, np.nan)
-    if limits.rotor_thrust is not None:
+    if limits.rotors is not None:
+        least, most = limits.rotors
         slope = (command((*gains, unit))[0] - at_zero) / unit
         with np.errstate(divide="ignore", invalid="ignore"):
-            ends = np.stack([-at_zero / slope, (limits.rotor_thrust - at_zero) / slope])
-        fixed = (at_zero >= 0) & (at_zero <= limits.rotor_thrust)
+            ends = np.stack([(least - at_zero) / slope, (most - at_zero) / slope])
+        fixed = (at_zero >= least) & (at_zero <= most)
         ends = np.where(slope == 0, np.where(fixed, [[[-np.inf]], [[np.inf]]], np.nan), ends)
         low = np.maximum(low, ends.min(axis=0).max(axis=0))
         high = np.minimum(high, ends.max(axis=0).min(axis=0))
@@ -237,9 +257,31 @@ def uses(limits: Limits, command: FirstCommand, mission: Mission) -> list[Use]:
     thrusts, tilt = command(gains)
     if limits.tilt is not None:
         used.append(Use("tilt asked for at the start", float(tilt[0]), limits.tilt, "rad"))
-    if limits.rotor_thrust is not None:
-        used.append(
-            Use("highest rotor thrust at the start", float(thrusts.max()), limits.rotor_thrust, "N")
-        )
-        used.append(Use("lowest rotor thrust at the start", float(thrusts.min()), 0.0, "N"))
+    if limits.rotors is not None:
+        least, most = limits.rotors
+        if most < math.inf:
+            used.append(Use("highest rotor thrust at the start", float(thrusts.max()), most, "N"))
+        lowest = float(thrusts.min())
+        used.append(Use("lowest rotor thrust at the start", lowest, least, "N", least=True))
     return used
+
+
+def designed_gains(mission: Mission, four: Sequence[Fraction], bandwidth: float) -> Gains:
+    """Return gains with a k_yaw that suits a bandwidth.
+
+    Yaw is damped at a quarter of the bandwidth, but a turn of 1 rad/s takes no more than half the
+    torque about the yaw axis that two rotors at rest and two at twice their hover thrust have.
+
+    Parameters
+    ----------
+    mission : Mission
+    four : (4,) Fractions
+        k1 kg m/s, k2 1/m, k3 and k4 kg/s.
+    bandwidth : float
+        rad/s.
+    """
+    v = mission.vehicle
+    effort = v.drag_ratio * v.weight / YAW_EFFORT
+    k_yaw = decimal_below(min(v.inertia[2] * Fraction(bandwidth) / YAW_PART, effort), 2)
+    k1, k2, k3, k4 = four
+    return Gains(k1=k1, k2=k2, k3=k3, k4=k4, k_yaw=k_yaw)

@@ -17,26 +17,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
-from hoverproof.certification.gain_search import (
-    COARSE,
-    GainSearch,
-    Objective,
-    slowest_rate_at_goal,
-)
+from hoverproof.certification.attraction.tuning import RegionTuned, region_pareto, tune_region
+from hoverproof.certification.gain_search import GainSearch, slowest_rate_at_goal
+from hoverproof.certification.gain_search import Objective as RateObjective
 from hoverproof.certification.gains import Proved, certify, search_weights
-from hoverproof.certification.limits import FirstCommand, Limits, Use, highest_k4, uses
+from hoverproof.certification.limits import (
+    FirstCommand,
+    Limits,
+    Use,
+    designed_gains,
+    highest_k4,
+    uses,
+)
 from hoverproof.certification.margins import Questions, margins
 from hoverproof.certification.problem import ONES, GainProblem, gain_problem
+from hoverproof.certification.wishes import (
+    Infeasible,
+    margin_words,
+    needed_bandwidth,
+    start_words,
+)
 from hoverproof.errors import InputError
 from hoverproof.mission import Gains, Mission
 
 Array = NDArray[np.float64]
 Weights = tuple[Fraction, ...] | Literal["search"]
+Objective = Literal["decay", "settling", "region"]
+Report = Callable[[int, int], None]
 
 LOSS = 2e-4
 TRIES = 4
-YAW_PART = 4
-YAW_EFFORT = 2
+LITTLE, ONE = Fraction("0.000001"), Fraction(1)
 
 
 @dataclass(frozen=True)
@@ -69,29 +80,7 @@ class Tuned:
     estimate: float
     slowest_rate: float
     uses: list[Use]
-    objective: Objective
-
-
-@dataclass(frozen=True)
-class Infeasible:
-    """No gains meet the wish within the limits: what was found, and what binds.
-
-    Attributes
-    ----------
-    mission : Mission
-    reason : str
-        What binds, and by how much.
-    best : Tuned or None
-        The best that can be done within the limits.
-    needed_bandwidth : float or None
-        The bandwidth that would do, estimated in floating point, rad/s.
-    """
-
-    status: ClassVar[str] = "infeasible"
-    mission: Mission
-    reason: str
-    best: Tuned | None = None
-    needed_bandwidth: float | None = None
+    objective: RateObjective
 
 
 def tune(
@@ -104,48 +93,66 @@ def tune(
     rotor_thrust: float | None = None,
     weights: Weights = ONES,
     at_least: float | None = None,
-) -> Tuned | Infeasible:
-    """Find the fastest gains within a vehicle's limits that can be proved.
+    minimum_decay: float | None = None,
+) -> Tuned | RegionTuned | Infeasible:
+    """Find the best gains within a vehicle's limits that can be proved.
 
     Parameters
     ----------
     mission : Mission
-        Its gains are replaced; its bounds, goal and start count.
+        Its gains are replaced; its bounds, goal, start and limits of the rotors count.
     bandwidth : float
         Largest attitude bandwidth (k1 k2 + k3 + k4)/m, rad/s.
-    objective : {"decay", "settling"}
-        Make the certified decay rate of L as large as possible, or the slowest rate of the loop
-        linearised at the goal, as long as the gains are certified.
+    objective : {"decay", "settling", "region"}
+        Make the certified decay rate of L as large as possible; or the slowest rate of the loop
+        linearised at the goal, as long as the gains are certified; or the certified region of
+        attraction, with a slowest rate that is wished for.
     rate : float, optional
         Sampling rate, 1/s: the bandwidth times the period is kept at 0.2 or below.
     tilt : float, optional
         Largest tilt that may be asked for at the mission's start, rad.
     rotor_thrust : float, optional
-        Largest thrust of a rotor, N: the first command keeps each rotor between 0 and this.
+        Largest thrust of a rotor, N: the first command keeps each rotor below. By default the
+        max_thrust of the mission's rotors; their min_thrust, or 0, is kept too.
     weights : (4,) Fractions, or "search"
-        Weights of L; "search" improves gains and weights in turns.
+        Weights of L; "search" improves gains and weights in turns. Not for a region.
     at_least : float, optional
-        Certified decay rate of L that is wished for, 1/s.
+        Certified decay rate of L that is wished for, 1/s. Not for a region.
+    minimum_decay : float, optional
+        For a region: least rate of the slowest motion at the goal, 1/s; by default that of the
+        mission's own gains.
 
     Returns
     -------
-    Tuned or Infeasible
+    Tuned, RegionTuned or Infeasible
 
     Raises
     ------
     InputError
         If the mission poses no question, or an option is out of range.
     """
-    limits = Limits(bandwidth, rate, tilt, rotor_thrust)
-    if at_least is not None and not 0 < at_least < math.inf:
-        raise InputError("--at-least", "", f"must be a positive rate in 1/s, not {at_least}")
+    for option, wished in (("--at-least", at_least), ("--minimum-decay", minimum_decay)):
+        if wished is not None and not 0 < wished < math.inf:
+            raise InputError(option, "", f"must be a positive rate in 1/s, not {wished}")
+    limits = limits_of(mission, bandwidth, rate, tilt, rotor_thrust)
+    least, most = limits.rotors or (0.0, math.inf)
     hover = float(mission.vehicle.weight) / 4
-    if rotor_thrust is not None and rotor_thrust < hover:
-        short = f"{rotor_thrust:g} N is {hover - rotor_thrust:g} N below m g/4 = {hover:g} N"
+    if most < hover:
+        short = f"{most:g} N is {hover - most:g} N below m g/4 = {hover:g} N"
         return Infeasible(mission, f"no rotor thrust to hover: the limit of {short}")
+    if least > hover:
+        above = f"{least:g} N is {least - hover:g} N above m g/4 = {hover:g} N"
+        return Infeasible(mission, f"the rotors cannot hover: their least thrust of {above}")
+    if objective == "region":
+        if at_least is not None or weights != ONES:
+            option = "--weights" if at_least is None else "--at-least"
+            raise InputError(option, "", "is about L, so not for --objective region")
+        return tune_region(mission, limits, minimum_decay)
+    if minimum_decay is not None:
+        raise InputError("--minimum-decay", "", f"is for --objective region, not {objective}")
     command = FirstCommand.of(mission)
 
-    def best(objective: Objective, weights: tuple[Fraction, ...]) -> Tuned | Infeasible:
+    def best(objective: RateObjective, weights: tuple[Fraction, ...]) -> Tuned | Infeasible:
         questions = Questions.of(_problem(mission, weights))
         floor = at_least or 0.0
         return _tuned(mission, GainSearch(questions, limits, command, objective, floor), weights)
@@ -162,9 +169,31 @@ def tune(
     return replace(found, before=_rate_of_own_gains(mission, weights))
 
 
+def limits_of(
+    mission: Mission,
+    bandwidth: float,
+    rate: float | None = None,
+    tilt: float | None = None,
+    rotor_thrust: float | None = None,
+) -> Limits:
+    """Return the limits that are asked for, with those of the mission's rotors by default.
+
+    Parameters
+    ----------
+    mission : Mission
+    bandwidth, rate, tilt, rotor_thrust
+        In rad/s, 1/s, rad and N; see `tune`.
+    """
+    rotors = mission.rotors
+    if rotor_thrust is None and rotors.max_thrust is not None:
+        rotor_thrust = float(rotors.max_thrust)
+    least = None if rotors.min_thrust is None else float(rotors.min_thrust)
+    return Limits(bandwidth, rate, tilt, rotor_thrust, least)
+
+
 def _with_better_weights(
     found: Tuned | Infeasible,
-    best: Callable[[Objective, tuple[Fraction, ...]], Tuned | Infeasible],
+    best: Callable[[RateObjective, tuple[Fraction, ...]], Tuned | Infeasible],
 ) -> Tuned | Infeasible:
     """Improve weights and gains in turns, as long as that helps."""
     for _ in range(TRIES):
@@ -200,7 +229,8 @@ def _is_better(new: Tuned, old: Tuned) -> bool:
 
 def _problem(mission: Mission, weights: tuple[Fraction, ...]) -> GainProblem:
     """Pose the question with gains that surely pose one: only bounds, goal and weights are used."""
-    low = mission.model_copy(update={"gains": _gains(mission, ["0.000001", "1", "1", "1"])})
+    few = mission.gains.model_copy(update={"k1": LITTLE, "k2": ONE, "k3": ONE, "k4": ONE})
+    low = mission.model_copy(update={"gains": few})
     try:
         return gain_problem(mission, weights)
     except InputError:
@@ -213,7 +243,8 @@ def _tuned(
     """Search, round, and certify what was found."""
     best, value = search.run()
     if value <= 0:
-        return _nothing(mission, search, best, value)
+        words = start_words(search) if value == -np.inf else margin_words(search, value)
+        return Infeasible(mission, words)
     for gains in _short(mission, search, best, value):
         tuned = mission.model_copy(update={"gains": gains})
         verdict = certify(tuned, weights=weights)
@@ -259,69 +290,16 @@ def _short(mission: Mission, search: GainSearch, best: Array, value: float) -> I
         order = np.argsort(-values, kind="stable")
         if values[order[0]] >= value * (1 - LOSS):
             k = int(order[0])
-            yield _gains(mission, [*triples[k], k4[k]], search.limits.fastest)
-
-
-def _gains(mission: Mission, four: list[Any], bandwidth: float | None = None) -> Gains:
-    """Return gains with k_yaw in proportion to a bandwidth; that of the mission without one.
-
-    Yaw is damped at a quarter of the bandwidth, but a turn of 1 rad/s takes no more than half the
-    torque about the yaw axis that two rotors at rest and two at twice their hover thrust have.
-    """
-    k_yaw = mission.gains.k_yaw
-    if bandwidth is not None:
-        v = mission.vehicle
-        effort = v.drag_ratio * v.weight / YAW_EFFORT
-        k_yaw = decimal_below(min(v.inertia[2] * Fraction(bandwidth) / YAW_PART, effort), 2)
-    k1, k2, k3, k4 = (Fraction(k) for k in four)
-    return Gains(k1=k1, k2=k2, k3=k3, k4=k4, k_yaw=k_yaw)
-
-
-def _nothing(mission: Mission, search: GainSearch, best: Array, value: float) -> Infeasible:
-    """Say what stands in the way of any certificate."""
-    if value == -np.inf:
-        return Infeasible(mission, _start_words(search))
-    low, high = (float(x) for x in search.questions.eigenvalues)
-    margin = value * search.questions.mass / 2
-    return Infeasible(
-        mission,
-        f"no gains are certified within a bandwidth of {search.limits.fastest:g} rad/s: the best "
-        f"margin found is {margin:.3g} kg/s (floating point), short of 0 by {-margin:.3g}; what "
-        f"binds are the bounds: eigenvalues of Q in [{low:g}, {high:g}] 1/m, and the thrust",
-    )
-
-
-def _start_words(search: GainSearch) -> str:
-    """Say by how much the first command misses the limits even with hardly any gain."""
-    limits, none = search.limits, tuple(np.array([k]) for k in (1e-6, 1e-3, 1e-3, 1e-3))
-    thrusts, tilt = search.command(none)
-    low, high = float(thrusts.min()), float(thrusts.max())
-    words = []
-    if limits.rotor_thrust is not None and not 0 <= low <= high <= limits.rotor_thrust:
-        beyond = max(-low, high - limits.rotor_thrust)
-        words.append(
-            f"rotor thrusts from {low:.4g} to {high:.4g} N, {beyond:.3g} N beyond "
-            f"[0, {limits.rotor_thrust:g}] N"
-        )
-    if limits.tilt is not None and tilt[0] > limits.tilt:
-        most, asked = math.degrees(limits.tilt), math.degrees(tilt[0])
-        words.append(f"a tilt of {asked:.3g} deg, {asked - most:.2g} deg beyond {most:g} deg")
-    if not words:
-        return "no gains were found that keep the limits at the start and pose a question"
-    held = " and ".join(words)
-    return f"no gains keep the limits at the start: even hardly any gain asks for {held}"
+            four = (*triples[k], Fraction(k4[k] or 0))
+            yield designed_gains(mission, four, search.limits.fastest)
 
 
 def _short_of(best: Tuned, limits: Limits, at_least: float, command: FirstCommand) -> Infeasible:
     """Say by how much a wished decay rate is missed, and which bandwidth would do."""
     rate = float(best.verdict.decay_rate)
-    search = GainSearch(
-        Questions.of(gain_problem(best.mission, best.verdict.problem.weights)),
-        limits,
-        command,
-        "decay",
-    )
-    needed = _needed_bandwidth(search, best, at_least)
+    questions = Questions.of(gain_problem(best.mission, best.verdict.problem.weights))
+    search = GainSearch(questions, limits, command, "decay")
+    needed = needed_bandwidth(search, best.mission.gains, at_least)
     binding = [f"{u.name} {u.value:.4g} of {u.limit:.4g} {u.unit}" for u in best.uses if u.binds]
     words = ", ".join(binding) if binding else "the bounds of Q and of the thrust alone"
     if needed is None:
@@ -335,33 +313,6 @@ def _short_of(best: Tuned, limits: Limits, at_least: float, command: FirstComman
     return Infeasible(best.mission, reason, best, needed)
 
 
-def _needed_bandwidth(search: GainSearch, best: Tuned, at_least: float) -> float | None:
-    """Return the bandwidth at which a rate is reached, rad/s; None beyond 10⁴-fold."""
-    g = best.mission.gains
-    z = np.log([float(k) for k in (g.k1, g.k1 * g.k2, g.k3)])
-
-    def reached(bandwidth: float) -> bool:
-        nonlocal z
-        trial = replace(search, limits=replace(search.limits, bandwidth=bandwidth, rate=None))
-        z_new, value = trial.climb(z, 0.5, COARSE / 4)
-        if np.isfinite(value):
-            z = z_new
-        return value >= at_least
-
-    low = high = search.limits.fastest
-    while not reached(high):
-        low, high = high, 2 * high
-        if high > 1e4 * search.limits.fastest:
-            return None
-    while high > low * 1.01:
-        middle = math.sqrt(low * high)
-        low, high = (low, middle) if reached(middle) else (middle, high)
-    return high
-
-
-Report = Callable[[int, int], None]
-
-
 def pareto(
     mission: Mission,
     count: int,
@@ -370,8 +321,10 @@ def pareto(
     lowest: float | None = None,
     report: Report = lambda done, total: None,
     **options: Any,
-) -> list[tuple[float, Tuned | Infeasible]]:
+) -> list[tuple[float, Tuned | RegionTuned | Infeasible]]:
     """Return the best certified gains for bandwidths in equal ratios, lowest first.
+
+    With the objective "region", for rates of the slowest motion at the goal instead.
 
     Parameters
     ----------
@@ -389,6 +342,10 @@ def pareto(
     """
     if not 2 <= count <= 1000:
         raise InputError("--pareto", "", f"must be from 2 to 1000 bandwidths, not {count}")
+    if options.get("objective") == "region":
+        names = ("rate", "tilt", "rotor_thrust")
+        limits = limits_of(mission, bandwidth, **{k: options.get(k) for k in names})
+        return list(region_pareto(mission, count, limits, options.get("minimum_decay"), report))
     first = bandwidth / 20 if lowest is None else lowest
     points = []
     for i, b in enumerate(np.geomspace(first, bandwidth, count)):

@@ -12,7 +12,17 @@ from typing import NoReturn
 from cyclopts import CycloptsError
 
 # A command joins the application where it is defined; this order is the order of the help.
-from hoverproof.cli import attraction, certification, firmware, flight, missions, paper, tuning  # noqa: F401
+from hoverproof.cli import (  # noqa: F401
+    atlas,
+    attraction,
+    certification,
+    firmware,
+    flight,
+    missions,
+    paper,
+    report,
+    tuning,
+)
 from hoverproof.cli.console import app, fail, plain_console, usage
 from hoverproof.errors import InputError
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import textwrap
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -24,7 +25,7 @@ from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
     from hoverproof.certification.attraction.starts import Start
-    from hoverproof.certification.attraction.verdict import Proved
+    from hoverproof.certification.attraction.verdict import Proved, Refuted
 
 
 @app.command
@@ -58,12 +59,14 @@ def attraction(
 ) -> int:
     """Prove from where the vehicle converges to its goal: a region of attraction.
 
-    Writes NAME.attraction.cert.json, which `check` verifies without trusting this program.
+    Writes NAME.attraction.cert.json, which `check` verifies without trusting this program. A start
+    from which the vehicle is shown to sink to the target is refuted (status 1) in
+    NAME.attraction.refutation.json.
 
     Example: `hoverproof attraction x4-flyer --start 20,0,-20`
     """
     from hoverproof.certification.attraction.proof import attraction as decide
-    from hoverproof.certification.attraction.verdict import NOT_COVERED, Undecided, as_json
+    from hoverproof.certification.attraction.verdict import NOT_COVERED, Proved, Undecided, as_json
 
     loaded = load_mission(mission, set_)
     sizes = {
@@ -83,9 +86,10 @@ def attraction(
     )
     path = picture = None
     if not isinstance(verdict, Undecided):
-        path = out or Path(f"{loaded.name}.attraction.cert.json")
+        ending = "cert" if isinstance(verdict, Proved) else "refutation"
+        path = out or Path(f"{loaded.name}.attraction.{ending}.json")
         verdict.certificate.save(path)
-        if figure:
+        if figure and isinstance(verdict, Proved):
             picture = _draw(verdict, path)
     if json_:
         answer = as_json(verdict, None if path is None else str(path))
@@ -93,9 +97,16 @@ def attraction(
         return EXIT[verdict.status]
     print(f"{loaded.name}: {verdict.status}")
     if isinstance(verdict, Undecided):
-        print(f"  {verdict.reason}")
+        for reason in verdict.reason.split("; "):
+            print(textwrap.fill(reason, 80, initial_indent="  ", subsequent_indent="    "))
+        for line in verdict.advice:
+            help_ = f"would help: {line}"
+            print(textwrap.fill(help_, 80, initial_indent="  ", subsequent_indent="    "))
         return EXIT[verdict.status]
-    _print_region(verdict)
+    if isinstance(verdict, Proved):
+        _print_region(verdict)
+    else:
+        _print_motion(verdict)
     print(f"  certificate             {path}")
     if picture:
         print(f"  figure                  {picture}")
@@ -128,6 +139,21 @@ def _print_region(verdict: Proved) -> None:
     print(f"  eigenvalues of Q        {number(verdict.largest_eigenvalue)} 1/m or less")
     if height is not None:
         print(f"  height                  {number(height)} m or more above the target")
+
+
+def _print_motion(verdict: Refuted) -> None:
+    state = verdict.state
+    print(f"  {verdict.reason},")
+    print("  by the exact model, from the state (world axes, yaw rate zero):")
+    for name, sides, unit in (
+        ("position", state.position, "m"),
+        ("velocity", state.velocity, "m/s"),
+        ("body axis e3", state.axis, ""),
+        ("its derivative", state.turning, "1/s"),
+        ("thrust", [state.thrust], "N"),
+    ):
+        middle = ", ".join(number((a + b) / 2) for a, b in sides)
+        print(f"  {name:22}  {middle} {unit}".rstrip())
 
 
 def _describe(start: Start) -> str:

@@ -1,4 +1,4 @@
-"""The commands `tune` and `atlas`: gains by design, and maps of what is certified."""
+"""The command `tune`: gains by design."""
 
 from __future__ import annotations
 
@@ -17,12 +17,11 @@ from hoverproof.cli.console import Json, MissionName, Set, app, load_mission, nu
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
-    from hoverproof.certification.tuning import Infeasible, Report, Tuned
+    from hoverproof.certification.limits import Use
+    from hoverproof.certification.tuning import Report, Tuned
+    from hoverproof.certification.wishes import Infeasible
     from hoverproof.mission import Mission
 
-VARY = (
-    "k1, k2, k3, k4, lowest_eigenvalue, highest_eigenvalue, lowest_thrust, highest_thrust or level"
-)
 GAIN_UNITS = {"k1": "kg m/s", "k2": "1/m", "k3": "kg/s", "k4": "kg/s", "k_yaw": "kg m²/s"}
 
 
@@ -31,9 +30,10 @@ def tune(
     mission: MissionName,
     *,
     objective: Annotated[
-        Literal["decay", "settling"],
+        Literal["decay", "settling", "region"],
         Parameter(
-            help="Largest certified decay rate of L, or fastest settling of the certified gains."
+            help="Largest certified decay rate of L, fastest settling of certified gains, or "
+            "largest certified region of attraction."
         ),
     ] = "decay",
     bandwidth: Annotated[
@@ -48,10 +48,17 @@ def tune(
     ] = None,
     rotor_thrust: Annotated[
         float | None,
-        Parameter(help="Largest thrust of a rotor in N; the first command keeps within 0 and it."),
+        Parameter(help="Largest thrust of a rotor in N at the start; by default the mission's."),
     ] = None,
     at_least: Annotated[
         float | None, Parameter(help="Certified decay rate of L that is wished for, in 1/s.")
+    ] = None,
+    minimum_decay: Annotated[
+        float | None,
+        Parameter(
+            help="For region: least rate of the slowest motion at the goal, in 1/s; by default "
+            "the mission's own."
+        ),
     ] = None,
     weights: Annotated[
         str | None,
@@ -59,7 +66,10 @@ def tune(
     ] = None,
     pareto: Annotated[
         int | None,
-        Parameter(help="Tune for so many bandwidths up to the given one, and draw the curve."),
+        Parameter(
+            help="Tune for so many bandwidths up to the given one, and draw the curve; for "
+            "region, for so many rates of the slowest motion."
+        ),
     ] = None,
     out: Annotated[
         Path | None,
@@ -68,16 +78,20 @@ def tune(
     set_: Set = None,
     json_: Json = False,
 ) -> int:
-    """Find the fastest gains within a vehicle's limits that can be proved.
+    """Find the best gains within a vehicle's limits that can be proved.
 
     The gains are rounded to short decimals and then certified exactly, so what is printed is what
-    is proved. A wish that cannot be met has status 1, and says what binds and by how much.
+    is proved. A wish that cannot be met has status 1, and says what binds and by how much. With
+    --out, --objective region writes the certificate of the region beside the mission.
 
     Example: `hoverproof tune x4-flyer --bandwidth 20 --out my-flyer.toml`
     """
+    from hoverproof.certification.attraction.tuning import RegionTuned
     from hoverproof.certification.tuning import Tuned
     from hoverproof.certification.tuning import pareto as curve
     from hoverproof.certification.tuning import tune as design
+    from hoverproof.certification.wishes import Infeasible
+    from hoverproof.cli import region_gains
     from hoverproof.editing import mission_text
     from hoverproof.files import write_text
 
@@ -89,24 +103,36 @@ def tune(
         "tilt": None if tilt is None else math.radians(tilt),
         "rotor_thrust": rotor_thrust,
         "at_least": at_least,
+        "minimum_decay": minimum_decay,
         "weights": "search" if weights == "search" else parse_weights(loaded, weights, None),
     }
     if pareto is not None:
         if at_least is not None:
             raise InputError("--at-least", "", "does not go with --pareto")
-        picture = _picture(out or Path(f"{loaded.name}.pareto.png"))
+        picture = picture_path(out or Path(f"{loaded.name}.pareto.png"))
         with progress("tune") as report:
             points = curve(loaded, pareto, report=report, **options)
-        return _print_curve(loaded, points, picture, json_)
+        if objective == "region":
+            return region_gains.print_curve(loaded, points, picture, json_)
+        rates = [(b, t) for b, t in points if not isinstance(t, RegionTuned)]
+        return _print_curve(loaded, rates, picture, json_)
 
+    if objective == "region" and out is not None:  # the certificate is about the mission in `out`
+        loaded = loaded.model_copy(update={"name": stem(out)})
     with progress("tune"):
         found = design(loaded, **options)
     written = None
-    if out is not None and isinstance(found, Tuned):
-        proved = number(found.verdict.decay_rate)
-        note = f"{command_line()}\ncertified decay rate of L: {proved} 1/s"
+    if out is not None and not isinstance(found, Infeasible):
+        if isinstance(found, Tuned):
+            proved = f"certified decay rate of L: {number(found.verdict.decay_rate)} 1/s"
+        else:
+            proved = region_gains.note(found)
+            found.region.certificate.save(region_gains.certificate_path(str(out)))
+        note = f"{command_line()}\n{proved}"
         write_text(out, mission_text(found.mission, name=stem(out), note=note))
         written = str(out)
+    if isinstance(found, RegionTuned):
+        return region_gains.print_tuned(found, written, json_)
     if json_:
         print_json(as_json(found) | {"out": written})
     else:
@@ -114,147 +140,26 @@ def tune(
     return 0 if found.status == "tuned" else 1
 
 
-@app.command
-def atlas(
-    mission: MissionName,
-    *,
-    x: Annotated[str, Parameter(help=f"What varies across: {VARY}.")] = "k1",
-    y: Annotated[str, Parameter(help="What varies upward: another of these.")] = "k2",
-    x_range: Annotated[
-        str | None, Parameter(help="Range LOW,HIGH of x; by default /10 to x10.")
-    ] = None,
-    y_range: Annotated[str | None, Parameter(help="Range LOW,HIGH of y.")] = None,
-    x_scale: Annotated[Literal["log", "linear"] | None, Parameter(help="Scale of x.")] = None,
-    y_scale: Annotated[Literal["log", "linear"] | None, Parameter(help="Scale of y.")] = None,
-    cells: Annotated[int, Parameter(help="Cells along each axis.")] = 200,
-    show: Annotated[
-        Literal["decay_rate", "margin"], Parameter(help="What the colours show.")
-    ] = "decay_rate",
-    exact_boundary: Annotated[
-        bool, Parameter(negative="", help="Decide each cell at the boundary exactly.")
-    ] = False,
-    processes: Annotated[
-        int | None, Parameter(help="How many work at once; by default one for each CPU.")
-    ] = None,
-    weights: Annotated[str | None, Parameter(help="Weights of L: w1,w2,w3,w4.")] = None,
-    out: Annotated[Path | None, Parameter(help="Map file to write, netCDF-4.")] = None,
-    figure: Annotated[
-        Path | None, Parameter(help="Figure to write, PNG or SVG; by default beside the map.")
-    ] = None,
-    set_: Set = None,
-    json_: Json = False,
-) -> int:
-    """Map the certified decay rate over two gains or bounds.
+def picture_path(path: Path) -> Path:
+    """Refuse a figure in another format before the work is done.
 
-    The map is in floating point; with --exact-boundary each cell that has a neighbour on the other
-    side is decided exactly, as `certify` does.
+    Parameters
+    ----------
+    path : Path
 
-    Example: `hoverproof atlas x4-flyer --x k3 --y k4 --exact-boundary`
+    Raises
+    ------
+    InputError
+        If it does not end in .png or .svg.
     """
-    import numpy as np
-
-    from hoverproof.certification.atlas import NOT_ASKED, VERDICTS, axis, cell_values
-    from hoverproof.certification.atlas import atlas as draw_map
-    from hoverproof.files import replacing
-    from hoverproof.paper.conditions import where_met
-    from hoverproof.show.atlas import save_atlas_figure
-
-    loaded = load_mission(mission, set_)
-    if processes is not None and not 1 <= processes <= 1024:
-        raise InputError("--processes", "", f"must be from 1 to 1024, not {processes}")
-    across = axis(loaded, x, ends=_ends("--x-range", x_range), scale=x_scale, cells=cells)
-    along = axis(
-        loaded, y, ends=_ends("--y-range", y_range), scale=y_scale, cells=cells, option="--y"
-    )
-    path = out or Path(f"{loaded.name}.atlas.nc")
-    picture = _picture(figure or path.with_suffix(".png"))
-    with progress("atlas") as report:
-        drawn = draw_map(
-            loaded,
-            across,
-            along,
-            weights=parse_weights(loaded, weights, None),
-            exact=exact_boundary,
-            processes=processes,
-            report=report,
-        )
-    with replacing(path) as beside:
-        drawn.to_netcdf(beside, engine="h5netcdf")
-    save_atlas_figure(
-        loaded, drawn, show, where_met(loaded, cell_values(loaded, across, along)), picture
-    )
-    margin, verdict = drawn["margin"].values, drawn["verdict"].values
-    certified = int((margin > 0).sum())
-    best = np.unravel_index(np.nanargmax(margin), margin.shape) if certified else None
-    counts = {word: int((verdict == code).sum()) for word, code in VERDICTS.items()}
-    asked = verdict != NOT_ASKED
-    result = {
-        "mission": loaded.name,
-        "x": across.name,
-        "y": along.name,
-        "cells": margin.size,
-        "certified": certified,
-        "no_question": int(np.isnan(margin).sum()),
-        "best": None
-        if best is None
-        else {
-            across.name: float(across.values[best[1]]),
-            along.name: float(along.values[best[0]]),
-            "decay_rate": float(drawn["decay_rate"].values[best]),
-        },
-        "decided_exactly": counts if exact_boundary else None,
-        "disagree": int((np.sign(margin[asked]) != verdict[asked]).sum()),
-        "out": str(path),
-        "figure": str(picture),
-    }
-    if json_:
-        print_json(result)
-        return 0
-    share = 100 * certified / margin.size
-    print(
-        f"{loaded.name}: {across.name} from {number(across.values[0])} to "
-        f"{number(across.values[-1])} {across.quantity.unit}, {along.name} from "
-        f"{number(along.values[0])} to {number(along.values[-1])} {along.quantity.unit}"
-    )
-    print(
-        f"  certified               {certified} of {margin.size} cells, {share:.1f} % "
-        "(floating point)"
-    )
-    if best is not None:
-        print(
-            f"  best cell               {across.name} = {number(across.values[best[1]])}, "
-            f"{along.name} = {number(along.values[best[0]])}: "
-            f"decay rate {number(drawn['decay_rate'].values[best])} 1/s"
-        )
-    if exact_boundary:
-        words = ", ".join(f"{n} {word}" for word, n in counts.items())
-        print(f"  at the boundary         {words}, exactly; {result['disagree']} unlike the map")
-    print(f"  map                     {path}")
-    print(f"  figure                  {picture}")
-    return 0
-
-
-def _picture(path: Path) -> Path:
-    """Refuse a figure in another format before the work is done."""
     if path.suffix.lower() not in (".png", ".svg"):
         raise InputError(str(path), "", "a figure must end in .png or .svg")
     return path
 
 
-def _ends(option: str, text: str | None) -> tuple[float, float] | None:
-    """Read a range LOW,HIGH."""
-    if text is None:
-        return None
-    try:
-        low, high = (float(part) for part in text[:100].split(","))
-    except ValueError:
-        raise InputError(option, "", f"must be LOW,HIGH, not {text!r}") from None
-    return low, high
-
-
 def as_json(found: Tuned | Infeasible) -> dict[str, Any]:
     """Return what `tune` found as an object for machines."""
-    from hoverproof.certification.tuning import Infeasible
+    from hoverproof.certification.wishes import Infeasible
 
     if isinstance(found, Infeasible):
         return {
@@ -278,16 +183,7 @@ def as_json(found: Tuned | Infeasible) -> dict[str, Any]:
         "slowest_rate": found.slowest_rate,
         "bandwidth": found.uses[0].value,
         "weights": [float(w) for w in found.verdict.problem.weights],
-        "limits": [
-            {
-                "name": u.name,
-                "value": u.value,
-                "limit": u.limit,
-                "unit": u.unit,
-                "binds": u.binds,
-            }
-            for u in found.uses
-        ],
+        "limits": limits_as_json(found.uses),
         "binds": [u.name for u in found.uses if u.binds],
         "units": {
             **GAIN_UNITS,
@@ -299,9 +195,33 @@ def as_json(found: Tuned | Infeasible) -> dict[str, Any]:
     }
 
 
+def limits_as_json(uses: list[Use]) -> list[dict[str, Any]]:
+    """Return how much of each limit is used, as objects for machines.
+
+    Parameters
+    ----------
+    uses : list of Use
+    """
+    keys = ("name", "value", "limit", "unit", "binds")
+    return [{key: getattr(use, key) for key in keys} for use in uses]
+
+
+def print_limits(uses: list[Use]) -> None:
+    """Print how much of each limit is used.
+
+    Parameters
+    ----------
+    uses : list of Use
+    """
+    for use in uses:
+        binds = "binds" if use.binds else "does not bind"
+        what = "at least" if use.least else "limit"
+        print(f"  {use.name}: {number(use.value)}, {what} {number(use.limit)} {use.unit}: {binds}")
+
+
 def _print_tuned(found: Tuned | Infeasible, written: str | None) -> None:
     from hoverproof.certification.problem import ONES
-    from hoverproof.certification.tuning import Infeasible
+    from hoverproof.certification.wishes import Infeasible
     from hoverproof.editing import decimal
 
     if isinstance(found, Infeasible):
@@ -325,9 +245,7 @@ def _print_tuned(found: Tuned | Infeasible, written: str | None) -> None:
         print(f"  weights of L            {', '.join(map(number, verdict.problem.weights))}")
     slow = found.slowest_rate
     print(f"  slowest motion at goal  {number(slow)} 1/s (linearised, floating point)")
-    for use in found.uses:
-        binds = "binds" if use.binds else "does not bind"
-        print(f"  {use.name}: {number(use.value)}, limit {number(use.limit)} {use.unit}: {binds}")
+    print_limits(found.uses)
     if not any(use.binds for use in found.uses):
         print("  what binds: the bounds of Q and of the thrust")
     if written is None:

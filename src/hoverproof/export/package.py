@@ -96,7 +96,8 @@ def write_package(
         Prefix of every file and symbol, a C identifier of up to 20 characters; by default made of
         the mission's name.
     rotor_limits : (low, high), optional
-        Thrust of one rotor, N; by default 0 to half the weight.
+        Thrust of one rotor, N; by default as the mission's rotors have, else 0 to half the
+        weight.
 
     Raises
     ------
@@ -164,12 +165,12 @@ def _prefix(mission: Mission, name: str | None) -> str:
 def _rotor_limits(
     mission: Mission, limits: tuple[Fraction, Fraction] | None
 ) -> tuple[Fraction, Fraction]:
-    weight = mission.vehicle.weight
-    low, high = limits or (Fraction(0), weight / 2)
+    weight, rotors = mission.vehicle.weight, mission.rotors
+    low, high = limits or (rotors.min_thrust or Fraction(0), rotors.max_thrust or weight / 2)
     if not 0 <= low < weight / 4 < high <= weight * 5 / 2:
+        where = ("--rotor-limits", "") if limits else (mission.source, "rotors")
         raise InputError(
-            "--rotor-limits",
-            "",
+            *where,
             f"must hold the share of a rotor in hover, {float(weight / 4):g} N, be at least 0 and "
             f"at most 2.5 times the weight, not [{float(low):g}, {float(high):g}] N",
         )

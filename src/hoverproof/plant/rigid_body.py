@@ -5,7 +5,9 @@ World frame with z down; the body frame is the camera frame; `R` maps body to wo
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -199,11 +201,21 @@ def rotation_matrix(roll: float, pitch: float, yaw: float) -> NDArray[np.float64
     roll, pitch, yaw : float
         rad.
     """
-    (cr, cp, cy), (sr, sp, sy) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
+    angles = [roll, pitch, yaw]
+    return np.array(rotation_rows(list(np.cos(angles)), list(np.sin(angles))))
+
+
+def rotation_rows(cosines: Sequence[Any], sines: Sequence[Any]) -> list[list[Any]]:
+    """Return the rows of R = Rz(yaw) Ry(pitch) Rx(roll), (3, 3), in any arithmetic.
+
+    Parameters
+    ----------
+    cosines, sines : (3,)
+        Of roll, pitch and yaw.
+    """
+    (cr, cp, cy), (sr, sp, sy) = cosines, sines
+    return [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]

@@ -10,16 +10,14 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.motion import energies, numbers
 from hoverproof.certification.attraction.potential import Potential
-from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.attraction.verdict import Proved
 from hoverproof.certification.region import eigenvalues
 from hoverproof.files import replacing
-from hoverproof.mission import Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.show.style import COLOURS
 from hoverproof.simulation.closed_loop import GUARDS
@@ -190,9 +188,9 @@ def attraction_figure(region: Proved) -> Figure:
     grid = figure.add_gridspec(1, 3, width_ratios=(1.2, 1.1, 0.9), wspace=0.08)
     figure.suptitle(f"{region.mission.name}: where the controller may be switched on (proved)")
     section = figure.add_subplot(grid[0])
-    _draw_section(section, region, view, flights)
+    draw_section(section, region, view, flights)
     _draw_space(figure.add_subplot(grid[1], projection="3d"), region, view)
-    _draw_energy(figure.add_subplot(grid[2]), region, flights)
+    draw_energy(figure.add_subplot(grid[2]), region, flights)
     handles, labels = section.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4)
     return figure
@@ -215,7 +213,17 @@ def save_attraction_figure(region: Proved, path: Path) -> None:
         attraction_figure(region).savefig(beside, dpi=120, format="png")
 
 
-def _draw_section(axes: Axes, region: Proved, view: View, flights: Flights) -> None:
+def draw_section(axes: Axes, region: Proved, view: View, flights: Flights) -> None:
+    """Draw the certified hovers in cross-section, and which simulated starts reach the goal.
+
+    Parameters
+    ----------
+    axes : Axes
+        What to draw on.
+    region : Proved
+    view : View
+    flights : Flights
+    """
     mission, p = region.mission, view.potential
     across, height, places = view.grid()
     shape = (len(height), len(across))
@@ -297,15 +305,27 @@ def _draw_space(axes: Any, region: Proved, view: View) -> None:
     axes.set_zlabel("height (m)")
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_major_locator(MaxNLocator(4))
+    axes.set_xlim(edge[..., 0].min(), edge[..., 0].max())  # so that the numbers of two axes do
+    axes.set_ylim(edge[..., 1].min(), edge[..., 1].max())  # not meet in their common corner
     cut = bool((last == len(steps) - 1).any())
     axes.set_title(
         "certified hovers" + (f", cut at {steps[-1]:.3g} m from the goal" if cut else "")
     )
-    axes.set_box_aspect([np.ptp(edge[..., k]) for k in range(3)], zoom=0.88)
+    limits = (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())
+    axes.set_box_aspect([high - low for low, high in limits], zoom=0.88)
     axes.view_init(elev=18, azim=-60)
 
 
-def _draw_energy(axes: Axes, region: Proved, flights: Flights) -> None:
+def draw_energy(axes: Axes, region: Proved, flights: Flights) -> None:
+    """Draw Λ along simulated flights, and the proved level.
+
+    Parameters
+    ----------
+    axes : Axes
+        What to draw on.
+    region : Proved
+    flights : Flights
+    """
     level = float(region.level)
     for kept, colour, label in (
         (flights.certified, COLOURS[0], "start certified"),
@@ -326,41 +346,62 @@ def _draw_energy(axes: Axes, region: Proved, flights: Flights) -> None:
     axes.legend(loc="upper right", framealpha=0.9)
 
 
-def trade_off_figure(missions: Sequence[Mission], labels: Sequence[str]) -> Figure:
-    """Draw how far hovers are certified sideways and down, against the speed near the goal.
+def trade_off_figure(regions: Sequence[Proved], own: Proved | None = None) -> Figure:
+    """Draw how far hovers are certified, against the speed near the goal.
 
     Parameters
     ----------
-    missions : sequence of Mission
-        The same vehicle with other gains.
-    labels : sequence of str
-        One for each.
+    regions : sequence of Proved
+        Of the same vehicle with other gains, proved without a barrier.
+    own : Proved, optional
+        Of the gains that the mission has, for comparison.
     """
-    figure = Figure(figsize=(7, 5), layout="constrained")
+    figure = Figure(figsize=(7, 5.5), layout="constrained")
     axes = figure.subplots()
-    rows = []
-    for mission, label in zip(missions, labels, strict=True):
-        region = attraction(mission, objective="radius", barrier=False)
-        if isinstance(region, Proved):
-            reach = (float(region.reach.sideways), float(region.reach.down))
-            rows.append((slowest_rate(mission), *reach, label))
-    rows.sort()
-    speed = [row[0] for row in rows]
-    for column, marker, colour, word in (
-        (1, "o-", COLOURS[0], "sideways"),
-        (2, "s--", COLOURS[1], "down"),
+    speed = np.array([slowest_rate(region.mission) for region in regions])
+    order = np.argsort(speed)
+    for way, marker, colour in (
+        ("up", "^-.", COLOURS[2]),
+        ("down", "s--", COLOURS[1]),
+        ("sideways", "o-", COLOURS[0]),
     ):
-        axes.plot(speed, [row[column] for row in rows], marker, color=colour, label=word)
-    for row in rows:
-        highest = max(row[1], row[2])
-        axes.annotate(
-            row[3], (row[0], highest), xytext=(0, 8), textcoords="offset points", ha="center"
-        )
-    axes.set_xlim(0, 1.1 * max(speed, default=1.0))
-    axes.set_ylim(0, 1.2 * max((max(row[1], row[2]) for row in rows), default=1.0))
-    axes.set_xlabel("slowest eigenvalue of the loop at the goal (1/s)")
+        reach = np.array([float(getattr(region.reach, way)) for region in regions])
+        axes.loglog(speed[order], reach[order], marker, color=colour, label=way)
+        if own is not None:
+            held = float(getattr(own.reach, way))
+            axes.plot(slowest_rate(own.mission), held, "*", color=colour, markersize=14, zorder=3)
+    if own is not None:
+        axes.plot([], [], "k*", markersize=14, linestyle="none", label="the mission's own gains")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(FuncFormatter(_some_digits))
+    axes.set_xlabel("decay rate of the slowest motion at the goal (1/s, linearised)")
     axes.set_ylabel("certified hovers reach from the goal (m)")
-    axes.set_title("region and speed, without a barrier")
-    axes.grid(alpha=0.3)
-    axes.legend(loc="lower left")
+    axes.set_title(f"{regions[0].mission.name}: what speed costs, each point proved")
+    axes.grid(alpha=0.3, which="both")
+    figure.legend(loc="outside lower center", ncols=4)
     return figure
+
+
+def _some_digits(value: float, _: int | None) -> str:
+    """Label 2 and 5 of each decade."""
+    return f"{value:g}" if f"{value:.0e}"[0] in "25" else ""
+
+
+def save_trade_off_figure(regions: Sequence[Proved], own: Proved | None, path: Path) -> None:
+    """Write the curve as PNG or SVG.
+
+    Parameters
+    ----------
+    regions, own
+        See `trade_off_figure`.
+    path : Path
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    with replacing(path) as beside:
+        ending = "svg" if path.suffix.lower() == ".svg" else "png"
+        trade_off_figure(regions, own).savefig(beside, dpi=130, format=ending)

@@ -271,7 +271,7 @@ def space_axes(axes: Axes3D, places: Array) -> None:
         axis.set_major_locator(MultipleLocator(step[1] - step[0]))
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
-    axes.set_zlabel("z (m), down")
+    axes.set_zlabel("z (m), down", labelpad=10)  # clear of the numbers
 
 
 def from_above(axes: Axes, flight: xr.Dataset) -> None:

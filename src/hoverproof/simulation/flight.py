@@ -89,7 +89,7 @@ def simulate(
     seconds = time.perf_counter() - begin
     last, taken = states[-1], (len(states) - 1) * every
     kept = states if good else states[:-1]  # the record ends with the last good state
-    flight = _record(mission, numbers, kept[:, :STATE_SIZE], step * every)
+    flight = flight_record(mission, numbers, kept[:, :STATE_SIZE], step * every)
     flight.attrs |= {
         "outcome": "flown" if good else _what_happened(last, taken * step),
         "step": step,
@@ -276,7 +276,7 @@ def _fly_as_built(plan: Plan, compiler: str | None) -> xr.Dataset:
     kept, last, good = records[0, : taken[0] + 1], memory[0], taken[0]
     parts = {name: kept[:, place(plan.record, name)] for name in plan.record}
     interval = plan.step * plan.every
-    flight = _record(mission, plan.numbers, parts["state"], interval)
+    flight = flight_record(mission, plan.numbers, parts["state"], interval)
     arm, drag = (ca.SX(float(x)) for x in (mission.vehicle.arm, mission.vehicle.drag_ratio))
     thrusts = ca.SX.sym("thrusts", 4)
     made = ca.Function("made", [thrusts], [wrench(thrusts, arm, drag)[1:]])
@@ -320,7 +320,26 @@ def _what_happened(state: Array, at: float) -> str:
     return f"ended before {at:g} s: no {' and no '.join(broken)} left"
 
 
-def _record(mission: Mission, numbers: FlightNumbers, states: Array, interval: float) -> xr.Dataset:
+def flight_record(
+    mission: Mission, numbers: FlightNumbers, states: Array, interval: float
+) -> xr.Dataset:
+    """Return states of a flight as a record, with all that is read off them.
+
+    Parameters
+    ----------
+    mission : Mission
+    numbers : FlightNumbers
+        Of the mission.
+    states : (n, 19)
+        Packed, a row each sample; see `hoverproof.plant.rigid_body.RigidBodyState`.
+    interval : float
+        From sample to sample, s.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `simulate` returns it, but for the attributes that tell what flew, and how it ended.
+    """
     n = numbers.points.shape[1]
     read = _columns(readout_function(n), mission, numbers, states)
     rotation = states[:, 6:15].reshape(-1, 3, 3).transpose(0, 2, 1)

@@ -7,18 +7,24 @@ d²/c² >= 2 (1/b2 + 1/b3), the bound of the term w of the height, and Λ/ℓ at
 
 from __future__ import annotations
 
+import itertools
 import warnings
 from dataclasses import dataclass
 from functools import cache
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
 
 from hoverproof.certification.attraction.form import derive_form
 from hoverproof.mission import Mission
 from hoverproof.servo.error_chain import Design
 from hoverproof.servo.lyapunov import ERROR_SIZE, thrust_factor
+
+if TYPE_CHECKING:
+    import cvxpy as cp
 
 Array = NDArray[np.float64]
 LEAST_RATE = 0.1
@@ -148,13 +154,84 @@ class Solution:
     fill: float
 
 
+@dataclass(frozen=True)
+class _Program:
+    """The semidefinite program with parameters for all numbers, so that it is compiled once.
+
+    Attributes
+    ----------
+    problem : Problem
+    b, mu, fill : Variable
+        a/ℓ, 1/ℓ and the largest Λ/ℓ of the hovers.
+    hovers, least_mu, force : Parameter
+        Terms of the hovers; lower bound of μ; bound of 1/b2 + 1/b3.
+    lag : list of Parameter
+        Factors of 1/b2 and 1/b3, and bound of their sum, for a barrier; empty without.
+    ends : list of (5,) Parameter
+        For each end of f and each block: the matrices that μ, b2, b3, b4 and τ multiply.
+    """
+
+    problem: cp.Problem
+    b: cp.Variable
+    mu: cp.Variable
+    fill: cp.Variable
+    hovers: cp.Parameter
+    least_mu: cp.Parameter
+    force: cp.Parameter
+    lag: list[cp.Parameter]
+    ends: list[list[cp.Parameter]]
+
+
+@cache
+def _program(count: int, sizes: tuple[int, ...], barrier: bool) -> _Program:
+    """Pose the program for so many hovers, and blocks of these sizes."""
+    import cvxpy as cp
+
+    b, mu, fill = cp.Variable(3, nonneg=True), cp.Variable(nonneg=True), cp.Variable()
+    hovers, force = cp.Parameter((count, 4)), cp.Parameter(nonneg=True)
+    least_mu = cp.Parameter(nonneg=True)
+    constraints = [
+        cp.sum(cp.inv_pos(b[:2])) <= force,
+        hovers @ cp.hstack([mu, b]) <= fill,
+        mu >= least_mu,
+    ]
+    lag = [cp.Parameter(nonneg=True) for _ in range(3 if barrier else 0)]
+    if barrier:
+        constraints.append(lag[0] * cp.inv_pos(b[1]) + lag[1] * cp.inv_pos(b[2]) <= lag[2])
+    ends = []
+    for _ in range(2):
+        tau = cp.Variable(nonneg=True)
+        for n in sizes:
+            matrices = [cp.Parameter((n, n), symmetric=True) for _ in range(5)]
+            multiplied = zip((mu, b[0], b[1], b[2], tau), matrices, strict=True)
+            constraints.append(sum(x * matrix for x, matrix in multiplied) >> 0)
+            ends.append(matrices)
+    problem = cp.Problem(cp.Minimize(fill), constraints)
+    return _Program(problem, b, mu, fill, hovers, least_mu, force, lag, ends)
+
+
+def _matrices(loop: Loop, f: float, theta: float, largest: float) -> list[Array]:
+    """Return the matrices (14, 14) that μ, b2, b3, b4 and τ multiply in the inequality."""
+    parts = loop.blocks(f, theta)
+    v = parts[0][2]
+    matrices = [np.zeros((ERROR_SIZE + 3, ERROR_SIZE + 3)) for _ in range(5)]
+    matrices[0][:ERROR_SIZE, :ERROR_SIZE] = parts[0][0] - LEAST_RATE * np.eye(ERROR_SIZE)
+    for matrix, (S, u, _) in zip(matrices[1:4], parts[1:], strict=True):
+        cross = u.T @ v
+        matrix[:ERROR_SIZE, :ERROR_SIZE] = S + largest / 4 * (cross + cross.T)
+        matrix[ERROR_SIZE:, :ERROR_SIZE] = np.sqrt(largest / 4) * u
+        matrix[:ERROR_SIZE, ERROR_SIZE:] = np.sqrt(largest / 4) * u.T
+    matrices[4][:ERROR_SIZE, :ERROR_SIZE] = -largest / 4 * v.T @ v
+    matrices[4][ERROR_SIZE:, ERROR_SIZE:] = np.eye(3)
+    return [(matrix + matrix.T) / 2 for matrix in matrices]
+
+
 def solve(
     loop: Loop,
     *,
     force: float,
     largest: float,
     hovers: Array,
-    least_level: float = 0.0,
     most_level: float = np.inf,
     omega: float | None = None,
 ) -> Solution | None:
@@ -169,8 +246,8 @@ def solve(
         Bound of the eigenvalues of Q, 1/m.
     hovers : (k, 4)
         `Potential.hover_terms` of hovers that are to be inside.
-    least_level, most_level : float
-        Bounds of ℓ, m.
+    most_level : float
+        Bound of ℓ, m.
     omega : float, optional
         Bound of what tilt may add to the height's equation, for a barrier; dimensionless.
 
@@ -180,47 +257,37 @@ def solve(
     """
     import cvxpy as cp
 
-    low, high = loop.factor(force)
     sine, cosine, theta = loop.tilt(force)
-    b, mu, fill = cp.Variable(3, nonneg=True), cp.Variable(nonneg=True), cp.Variable()
-    constraints = [cp.sum(cp.inv_pos(b[:2])) <= (force / loop.stiffness) ** 2 / 2]
-    constraints += [hovers @ cp.hstack([mu, b]) <= fill]
-    if np.isfinite(most_level):
-        constraints.append(mu * most_level >= 1)
-    if least_level > 0:
-        constraints.append(mu * least_level <= 1)
+    ends = [_matrices(loop, f, theta, largest) for f in loop.factor(force)]
+    linked = sum(np.abs(matrix) for end in ends for matrix in end) > 0
+    count, label = connected_components(linked, directed=False)
+    blocks = [np.flatnonzero(label == i) for i in range(count)]
+    program = _program(len(hovers), tuple(map(len, blocks)), omega is not None)
     if omega is not None:
         left = (omega - loop.q3 * (1 - cosine)) / sine
         if left <= 0:
             return None
         gamma = loop.turn_gain(force)
-        constraints.append(
-            (1 + gamma) ** 2 * cp.inv_pos(b[2]) + gamma**2 * cp.inv_pos(b[1]) <= left**2 / 2
-        )
-    scale = np.sqrt(largest / 4)
-    for f in (low, high):
-        parts = loop.blocks(f, theta)
-        tau = cp.Variable(nonneg=True)
-        v = parts[0][2]
-        top = mu * (parts[0][0] - LEAST_RATE * np.eye(ERROR_SIZE)) - tau * largest / 4 * v.T @ v
-        corner = np.zeros((3, ERROR_SIZE))
-        for i in range(3):
-            S, u, _ = parts[i + 1]
-            cross = u.T @ v
-            top = top + b[i] * (S + largest / 4 * (cross + cross.T))
-            corner = corner + scale * b[i] * u
-        block = cp.bmat([[top, corner.T], [corner, tau * np.eye(3)]])
-        constraints.append((block + block.T) / 2 >> 0)
-    problem = cp.Problem(cp.Minimize(fill), constraints)
+        values = (gamma**2, (1 + gamma) ** 2, left**2 / 2)
+        for parameter, value in zip(program.lag, values, strict=True):
+            parameter.value = value
+    program.hovers.value = hovers
+    program.force.value = (force / loop.stiffness) ** 2 / 2
+    program.least_mu.value = 1 / most_level
+    places = itertools.product(ends, blocks)
+    for parameters, (end, block) in zip(program.ends, places, strict=True):
+        for parameter, matrix in zip(parameters, end, strict=True):
+            parameter.value = matrix[np.ix_(block, block)]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # inaccurate numbers cost size, never soundness
         try:
-            problem.solve(solver=cp.CLARABEL)
+            program.problem.solve(solver=cp.CLARABEL)
         except cp.SolverError:
             return None
-    if b.value is None or mu.value is None or not mu.value > 0 or not (b.value > 0).all():
+    mu, b = program.mu.value, program.b.value
+    if b is None or mu is None or not mu > 0 or not (b > 0).all():
         return None
-    return Solution(np.array(b.value / mu.value), float(1 / mu.value), float(fill.value))
+    return Solution(np.array(b / mu), float(1 / mu), float(program.fill.value))
 
 
 def rate_and_multiplier(

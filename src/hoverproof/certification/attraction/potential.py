@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -145,29 +146,50 @@ class Potential:
         """
         return float(self.centroid(self._plane_grid(z))[:, 2].max())
 
-    def level_limit(self, largest: float, bottom: float | None) -> float:
-        """Return the lowest W found where an eigenvalue of Q reaches `largest`, z <= bottom.
+    def level_limit(self, largest: float) -> float:
+        """Return the lowest W found where an eigenvalue of Q reaches `largest`.
 
-        Infinite if that is nowhere.
+        Infinite if that is nowhere, 0 if it does so at the goal.
 
         Parameters
         ----------
         largest : float
             1/m.
-        bottom : float or None
-            z, m; None for no bound.
         """
-        directions = sphere(200)
-        radii = np.linspace(0.05, 1.0, 40) * self.n / largest
-        best = np.inf
-        for point in self.points:
-            places = (point + directions[:, None] * radii[None, :, None]).reshape(-1, 3)
-            kept = eigenvalues(self.points, places)[:, 2] >= largest
-            if bottom is not None:
-                kept &= places[:, 2] <= bottom
-            if kept.any():
-                best = min(best, float(self.value(places[kept]).min()))
-        return best
+        if largest <= self.largest_at_goal:
+            return 0.0
+        size, value = self._rays
+        inner, outer = size[:, :-1], size[:, 1:]
+        crosses = (inner >= largest) != (outer >= largest)
+        if not crosses.any():
+            return np.inf
+        part = (inner[crosses] - largest) / (inner[crosses] - outer[crosses])
+        low, high = value[:, :-1][crosses], value[:, 1:][crosses]
+        return float((low + part * (high - low)).min())
+
+    @cached_property
+    def largest_at_goal(self) -> float:
+        """The largest eigenvalue of Q at the goal, 1/m."""
+        return float(eigenvalues(self.points, self.goal[None])[0, 2])
+
+    @cached_property
+    def _rays(self) -> tuple[Array, Array]:
+        """Largest eigenvalue of Q, 1/m, and W, (rays, radii) each, from the target and the goal.
+
+        Rays from the target points reach as far as the eigenvalue of the goal does (none is above n
+        over the distance to the nearest point); those from the goal, along which W grows, reach
+        beyond all of these.
+        """
+        far = self.n / self.largest_at_goal
+        beyond = far + float(np.linalg.norm(self.points - self.goal, axis=1).max())
+        reaches = [(point, 200, far * np.geomspace(1e-3, 1.0, 120)) for point in self.points]
+        nearer = beyond * np.concatenate([[0.0], np.geomspace(1e-3, 1.0, 119)])
+        sizes, values = [], []
+        for start, rays, radii in [*reaches, (self.goal, 600, nearer)]:
+            places = (start + sphere(rays)[:, None] * radii[None, :, None]).reshape(-1, 3)
+            sizes.append(eigenvalues(self.points, places)[:, 2].reshape(rays, -1))
+            values.append(self.value(places).reshape(rays, -1))
+        return np.concatenate(sizes), np.concatenate(values)
 
     def _span(self) -> float:
         return float(np.ptp(self.points[:, :2], axis=0).max())

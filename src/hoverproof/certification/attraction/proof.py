@@ -15,6 +15,7 @@ from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.attraction.form import derive_form
 from hoverproof.certification.attraction.inequality import Loop, rate_and_multiplier
 from hoverproof.certification.attraction.potential import Potential
+from hoverproof.certification.attraction.refutation import refute
 from hoverproof.certification.attraction.search import (
     SLACKS,
     Found,
@@ -63,7 +64,7 @@ def attraction(
 
     Returns
     -------
-    Proved or Undecided
+    Proved; Refuted if a wanted start is shown to sink to the target; or Undecided
 
     Raises
     ------
@@ -71,6 +72,21 @@ def attraction(
         If the goal is not axial, or the mission poses no question.
     """
     tell = progress or (lambda text: None)
+    verdict = _search_and_prove(mission, objective, starts, barrier, tell)
+    if isinstance(verdict, Undecided) and (objective == "start" or starts):
+        tell("following the motion from the start")
+        return refute(mission, starts or None, verdict)
+    return verdict
+
+
+def _search_and_prove(
+    mission: Mission,
+    objective: Objective,
+    starts: Sequence[Start] | None,
+    barrier: bool | None,
+    tell: Progress,
+) -> Proved | Undecided:
+    """Try with and without a barrier."""
     potential = Potential.of(mission)
     loop = Loop.of(mission, potential.q3)
     if loop.largest_force <= 0:
@@ -92,7 +108,20 @@ def attraction(
         if isinstance(verdict, Proved):
             return verdict
         reasons.append(("with" if with_barrier else "without") + f" a barrier: {verdict}")
-    return Undecided("; ".join(reasons), mission)
+    return Undecided("; ".join(reasons), mission, _advice(mission, bool(wanted)))
+
+
+def _advice(mission: Mission, asked: bool) -> tuple[str, ...]:
+    """Say what may help."""
+    k, lines = mission.gains, []
+    if k.k3 < 3 * k.k1 * k.k2:
+        needed = f"k3 >= 3 k1 k2 = {float(3 * k.k1 * k.k2):.6g} kg/s"
+        lines.append(f"{needed} (now {float(k.k3):.6g}): then a barrier makes regions far larger")
+    else:
+        lines.append("smaller k1 or k2, which ask for less force and tilt")
+    if asked:
+        lines.append("a start nearer to the goal; --objective radius tells how near")
+    return tuple(lines)
 
 
 def estimate(mission: Mission, *, objective: Objective = "radius", barrier: bool = False) -> Found:
@@ -175,14 +204,16 @@ def _attempt(
                 f"({found.binding})"
             )
         tell("proving")
-        proved = prove(mission, found, starts)
+        proved = prove(mission, found, starts, slack)
         if isinstance(proved, Proved):
             return proved
         reason = proved
     return reason
 
 
-def prove(mission: Mission, found: Found, starts: Sequence[Start] = ()) -> Proved | str:
+def prove(
+    mission: Mission, found: Found, starts: Sequence[Start] = (), slack: Slack = SLACKS[0]
+) -> Proved | str:
     """Round what was found, and prove it exactly.
 
     Parameters
@@ -190,12 +221,14 @@ def prove(mission: Mission, found: Found, starts: Sequence[Start] = ()) -> Prove
     mission : Mission
     found : Found
     starts : sequence of Start
+    slack : Slack
+        Of its fields, how much of the reach is given away.
 
     Returns
     -------
     Proved, or the reason why the checker rejects it
     """
-    draft = _draft(mission, found, starts)
+    draft = _draft(mission, found, starts, 1 - slack.reach)
     try:
         _complete(draft, mission, found)
         certificate = seal_content(mission, "attraction", draft, model_fingerprint())
@@ -205,7 +238,7 @@ def prove(mission: Mission, found: Found, starts: Sequence[Start] = ()) -> Prove
     return _verdict(mission, certificate, starts)
 
 
-def _draft(mission: Mission, found: Found, starts: Sequence[Start]) -> dict[str, Any]:
+def _draft(mission: Mission, found: Found, starts: Sequence[Start], share: float) -> dict[str, Any]:
     """Return claim and hints as far as they follow from the search alone."""
     potential = Potential.of(mission)
     weights = [decimal_below(float(w), 4) for w in found.weights]
@@ -219,7 +252,7 @@ def _draft(mission: Mission, found: Found, starts: Sequence[Start]) -> dict[str,
         least = min(
             reach_along(potential, np.array(d), np.array(a), size, bottom) for d in directions
         )
-        return decimal_below(least * 0.995, 3)
+        return decimal_below(least * share, 3)
 
     turns = np.linspace(0, 2 * np.pi, 72, endpoint=False)
     around = [(float(np.cos(t)), float(np.sin(t)), 0.0) for t in turns]

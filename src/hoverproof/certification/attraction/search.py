@@ -26,16 +26,22 @@ class Slack:
 
     Attributes
     ----------
-    level, eigenvalue, omega : float
-        Shares of the level, of λ₊ and of what tilt may add to the height; dimensionless.
+    level, eigenvalue, omega, reach : float
+        Shares of the level, of λ₊, of what tilt may add to the height, and of how far hovers
+        reach; dimensionless.
     """
 
     level: float
     eigenvalue: float
     omega: float
+    reach: float
 
 
-SLACKS = (Slack(0.03, 0.03, 0.03), Slack(0.08, 0.06, 0.06), Slack(0.2, 0.1, 0.1))
+SLACKS = (
+    Slack(0.03, 0.03, 0.03, 0.005),
+    Slack(0.08, 0.06, 0.06, 0.02),
+    Slack(0.2, 0.1, 0.1, 0.05),
+)
 
 
 @dataclass(frozen=True)
@@ -129,7 +135,9 @@ class Search:
         force = self.loop.largest_force / (1 + np.exp(-x[0]))
         if not self.barrier:
             largest = float(np.exp(x[1]))
-            limit = self.potential.level_limit(largest, None)
+            limit = self.potential.level_limit(largest)
+            if limit == 0:
+                return None
             return Bounds(force, largest, None, None, limit * (1 - self.slack.level))
         p = self.potential
         z = p.plane - float(np.exp(x[1]))
@@ -173,8 +181,8 @@ class Search:
             second = [np.log(above * share) for share in (0.85, 0.6, 0.3, 0.15)]
         else:
             here = p.largest_eigenvalue(float(p.goal[2]))
-            second = [np.log(here * times) for times in (2.0, 4.0)]
-        return [(-np.log(1 / share - 1), y) for y in second for share in (0.003, 0.03, 0.2)]
+            second = [np.log(here * times) for times in (1.1, 1.3, 2.0, 4.0, 8.0)]
+        return [(-np.log(1 / share - 1), y) for y in second for share in (0.003, 0.03, 0.2, 0.6)]
 
     def best(self, hovers: Array, value: Callable[[Bounds, Solution], float]) -> Found | None:
         """Minimise a value of the solution over the parameters.
@@ -294,12 +302,18 @@ class HoverGrid:
         bottom : float or None
             z of the barrier, m.
         """
-        outside = self.terms @ [1, *weights] > level
+        value = self.terms @ [1, *weights]
+        outside = value > level
         below = np.zeros_like(outside) if bottom is None else self.depth > bottom
         ended = outside | below
         first = np.where(ended.any(axis=1), ended.argmax(axis=1), len(self.radii) - 1)
-        rows = np.arange(len(first))
-        return self.radii[np.maximum(first - 1, 0)], outside[rows, first]
+        rows, last = np.arange(len(first)), np.maximum(first - 1, 0)
+        near, far = value[rows, last], value[rows, first]
+        by_level = outside[rows, first]
+        crosses = by_level & (far > near)
+        part = np.divide(level - near, far - near, out=np.zeros(len(rows)), where=crosses)
+        reach = self.radii[last] * (self.radii[first] / self.radii[last]) ** part.clip(0, 1)
+        return np.asarray(reach), by_level
 
     def volume(self, weights: Array, level: float, bottom: float | None) -> float:
         """Return the volume of the hovers inside that are seen from the goal, m³.
@@ -379,4 +393,4 @@ def _binding(search: Search, b: Bounds, s: Solution) -> str:
         parts.append("the force, hence thrust and tilt, must stay small")
     if b.bottom is not None:
         parts.append("the barrier allows only little tilt")
-    return "; ".join(parts) or "the gains"
+    return ", and ".join(parts) or "the gains"

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from typing import Any
+
+import numpy as np
+from mpmath.ctx_iv import MPIntervalContext
+from mpmath.libmp import to_rational
+from numpy.typing import NDArray
 
 from hoverproof import checker
 from hoverproof.algebra.decimals import decimal_above
@@ -12,7 +18,10 @@ from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.region import Box
 from hoverproof.errors import InputError
 from hoverproof.mission import Mission
+from hoverproof.plant.rigid_body import rotation_rows
 
+Interval = tuple[Fraction, Fraction]
+BITS = 256
 ZERO = Fraction(0)
 
 
@@ -83,6 +92,100 @@ class Start:
         """Return it as the checker has it."""
         box = [list(side) for side in self.position]
         return checker.Start(box, None, self.speed, self.tilt, self.rate, self.thrust)
+
+
+@dataclass(frozen=True)
+class State:
+    """A state, or a box of states, without yaw rate; world axes; each number is (low, high).
+
+    Attributes
+    ----------
+    position, velocity : (3,) of (low, high)
+        m, m/s.
+    axis, turning : (3,) of (low, high)
+        The body axis e3, and its derivative, 1/s.
+    thrust : (low, high)
+        N.
+    """
+
+    position: tuple[Interval, ...]
+    velocity: tuple[Interval, ...]
+    axis: tuple[Interval, ...]
+    turning: tuple[Interval, ...]
+    thrust: Interval
+
+    @classmethod
+    def exactly(
+        cls,
+        position: Sequence[Fraction],
+        velocity: Sequence[Fraction],
+        axis: Sequence[Fraction],
+        turning: Sequence[Fraction],
+        thrust: Fraction,
+    ) -> State:
+        """Return one state.
+
+        Parameters
+        ----------
+        position, velocity : (3,)
+            m, m/s.
+        axis, turning : (3,)
+            The body axis e3, and its derivative, 1/s.
+        thrust : Fraction
+            N.
+        """
+        place, speed, e3, turn = map(_exactly, (position, velocity, axis, turning))
+        return cls(place, speed, e3, turn, (thrust, thrust))
+
+    @classmethod
+    def of(cls, mission: Mission) -> State | None:
+        """Return the start of a mission; None if it has a yaw rate.
+
+        Parameters
+        ----------
+        mission : Mission
+        """
+        start, thrust = mission.start, mission.vehicle.weight
+        rates = start.rates
+        if rates[2]:
+            return None
+        turning = (rates[1], -rates[0], ZERO)  # Ω × e3
+        e3 = (ZERO, ZERO, Fraction(1))
+        if not any(start.rotation):
+            return cls.exactly(start.position, start.velocity, e3, turning, thrust)
+        iv = MPIntervalContext()
+        iv.prec = BITS
+
+        def enclosed(x: Fraction) -> Any:
+            return iv.mpf(x.numerator) / x.denominator
+
+        angles = [enclosed(x) for x in start.rotation]
+        R = rotation_rows([iv.cos(x) for x in angles], [iv.sin(x) for x in angles])
+
+        def turned(v: Sequence[Fraction]) -> tuple[Interval, ...]:
+            rows = (sum(r * enclosed(x) for r, x in zip(row, v, strict=True))._mpi_ for row in R)
+            return tuple((Fraction(*to_rational(a)), Fraction(*to_rational(b))) for a, b in rows)
+
+        velocity, axis, turn = map(turned, (start.velocity, e3, turning))
+        return cls(_exactly(start.position), velocity, axis, turn, (thrust, thrust))
+
+    def packed(self) -> NDArray[np.float64]:
+        """Return the middle of the box as a state of the vehicle with some heading, (19,)."""
+
+        def middle(sides: Sequence[Interval]) -> NDArray[np.float64]:
+            return np.array([float((a + b) / 2) for a, b in sides])
+
+        x, v, b, w = map(middle, (self.position, self.velocity, self.axis, self.turning))
+        aside = np.cross([0.0, 1.0, 0.0] if abs(b[1]) < 0.9 else [1.0, 0.0, 0.0], b)
+        aside /= np.linalg.norm(aside)
+        R = np.stack([aside, np.cross(b, aside), b], axis=1)
+        turn = R.T @ w  # Ω × e3
+        rates = [-turn[1], turn[0], 0.0]
+        return np.concatenate([x, R.T @ v, R.T.ravel(), rates, middle((self.thrust,))])
+
+
+def _exactly(v: Sequence[Fraction]) -> tuple[Interval, ...]:
+    return tuple((x, x) for x in v)
 
 
 def _length(*parts: Fraction) -> Fraction:

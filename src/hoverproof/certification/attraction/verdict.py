@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, ClassVar, Literal
 
-from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.attraction.starts import Start, State
 from hoverproof.certification.certificate import Certificate, exact
 from hoverproof.mission import Mission
 
@@ -15,6 +15,7 @@ NOT_COVERED = (
     "sampling, delay and noise of measurements",
     "errors of the model: mass, inertia, wind, drag, limits of the rotors",
     "a camera that loses the target: every point is taken to be seen at all times",
+    "the ground, unless a barrier is used: a motion may pass between the target points",
 )
 """What the theorem does not say, in words."""
 
@@ -84,14 +85,52 @@ class Undecided:
     reason : str
         What stood in the way.
     mission : Mission
+    advice : tuple of str
+        What may help.
     """
 
     status: ClassVar[Literal["undecided"]] = "undecided"
     reason: str
     mission: Mission
+    advice: tuple[str, ...] = ()
+
+    def because(self, more: str) -> Undecided:
+        """Return it with more to the reason.
+
+        Parameters
+        ----------
+        more : str
+        """
+        return replace(self, reason=f"{self.reason}; {more}")
 
 
-Verdict = Proved | Undecided
+@dataclass(frozen=True)
+class Refuted:
+    """A start that was asked for sinks to the target.
+
+    Attributes
+    ----------
+    state : State
+        Where the motion starts.
+    time : Fraction
+        By then it is as low as the lowest target point, or lower, s.
+    mission : Mission
+    certificate : Certificate
+    """
+
+    status: ClassVar[str] = "refuted"
+    state: State
+    time: Fraction
+    mission: Mission
+    certificate: Certificate
+
+    @property
+    def reason(self) -> str:
+        """What happens."""
+        return f"the vehicle sinks to the target within {float(self.time):.4g} s"
+
+
+Verdict = Proved | Refuted | Undecided
 
 
 def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
@@ -99,7 +138,7 @@ def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
 
     Parameters
     ----------
-    verdict : Proved or Undecided
+    verdict : Proved, Refuted or Undecided
     certificate_path : str or None
         Where the certificate was written.
     """
@@ -108,11 +147,16 @@ def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
         "verdict": verdict.status,
         "certificate": certificate_path,
         "not_covered": list(NOT_COVERED),
+        "advice": list(verdict.advice) if isinstance(verdict, Undecided) else [],
     }
-    if isinstance(verdict, Undecided):
+    if not isinstance(verdict, Proved):
         nothing = ("level", "weights", "rate", "tilt", "thrust", "largest_eigenvalue")
-        empty = dict.fromkeys((*nothing, "barrier_height", "reach", "statement"))
-        return {**answer, **empty, "starts": [], "reason": verdict.reason}
+        empty = dict.fromkeys((*nothing, "barrier_height", "reach", "statement", "motion"))
+        answer = {**answer, **empty, "starts": [], "reason": verdict.reason}
+        if isinstance(verdict, Refuted):
+            content = verdict.certificate.content
+            answer |= {"statement": content["statement"], "motion": content["motion"]}
+        return answer
     reach, height = verdict.reach, verdict.barrier_height
     return {
         **answer,
@@ -126,6 +170,7 @@ def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
         "reach": {k: float(getattr(reach, k)) for k in ("sideways", "up", "down")},
         "starts": [exact(start.content()) for start in verdict.starts],
         "statement": verdict.certificate.statement,
+        "motion": None,
         "reason": None,
         "units": {
             "rate": "1, of Λ' <= -(k1/m) rate |Y|²",

@@ -1,0 +1,192 @@
+"""Refute a start: show that the motion from it sinks to the target.
+
+A simulation picks the state and the time; the checker then encloses all motions from there, and
+what it accepts is a theorem.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from fractions import Fraction
+from functools import cache
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof import checker
+from hoverproof.algebra.decimals import decimal_above
+from hoverproof.algebra.graph import fingerprint
+from hoverproof.certification.attraction.starts import Start, State
+from hoverproof.certification.attraction.verdict import Refuted, Undecided
+from hoverproof.certification.certificate import seal_content
+from hoverproof.mission import Mission
+from hoverproof.plant import camera
+from hoverproof.plant.goal import hover_goal
+from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, state_rate
+from hoverproof.servo.controller import derive_controller
+from hoverproof.servo.error_chain import Design, Measurement
+
+Array = NDArray[np.float64]
+Vector = tuple[Fraction, ...]
+Ending = Literal["sinks to the target", "settles", "breaks off", "goes on"]
+
+SOON = 30.0
+"""s; within that a motion sinks, or nobody could follow it rigorously."""
+LATE = 5000.0
+"""s; a simulation that has not ended by then goes on."""
+PASSED = 1e-3
+"""m; a motion is followed until it is so far below the target, where rounding does not matter."""
+
+
+def worst_states(mission: Mission, start: Start) -> Iterator[State]:
+    """Yield states of a set of starts from which a vehicle would sink soonest.
+
+    As low, as fast downward and with as little thrust as may be; level, or leaning as far as may
+    be in four directions and falling over further.
+
+    Parameters
+    ----------
+    mission : Mission
+    start : Start
+    """
+    *sides, (_, low) = start.position
+    places = dict.fromkeys([tuple((a + b) / 2 for a, b in sides), *itertools.product(*sides)])
+    zero, half = Fraction(0), start.tilt / 2  # tan(φ/2) of a φ that is at most the tilt
+    sine, cosine = 2 * half / (1 + half**2), (1 - half**2) / (1 + half**2)
+    leans: list[tuple[Vector, Vector]] = [((zero, zero, Fraction(1)), (zero,) * 3)]
+    if start.tilt or start.rate:
+        for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+            over = (x * cosine, y * cosine, -sine)
+            leans.append(((x * sine, y * sine, cosine), tuple(start.rate * a for a in over)))
+    thrust = mission.vehicle.weight - start.thrust
+    for place, (axis, turning) in itertools.product(places, leans):
+        velocity = (zero, zero, start.speed)
+        yield State.exactly((*place, low), velocity, axis, turning, thrust=thrust)
+
+
+@cache
+def flight_rate(n: int) -> ca.Function:
+    """Return (state (19,), design (13,), points (3, n)) ↦ its time derivative in closed loop.
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    """
+    x, d, points = ca.SX.sym("x", STATE_SIZE), Design.symbols(), ca.SX.sym("points", 3, n)
+    body = RigidBodyState.from_vector(x)
+    rays = camera.body_points(points, body.position, body.rotation)
+    q = ca.sum2(rays / ca.repmat(ca.sqrt(ca.sum1(rays * rays)), 3, 1))
+    seen = Measurement(q, body.velocity, body.gravity_direction, body.rate, body.thrust)
+    U, torque = derive_controller().function()(seen.vector(), d.vector())
+    rate = state_rate(
+        body, torque=torque, thrust_rate=U, mass=d.mass, inertia=d.inertia, gravity=d.gravity
+    )
+    return ca.Function("flight", [x, d.vector(), points], [rate.vector()])
+
+
+def simulate(mission: Mission, start: Array, most: float) -> tuple[Ending, float]:
+    """Return how a motion ends, and when, s; a simulation proves nothing.
+
+    Parameters
+    ----------
+    mission : Mission
+    start : (19,)
+        Packed state of the vehicle; see `RigidBodyState`.
+    most : float
+        s; when to give up.
+    """
+    from scipy.integrate import solve_ivp
+
+    hover = hover_goal(mission)
+    design = np.array([float(x) for x in Design.values(mission, hover.centroid_midpoint)])
+    points, goal = np.array(mission.target.points, float), np.array(hover.position, float)
+    lowest, near = points[:, 2].max(), 0.05 * np.linalg.norm(points - goal, axis=1).min()
+    read, weight = flight_rate(len(points)), float(mission.vehicle.weight)
+    gains = mission.gains
+    singular = float(gains.k1**2 * gains.k2 / mission.vehicle.mass) * design[-1]
+    if start[2] >= lowest:
+        return "sinks to the target", 0.0
+
+    def below(t: float, x: Array) -> float:
+        return float(x[2] - lowest - PASSED)
+
+    def away(t: float, x: Array) -> float:  # slow means: it would take long to move as far again
+        return float(max(np.linalg.norm(x[:3] - goal), np.linalg.norm(x[3:6])) - near)
+
+    def margin(t: float, x: Array) -> float:
+        return float(x[18] - singular - 1e-6 * weight)
+
+    for event in (below, away, margin):
+        event.terminal = True  # type: ignore[attr-defined]
+    flown = solve_ivp(
+        lambda t, x: np.array(read(x, design, points.T))[:, 0],
+        (0.0, most),
+        start,
+        method="LSODA",
+        rtol=1e-10,
+        atol=1e-12,
+        events=[below, away, margin],
+    )
+    ending: Ending = "goes on" if flown.status == 0 else "breaks off"
+    if len(flown.t_events[0]):
+        ending = "sinks to the target"
+    elif len(flown.t_events[1]):
+        ending = "settles"
+    return ending, float(flown.t[-1])
+
+
+def refute(
+    mission: Mission, starts: Sequence[Start] | None, undecided: Undecided
+) -> Refuted | Undecided:
+    """Show that a wanted start sinks to the target; else tell what a simulation does.
+
+    Parameters
+    ----------
+    mission : Mission
+    starts : sequence of Start or None
+        The sets that were asked for; None stands for the start of the mission.
+    undecided : Undecided
+        What the search for a region came to.
+
+    Returns
+    -------
+    Refuted, or Undecided with the reason completed
+    """
+    if starts is None:
+        own = State.of(mission)
+        states = [] if own is None else [own]
+    else:
+        states = [state for start in starts for state in worst_states(mission, start)]
+    sinking = []
+    for state in states:
+        ending, time = simulate(mission, state.packed(), SOON)
+        if ending == "sinks to the target":
+            sinking.append((time, state))
+    for time, state in sorted(sinking, key=lambda pair: pair[0])[:1]:
+        parts = {"motion": {**asdict(state), "time": decimal_above(time, 6)}}
+        certificate = seal_content(mission, "sinking", parts, model_fingerprint(mission))
+        try:
+            checker.check(certificate.content)
+        except checker.Rejected as rejected:
+            shown = f"sinks to the target within {time:.3g} s, but {rejected}"
+            return undecided.because(f"a simulation, which is no proof, {shown}")
+        return Refuted(state, decimal_above(time, 6), mission, certificate)
+    if not states:
+        return undecided
+    ending, time = simulate(mission, states[0].packed(), LATE)
+    return undecided.because(f"a simulation, which is no proof, {ending} after {time:.3g} s")
+
+
+def model_fingerprint(mission: Mission) -> str:
+    """Return the SHA-256 of the graph of the closed loop that was simulated.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    return fingerprint(flight_rate(len(mission.target.points)))

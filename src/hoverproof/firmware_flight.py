@@ -1,0 +1,107 @@
+"""Fly a mission with its exported firmware: the very C, in the loop with the ideal vehicle."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+
+import numpy as np
+import xarray as xr
+
+import hoverproof
+from hoverproof.errors import InputError
+from hoverproof.export.binding import Firmware
+from hoverproof.mission import Mission
+from hoverproof.simulation import flight as simulation
+from hoverproof.simulation.numbers import FlightNumbers
+
+LONGEST_STEP = 0.1
+
+
+def fly_firmware(
+    mission: Mission,
+    firmware: Firmware | None = None,
+    *,
+    duration: float | None = None,
+    step: float = simulation.STEP,
+    every: int | None = None,
+) -> xr.Dataset:
+    """Fly a mission from its start with the exported C as its controller.
+
+    The controller runs once a step and its thrust and torque are held in between; the ideal rigid
+    body moves by one step of RK4. Gains need not be proved for a simulated flight.
+
+    Parameters
+    ----------
+    mission : Mission
+    firmware : Firmware, optional
+        A package of this mission; by default it is exported in float32 for this flight.
+    duration : float, optional
+        s; by default as in `hoverproof.simulate`.
+    step : float
+        From one step of the controller to the next, s, at most 0.1.
+    every : int, optional
+        Keep every so many steps; by default about 2000 samples are kept.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `hoverproof.simulate` gives it; thrusts and torque are those of the firmware, and
+        `firmware_status` has the status of each sample's step.
+
+    Raises
+    ------
+    InputError
+        If the mission adds anything to the model, the firmware is that of another mission, a time
+        cannot be used, or there is no C compiler.
+    """
+    unfit = sorted(set(mission.conditions()) - {"scatter"})
+    if unfit:
+        raise InputError(
+            mission.source, unfit[0], "is not flown with --controller firmware; leave it out"
+        )
+    if duration is None:
+        duration = simulation.default_duration(mission)
+    if not 0 < step <= LONGEST_STEP:
+        raise InputError(
+            "--step", "", f"must be at most {LONGEST_STEP} s for the firmware, not {step}"
+        )
+    steps = round(duration / step) if np.isfinite(duration) else 0
+    if steps < 1:
+        raise InputError("--duration", "", f"must be at least one step of {step} s, not {duration}")
+    every = max(1, steps // simulation.SAMPLES) if every is None else every
+    if not 1 <= every <= steps or steps // every > simulation.MAX_SAMPLES:
+        raise InputError("--every", "", f"cannot be {every} for {steps} steps")
+    if firmware is None:
+        firmware = _exported(mission)
+    elif firmware.manifest["mission"] != mission.exact():
+        raise InputError(mission.source, "", f"is not the mission of the firmware {firmware.name}")
+    begin = time.perf_counter()
+    flown = firmware.fly(step, steps // every, every)
+    seconds = time.perf_counter() - begin
+    states = np.column_stack([flown["state"], flown["thrust"]])
+    whole = len(states) == steps // every + 1
+    kept = slice(None) if whole or len(states) == 1 else slice(-1)
+    numbers = FlightNumbers.of(mission)
+    record = simulation.flight_record(mission, numbers, states[kept], step * every)
+    record["torque"].values[:] = flown["torque"][kept]
+    record["rotor_thrust"].values[:] = flown["rotor"][kept]
+    words = "0, or a sum of the bits in the firmware's header"
+    record["firmware_status"] = ("time", flown["status"][kept], {"long_name": words})
+    fault = f"firmware fault {int(flown['status'][-1])}"
+    record.attrs |= {
+        "outcome": "flown"
+        if whole
+        else f"ended near {(len(states) - 1) * step * every:g} s: {fault}",
+        "step": step,
+        "steps": (len(states) - 1) * every,
+        "seconds": seconds,
+        "machine": f"firmware, {firmware.manifest['precision']}",
+    }
+    return record
+
+
+def _exported(mission: Mission) -> Firmware:
+    with tempfile.TemporaryDirectory() as folder:
+        hoverproof.export_c(mission, folder, name="firmware", allow_uncertified=True)
+        return Firmware(folder)

@@ -1,0 +1,1 @@
+"""Reports: one file that tells all that is known of a mission."""

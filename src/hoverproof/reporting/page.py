@@ -1,0 +1,303 @@
+"""The page of a report: what its template is filled with."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import jinja2
+
+import hoverproof
+from hoverproof.certification.attraction.verdict import NOT_COVERED
+from hoverproof.certification.attraction.verdict import Proved as Attraction
+from hoverproof.certification.certificate import Certificate
+from hoverproof.certification.gains import Proved, Refuted, Undecided
+from hoverproof.certification.over_box import RegionVerdict
+from hoverproof.export.cost import STEPS
+from hoverproof.paper.judge import Judgement, Verdict
+from hoverproof.reporting import mathematics, pictures, tables, wording
+from hoverproof.reporting.parts import Firmware, Flown, Map, Missing, Parts, sentence
+from hoverproof.reporting.player import player_data
+from hoverproof.reporting.tables import short
+
+CONTENTS = (
+    ("theorem", "Verdict and theorem"),
+    ("mission", "Mission"),
+    ("margins", "Margins"),
+    ("atlas", "Atlas"),
+    ("region", "Eigenvalue region"),
+    ("attraction", "Region of attraction"),
+    ("flight", "Flight"),
+    ("firmware", "Firmware"),
+    ("ledger", "The paper, judged"),
+    ("provenance", "Provenance"),
+)
+UNITS = "kg|m|N|s|rad|1/m|1/s|bytes"
+MENDED = (Verdict.CORRECTED, Verdict.FALSE, Verdict.UNPROVED)
+"""Verdicts on claims that a reader should see first."""
+
+TONES = {
+    Verdict.HOLDS: "proved",
+    Verdict.CORRECTED: "undecided",
+    Verdict.FALSE: "refuted",
+    Verdict.UNPROVED: "undecided",
+}
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where a report comes from.
+
+    Attributes
+    ----------
+    command : str
+        That made it.
+    source : str
+        Mission file or preset.
+    made_at : str or None
+        Date, if it is to be in the file.
+    """
+
+    command: str
+    source: str
+    made_at: str | None
+
+
+@dataclass(frozen=True)
+class File:
+    """A file inside a page.
+
+    Attributes
+    ----------
+    name : str
+        To be saved as.
+    link : str
+        A ``data:`` address that holds it.
+    """
+
+    name: str
+    link: str
+
+
+def render(parts: Parts, origin: Origin) -> str:
+    """Return the page, HTML in one piece.
+
+    Parameters
+    ----------
+    parts : Parts
+    origin : Origin
+    """
+    return _template().render(context(parts, origin))
+
+
+def context(parts: Parts, origin: Origin) -> dict[str, Any]:
+    """Return what the template asks for, by name.
+
+    Parameters
+    ----------
+    parts : Parts
+    origin : Origin
+    """
+    files = _files(parts)
+    return {
+        "mission": parts.mission,
+        "parts": parts,
+        "verdict": parts.verdict,
+        "version": hoverproof.__version__,
+        "contents": CONTENTS,
+        "css": _asset("report.css"),
+        "js": _asset("player.js"),
+        "headline": wording.headline(parts),
+        "merits": list(wording.merits(parts)),
+        "certificate": files.get("gains"),
+        "region_file": files.get("region"),
+        "attraction_file": files.get("attraction"),
+        "files": list(files.values()),
+        "rounding_steps": STEPS,
+        "not_claimed": wording.NOT_REFUTED
+        if parts.verdict.status == "refuted"
+        else wording.NOT_CLAIMED,
+        "not_covered": NOT_COVERED,
+        **vars(origin),
+        **_theorem(parts),
+        **_tables(parts),
+        **_pictures(parts),
+        **_provenance(parts),
+    }
+
+
+def _theorem(parts: Parts) -> dict[str, Any]:
+    verdict, problem = parts.verdict, parts.verdict.problem
+    told: dict[str, Any] = {"statement": None, "claim": None, "counterexample": None}
+    told["theorem_words"] = wording.THEOREM[parts.verdict.status]
+    told["question"] = mathematics.question(problem.eigenvalues, problem.thrust)
+    if not isinstance(verdict, Undecided):
+        told["statement"] = verdict.certificate.statement
+    if isinstance(verdict, Proved):
+        told["claim"] = mathematics.claim(
+            problem.eigenvalues, problem.thrust, verdict.margin, verdict.decay_rate
+        )
+    if isinstance(verdict, Refuted):
+        told["counterexample"] = mathematics.counterexample(
+            verdict.Q, verdict.f, verdict.X, verdict.value
+        )
+    judged = {} if isinstance(parts.ledger, Missing) else {j.id: j for j in parts.ledger}
+    told["meanings"] = [
+        (id, words, judged[id].derived.latex()) for id, words in mathematics.IMPLIED if judged
+    ]
+    told["ledger_reasons"] = [(id, judged[id].reason) for id in ("conditions", "theorem") if judged]
+    told["conditions_words"] = wording.conditions(parts)
+    if isinstance(parts.attraction, Attraction):
+        told["attraction_words"] = wording.attraction(parts.attraction)
+        told["attraction_statement"] = parts.attraction.certificate.statement
+        told["attraction_claim"] = mathematics.attraction_claim(parts.attraction)
+    told["mended"] = [j for j in judged.values() if j.verdict in MENDED]
+    told["unmended"] = [j for j in judged.values() if j.verdict not in MENDED]
+    counts = Counter(str(j.verdict) for j in judged.values())
+    order = [str(v) for v in Verdict]
+    told["tally"] = sorted(counts.items(), key=lambda item: order.index(item[0]))
+    return told
+
+
+def _tables(parts: Parts) -> dict[str, Any]:
+    goal = parts.verdict.problem.goal
+    told: dict[str, Any] = {
+        "tables": tables.mission_tables(parts.mission, goal.centroid_midpoint),
+        "margins": tables.margins_table(parts.verdict),
+        "demands": parts.demands,
+    }
+    if isinstance(parts.atlas, Map):
+        told["atlas_words"] = wording.atlas(parts.atlas)
+    if isinstance(parts.region, RegionVerdict):
+        told["region_table"] = tables.region_table(parts.region)
+        told["region_words"] = wording.region(parts.region, parts.mission)
+    if isinstance(parts.attraction, Attraction):
+        told["attraction_table"] = tables.attraction_table(parts.attraction)
+    if isinstance(parts.flight, Flown):
+        told["flight_table"] = tables.flight_table(parts.flight)
+        told["flight_words"] = wording.FLIGHT
+        told["player"] = player_data(parts.flight)
+        if parts.flight.batch_summary is not None:
+            told["batch_table"] = tables.batch_table(parts.flight.batch_summary)
+    if isinstance(parts.firmware, Firmware):
+        told["firmware_table"] = tables.firmware_table(parts.firmware)
+    return told
+
+
+def _pictures(parts: Parts) -> dict[str, Any]:
+    drawn: dict[str, Any] = {}
+    if isinstance(parts.atlas, Map):
+        drawn["atlas"] = pictures.map_picture(parts.mission, parts.atlas)
+    if isinstance(parts.region, RegionVerdict):
+        drawn["region"] = pictures.region_picture(parts.mission, parts.region)
+    if isinstance(parts.attraction, Attraction):
+        drawn["attraction"] = pictures.attraction_pictures(parts.attraction)
+    if isinstance(parts.flight, Flown):
+        drawn["flight"] = list(pictures.flight_pictures(parts.flight))
+        drawn["batch"] = pictures.batch_picture(parts.flight) if parts.flight.batch else None
+    return {"pictures": drawn}
+
+
+def _certificates(parts: Parts) -> Iterable[tuple[str, str, Certificate]]:
+    """Yield what is proved or refuted here: kind, ending of the file's name, certificate."""
+    verdict = parts.verdict
+    if not isinstance(verdict, Undecided):
+        ending = "cert" if isinstance(verdict, Proved) else "refutation"
+        yield "gains", ending, verdict.certificate
+    if isinstance(parts.region, RegionVerdict) and parts.region.certificate is not None:
+        ending = "region.refutation" if parts.region.outside else "region.cert"
+        yield "region", ending, parts.region.certificate
+    if isinstance(parts.attraction, Attraction):
+        yield "attraction", "attraction.cert", parts.attraction.certificate
+
+
+def _files(parts: Parts) -> dict[str, File]:
+    files = {}
+    for kind, ending, certificate in _certificates(parts):
+        encoded = base64.b64encode(certificate.text().encode()).decode()
+        link = f"data:application/json;base64,{encoded}"
+        files[kind] = File(f"{parts.mission.name}.{ending}.json", link)
+    return files
+
+
+def _provenance(parts: Parts) -> dict[str, Any]:
+    certificates = list(_certificates(parts))
+    hashes: dict[str, str] = {}
+    versions = {"hoverproof": hoverproof.__version__}
+    for _, ending, certificate in certificates:
+        hashes.setdefault("mission", certificate.content["mission_sha256"])
+        hashes[f"{parts.mission.name}.{ending}.json"] = certificate.content["sha256"]
+        versions |= certificate.content["tools"]
+    if not isinstance(parts.verdict, Undecided):
+        hashes["derived model, Σ"] = parts.verdict.certificate.content["model_sha256"]
+    if isinstance(parts.flight, Flown):
+        hashes["derived model, flight"] = parts.flight.whole.attrs["model_sha256"]
+    if isinstance(parts.firmware, Firmware):
+        hashes["firmware, law"] = parts.firmware.manifest["law_sha256"]
+    return {
+        "hashes": list(hashes.items()),
+        "versions": tables.Table("Versions", list(versions.items())),
+    }
+
+
+def _anchor(id: str) -> str:
+    """Return the place of a claim of the paper in the page."""
+    return "eq-" + "".join(c if c.isascii() and c.isalnum() else f"-{ord(c):x}" for c in id)
+
+
+def _equation(id: str) -> str:
+    return f"eq. {id}" if id.isdigit() else id
+
+
+def _tight(words: str) -> str:
+    """Keep a number and its unit on one line."""
+    return re.sub(
+        rf"(?<=[\d)⁰¹²³⁴-⁹]) (?=({UNITS})\b)|(?<=kg) (?=m)|(?<=N) (?=m)|(?<=[≥≤]) ",
+        "\N{NO-BREAK SPACE}",
+        words,
+    )
+
+
+def _tone(verdict: Judgement | Verdict) -> str:
+    return TONES.get(Verdict(str(verdict)), "")
+
+
+@cache
+def _asset(name: str) -> str:
+    folder = resources.files("hoverproof.reporting") / "templates"
+    return re.sub(r"(?m)\s+$", "", (folder / name).read_text(encoding="utf-8")) + "\n"
+
+
+@cache
+def _template() -> jinja2.Template:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("hoverproof.reporting"),
+        undefined=jinja2.StrictUndefined,
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+
+    def mathml(latex: str, *, block: bool = False) -> Any:
+        import markupsafe
+
+        return markupsafe.Markup(mathematics.mathml(latex, block=block))
+
+    environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
+    environment.filters |= {
+        "mathml": mathml,
+        "short": short,
+        "sentence": sentence,
+        "anchor": _anchor,
+        "equation": _equation,
+        "tone": _tone,
+        "tight": _tight,
+    }
+    return environment.get_template("report.html.j2")

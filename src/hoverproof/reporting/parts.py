@@ -1,0 +1,269 @@
+"""What a report is made of. Each part is computed, or there is a reason why it is not."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+import xarray as xr
+
+from hoverproof.certification.atlas import atlas, axis, cell_values
+from hoverproof.certification.attraction.proof import attraction
+from hoverproof.certification.attraction.verdict import Verdict as AttractionVerdict
+from hoverproof.certification.gains import Proved, Verdict, certify
+from hoverproof.certification.over_box import RegionVerdict, certify_region
+from hoverproof.certification.region import default_box
+from hoverproof.errors import InputError
+from hoverproof.export.contents import Standing
+from hoverproof.export.cost import Footprint, Rounding, footprint, rounding
+from hoverproof.export.package import NotCertified, write_package
+from hoverproof.mission import Mission
+from hoverproof.paper.conditions import Demand, printed_demands, where_met
+from hoverproof.paper.judge import Judgement
+from hoverproof.paper.ledger import derive
+from hoverproof.show.decay import Decay, decay_along
+from hoverproof.show.panels import beginning
+from hoverproof.simulation.campaign import batch_summary, simulate_batch
+from hoverproof.simulation.flight import simulate, slowest_rate, summary, without_conditions
+
+PARTS = ("atlas", "region", "attraction", "flight", "firmware", "ledger")
+"""The parts that a report may be asked to leave out."""
+
+MAP_AXES = ("k3", "k4")
+MAP_CELLS = 80
+SHORT = 0.5
+FEW = 100
+CANNOT = (InputError, RuntimeError, ArithmeticError, OSError, np.linalg.LinAlgError)
+"""What a part may end with, for the report to say so and go on; anything else is a mistake here."""
+
+Show = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Missing:
+    """A part that is not there.
+
+    Attributes
+    ----------
+    reason : str
+        Why, in plain words.
+    """
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class Map:
+    """An atlas.
+
+    Attributes
+    ----------
+    data : Dataset
+        From `hoverproof.atlas`.
+    printed : (m, n)
+        Where the conditions of the printed theorem are met.
+    """
+
+    data: xr.Dataset
+    printed: np.ndarray
+
+
+@dataclass(frozen=True)
+class Flown:
+    """A flight, and many if they were asked for.
+
+    Attributes
+    ----------
+    whole : Dataset
+        The flight.
+    beginning : Dataset or None
+        Its first seconds in finer samples; None if the whole flight is no longer than that.
+    summary : dict
+        What it came to: distances in m, times in s.
+    decay : Decay or None
+        The proved decay of L, if it is about this flight.
+    batch : Dataset or None
+        Many flights.
+    batch_summary : dict or None
+        What they came to: distances in m, times in s.
+    """
+
+    whole: xr.Dataset
+    beginning: xr.Dataset | None
+    summary: dict[str, Any]
+    decay: Decay | None
+    batch: xr.Dataset | None
+    batch_summary: dict[str, Any] | None
+
+
+@dataclass(frozen=True)
+class Firmware:
+    """The exported C, in float32, and what it costs.
+
+    Attributes
+    ----------
+    manifest : dict
+        Of the package.
+    footprint : Footprint or Missing
+        Measured with a compiler for the target.
+    rounding : list of Rounding
+        What float32 loses.
+    """
+
+    manifest: dict[str, Any]
+    footprint: Footprint | Missing
+    rounding: list[Rounding]
+
+
+@dataclass(frozen=True)
+class Parts:
+    """All that a report tells of a mission.
+
+    Attributes
+    ----------
+    mission : Mission
+    verdict
+        What `hoverproof.certify` returned.
+    demands : list of Demand
+        Conditions of the printed theorem.
+    atlas : Map or Missing
+    region : RegionVerdict or Missing
+    attraction
+        What `hoverproof.attraction` returned, or Missing.
+    flight : Flown or Missing
+    firmware : Firmware or Missing
+    ledger : list of Judgement, or Missing
+    """
+
+    mission: Mission
+    verdict: Verdict
+    demands: Sequence[Demand]
+    atlas: Map | Missing
+    region: RegionVerdict | Missing
+    attraction: AttractionVerdict | Missing
+    flight: Flown | Missing
+    firmware: Firmware | Missing
+    ledger: list[Judgement] | Missing
+
+
+def gather(
+    mission: Mission, *, without: Collection[str] = (), runs: int | None = None, show: Show
+) -> Parts:
+    """Compute the parts of a report.
+
+    Parameters
+    ----------
+    mission : Mission
+    without : collection of str
+        Some of `PARTS`, to be left out.
+    runs : int, optional
+        Number of flights to be drawn from the scatter of the mission, besides the one.
+    show : callable
+        Told, in words, what is begun.
+
+    Raises
+    ------
+    InputError
+        If the mission poses no question, so that there is nothing to report on.
+    """
+    show("verdict")
+    verdict = certify(mission)
+
+    def part(name: str, words: str, work: Callable[[], Part]) -> Part | Missing:
+        if name in without:
+            return Missing("It was left out on request (--without).")
+        show(words)
+        return attempt(work)
+
+    return Parts(
+        mission=mission,
+        verdict=verdict,
+        demands=printed_demands(mission),
+        atlas=part("atlas", "atlas", lambda: _map(mission)),
+        region=part(
+            "region", "eigenvalue region", lambda: certify_region(mission, default_box(mission))
+        ),
+        attraction=part("attraction", "region of attraction", lambda: attraction(mission)),
+        flight=part("flight", "flight", lambda: _fly(mission, verdict, runs)),
+        firmware=part("firmware", "firmware", lambda: _export(mission, verdict)),
+        ledger=part("ledger", "ledger of the paper", derive),
+    )
+
+
+Part = TypeVar("Part")
+
+
+def attempt(work: Callable[[], Part]) -> Part | Missing:
+    """Do some work, or say why it cannot be done.
+
+    Parameters
+    ----------
+    work : callable
+        Takes nothing, returns the part.
+    """
+    try:
+        return work()
+    except CANNOT as error:
+        return Missing(sentence(str(error)))
+    except NotCertified as error:
+        return Missing(
+            f"The gains are {error.status}, so no firmware is made of them: only certified gains "
+            "are exported."
+        )
+
+
+def sentence(words: str) -> str:
+    """Write a message as a sentence.
+
+    Parameters
+    ----------
+    words : str
+    """
+    line = " ".join(words.split()).rstrip(".")
+    return f"{line[:1].upper()}{line[1:]}."
+
+
+def _map(mission: Mission) -> Map:
+    x, y = (axis(mission, name, cells=MAP_CELLS) for name in MAP_AXES)
+    data = atlas(mission, x, y, processes=1)
+    return Map(data, where_met(mission, cell_values(mission, x, y)))
+
+
+def _fly(mission: Mission, verdict: Verdict, runs: int | None) -> Flown:
+    if slowest_rate(mission) <= 0:
+        raise RuntimeError(
+            "The loop is not stable near its goal, so a flight has no natural length; "
+            f"`hoverproof simulate {mission.source} --duration 20` flies it"
+        )
+    whole = simulate(mission)
+    if whole.attrs["outcome"] != "flown" and whole.sizes["time"] < FEW:
+        whole = simulate(mission, every=1)  # it ended so soon that hardly a sample was kept
+    decay = decay_along(whole, verdict) if isinstance(verdict, Proved) else None
+    duration, early = float(whole["time"].values[-1]), 2 * beginning(whole)
+    first = simulate(mission, duration=early) if 0 < early < SHORT * duration else None
+    told = {**summary(whole), **without_conditions(mission, whole)}
+    batch, of_batch = (None, None) if runs is None else _fly_many(mission, runs)
+    return Flown(whole, first, told, decay, batch, of_batch)
+
+
+def _fly_many(mission: Mission, runs: int) -> tuple[xr.Dataset, dict[str, Any]]:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "flights.nc"
+        simulate_batch(mission, path, runs=runs)
+        with xr.open_dataset(path, engine="h5netcdf") as batch:
+            return batch.load(), batch_summary(path)
+
+
+def _export(mission: Mission, verdict: Verdict) -> Firmware:
+    if not isinstance(verdict, Proved):
+        raise NotCertified(mission.name, verdict.status)
+    thrust: tuple[Fraction, Fraction] = verdict.problem.thrust
+    with tempfile.TemporaryDirectory() as folder:
+        manifest = write_package(mission, folder, Standing(thrust, verdict.certificate.content))
+        measured = attempt(lambda: footprint(folder, manifest))
+    return Firmware(manifest, measured, rounding(mission, thrust))

@@ -1,0 +1,324 @@
+"""Figures in a page: small ones that stay legible on a phone, in the colours of the page."""
+
+from __future__ import annotations
+
+import base64
+import io
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
+
+from hoverproof.certification.attraction.verdict import Proved
+from hoverproof.certification.over_box import RegionVerdict
+from hoverproof.mission import Mission
+from hoverproof.reporting.parts import Flown, Map
+from hoverproof.show import attraction, fans, panels, style
+from hoverproof.show.atlas import atlas_figure
+from hoverproof.show.region import region_figure
+
+WIDTH = 4.6
+FLIGHTS = 30
+MOST_SVG = 400_000
+COLOURS = {
+    "#000000": "currentColor",
+    "#808080": "var(--muted)",
+    "#cccccc": "var(--line)",
+    "#ffffff": "var(--paper)",
+    **dict(
+        zip(
+            map(str.lower, style.COLOURS),
+            (f"var(--{n})" for n in ("blue", "orange", "green", "pink", "amber", "sky")),
+            strict=True,
+        )
+    ),
+    **dict.fromkeys(("#f2f2f2", "#e6e6e6", "#ececec"), "var(--card)"),
+}
+"""Colours of a figure that follow those of the page, light or dark."""
+
+LOOKS: Any = {
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "legend.fontsize": 8,
+    "svg.hashsalt": "hoverproof",
+    "svg.fonttype": "path",
+}
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure, ready to stand in a page.
+
+    Attributes
+    ----------
+    name : str
+        An identifier that no other picture of the page has.
+    markup : str
+        An ``svg`` or ``img`` element.
+    caption : str
+        What it shows, and how it was computed.
+    wide : bool
+        Whether it needs a width that a phone does not have, and is to scroll in its own box.
+    """
+
+    name: str
+    markup: str
+    caption: str
+    wide: bool = False
+
+
+def picture(
+    name: str, draw: Callable[[], Figure], alt: str, caption: str, *, wide: bool = False
+) -> Picture:
+    """Draw a figure as SVG, or as PNG where that is much smaller.
+
+    Parameters
+    ----------
+    name : str
+    draw : callable
+        Takes nothing, returns the figure.
+    alt : str
+        What the figure shows, for those who do not see it.
+    caption : str
+    wide : bool
+        See `Picture`.
+    """
+    with mpl.rc_context(LOOKS):
+        figure = draw()
+        written = io.BytesIO()
+        none = {"Date": None, "Creator": None, "Format": None, "Type": None}
+        figure.savefig(written, format="svg", transparent=True, dpi=160, metadata=none)
+        if len(written.getvalue()) <= MOST_SVG:
+            return Picture(name, _inline(written.getvalue().decode(), name, alt), caption, wide)
+        written = io.BytesIO()
+        figure.savefig(written, format="png", dpi=160, metadata={"Software": None})
+    encoded = base64.b64encode(written.getvalue()).decode()
+    source = f"data:image/png;base64,{encoded}"
+    return Picture(name, f'<img src="{source}" alt="{_escaped(alt)}">', caption, wide)
+
+
+def _inline(svg: str, name: str, alt: str) -> str:
+    """Make an SVG file an element of a page: identifiers of its own, as wide as there is room."""
+    body = svg[svg.index("<svg ") :]
+    body = re.sub(r"(?s)<(metadata|style).*?</\1>\s*", "", body)
+    for fixed, follows in COLOURS.items():
+        body = body.replace(f": {fixed}", f": {follows}")
+    body = re.sub(r'(?<=[\s<])(id="|xlink:href="#)', rf"\g<1>{name}-", body)
+    body = body.replace("url(#", f"url(#{name}-")
+    view = re.search(r'viewBox="[^"]*"', body)
+    assert view is not None
+    head = f'<svg {view[0]} role="img" aria-label="{_escaped(alt)}">'
+    return re.sub(r"\n\s*", "\n", head + body[body.index(">") + 1 :].strip())
+
+
+def _escaped(text: str) -> str:
+    return text.replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
+
+
+def map_picture(mission: Mission, found: Map) -> Picture:
+    """Draw an atlas with the mission's point.
+
+    Parameters
+    ----------
+    mission : Mission
+    found : Map
+    """
+
+    def draw() -> Figure:
+        figure = atlas_figure(mission, found.data, "margin", found.printed)
+        return _narrow(figure, 5.2, columns=1)
+
+    y, x = (str(name) for name in found.data["margin"].dims)
+    return picture(
+        "atlas",
+        draw,
+        f"Map of the certified margin over the gains {x} and {y}, the mission's point marked.",
+        f"Margin over {x} and {y}, everything else as in the mission; the star is the mission. The "
+        "map is computed in floating point; only the mission's own point was decided exactly.",
+    )
+
+
+def region_picture(mission: Mission, found: RegionVerdict) -> Picture:
+    """Draw where the eigenvalue bounds of Q hold.
+
+    Parameters
+    ----------
+    mission : Mission
+    found : RegionVerdict
+    """
+    return picture(
+        "region",
+        lambda: _narrow(region_figure(mission, found.box), 4.9, columns=2),
+        "Cross-section of the positions in which the eigenvalues of Q keep to their bounds, with "
+        "target, goal, start and the box of the question.",
+        "Vertical cross-section through the goal. The shading is computed in floating point; what "
+        "is said of the box is proved in exact arithmetic.",
+    )
+
+
+def attraction_pictures(region: Proved) -> list[Picture]:
+    """Draw a region of attraction in cross-section, and Λ along flights.
+
+    Parameters
+    ----------
+    region : Proved
+    """
+    view = attraction.View.of(region)
+    flights = attraction.fly(region, view, FLIGHTS)
+
+    def section() -> Figure:
+        figure = Figure(figsize=(WIDTH, 5.6), layout="constrained")
+        axes = figure.subplots()
+        attraction.draw_section(axes, region, view, flights)
+        axes.set_title("")
+        labels = axes.get_legend_handles_labels()
+        figure.legend(*labels, loc="outside lower left", ncols=1, frameon=False)
+        return figure
+
+    def energy() -> Figure:
+        figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
+        axes = figure.subplots()
+        attraction.draw_energy(axes, region, flights)
+        axes.set_title("")
+        return figure
+
+    return [
+        picture(
+            "attraction-section",
+            section,
+            "Cross-section of the certified hovers, with target, goal, start and simulated starts.",
+            "From every hover in the shaded set the vehicle reaches its goal: that is proved; the "
+            f"shape is drawn in floating point, and the {FLIGHTS} simulated starts illustrate.",
+        ),
+        picture(
+            "attraction-energy",
+            energy,
+            "The function Λ over time along simulated flights, and the proved level.",
+            "Λ along those flights, from inside and outside of the certified set.",
+        ),
+    ]
+
+
+def flight_pictures(flown: Flown) -> Iterator[Picture]:
+    """Draw a flight, a panel at a time.
+
+    Parameters
+    ----------
+    flown : Flown
+    """
+    flight = flown.whole
+    first = flown.beginning if flown.beginning is not None else flight
+    when = "" if flown.beginning is None else f" in the first {first['time'].values[-1]:g} s"
+
+    def panel(
+        draw: Callable[..., None], record: object, height: float, **options: object
+    ) -> Figure:
+        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        axes = figure.add_subplot(projection=options.pop("projection", None))
+        draw(axes, record, *options.values())
+        _legend_above(axes)
+        if not axes.get_xlabel():
+            axes.set_xlabel("time (s)")
+        return figure
+
+    yield picture(
+        "flight-path",
+        lambda: _with_room(panel(panels.path, flight, 4.6, projection="3d")),
+        "The path in space over the target, from start to goal.",
+        "The path over the target; z is down, so up on the page is up in the world.",
+    )
+    yield picture(
+        "flight-image",
+        lambda: panel(panels.image_tracks, flight, 4.4),
+        "Tracks of the target points in the image.",
+        "What the camera sees: the tracks of the target points in the image plane.",
+    )
+    if flight.sizes["time"] < 2:
+        return
+    claim = ""
+    if flown.decay is not None:
+        ends = flown.decay.until < float(flight["time"].values[-1])
+        until = f", until {flown.decay.until:g} s, when it leaves its bounds" if ends else ""
+        claim = f" The straight line is {flown.decay.label()}{until}."
+    yield picture(
+        "flight-errors",
+        lambda: panel(panels.errors, flight, 4.0, decay=flown.decay),
+        "Sizes of the four errors and the Lyapunov function over time, on a logarithmic scale.",
+        "The errors of the controller and the Lyapunov function L." + claim,
+    )
+    for name, draw, what, record in (
+        ("position", panels.position, "Position x, y and z", flight),
+        ("attitude", panels.attitude, "Roll, pitch and yaw", first),
+        ("rotors", panels.rotor_forces, "Thrust of each rotor", first),
+        ("view", panels.required_view, "Angle of the farthest target point off the axis", flight),
+    ):
+        yield picture(
+            f"flight-{name}",
+            lambda draw=draw, record=record: panel(draw, record, 3.0),  # type: ignore[misc]
+            f"{what} over time{when if record is first else ''}.",
+            f"{what}{when if record is first else ''}.",
+        )
+
+
+def batch_picture(flown: Flown) -> Picture:
+    """Draw many flights as a fan.
+
+    Parameters
+    ----------
+    flown : Flown
+        With a batch.
+    """
+    assert flown.batch is not None
+    batch = flown.batch
+    runs = batch.sizes["run"]
+    return picture(
+        "flights",
+        lambda: fans.fans_figure(batch),
+        f"Bands that hold 90 % of {runs} flights, with their medians, over time.",
+        f"{runs} flights drawn from the scatter of the mission (seed 0): median, and the band that "
+        "holds 90 % of them.",
+        wide=True,
+    )
+
+
+def _with_room(figure: Figure) -> Figure:
+    """Leave room in a small picture of space for the names of its axes."""
+    (axes,) = figure.axes
+    assert isinstance(axes, Axes3D)
+    ends = (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())
+    axes.set_box_aspect([abs(b - a) for a, b in ends], zoom=0.85)
+    axes.tick_params(labelsize=7, pad=1)
+    return figure
+
+
+def _narrow(figure: Figure, height: float, columns: int) -> Figure:
+    """Fit a figure of one map, with a legend below it, to the width of a phone."""
+    figure.set_size_inches(WIDTH, height)
+    figure.axes[0].set_title("")
+    (legend,) = figure.legends
+    handles = [h for h in legend.legend_handles if h is not None]
+    labels = [text.get_text() for text in legend.get_texts()]
+    legend.remove()
+    figure.legend(handles, labels, loc="outside lower left", ncols=columns, frameon=False)
+    return figure
+
+
+def _legend_above(axes: Axes) -> None:
+    """Put the legend of a panel above it in columns that a phone has room for."""
+    handles, labels = axes.get_legend_handles_labels()
+    axes.legend(
+        handles,
+        [label.partition(": ")[0] if label.startswith("certified") else label for label in labels],
+        loc="lower left",
+        bbox_to_anchor=(0, 1),
+        ncols=min(3, len(labels)),
+        frameon=False,
+        borderaxespad=0.2,
+        handlelength=1.8,
+        columnspacing=1.0,
+    )

@@ -1,0 +1,71 @@
+"""The numbers from which a page shows a flight in motion."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from hoverproof.reporting.parts import Flown
+from hoverproof.show.scene import Scene
+
+MOST_SAMPLES = 500
+DRAWN_SPAN = 0.2
+
+
+def player_data(flown: Flown) -> dict[str, Any]:
+    """Return what the player in a page is given, for JSON.
+
+    Parameters
+    ----------
+    flown : Flown
+    """
+    flight, scene = flown.whole, Scene.of(flown.whole)
+    yaw = float(flight["euler_angles"].sel(angle="yaw").values[-1])
+    duration = float(flight["time"].values[-1])
+    spans = [{"name": f"whole flight, {duration:g} s", **_track(flight)}]
+    if flown.beginning is not None:
+        until = float(flown.beginning["time"].values[-1])
+        spans.append({"name": f"first {until:g} s", **_track(flown.beginning)})
+    extent = float(np.ptp(np.vstack([flight["position"].values, scene.points]), axis=0).max())
+    size = DRAWN_SPAN * extent / (2 * math.sqrt(2) * scene.arm)
+    return {
+        "spans": spans,
+        "target": _short(scene.points),
+        "goal": _short(scene.goal),
+        "goal_image": _short(scene.goal_image(yaw)),
+        "image_size": scene.image_size,
+        "rotors": _short(scene.rotor_places()),
+        "arm": scene.arm,
+        "drawn_size": 1 if size < 1.5 else round(size),
+    }
+
+
+def _track(flight: xr.Dataset) -> dict[str, Any]:
+    """Return a flight at so many times that a page need not hold more."""
+    last = flight.sizes["time"] - 1
+    kept = np.unique(np.linspace(0, last, min(MOST_SAMPLES, last + 1)).round().astype(int))
+    record = flight.isel(time=kept)
+    turns = Rotation.from_matrix(record["rotation"].values).as_quat(scalar_first=True)
+    for i in range(1, len(turns)):  # q and -q are one attitude: take the nearer
+        if turns[i] @ turns[i - 1] < 0:
+            turns[i] = -turns[i]
+    return {
+        "time": _short(record["time"].values, 8),
+        "position": _short(record["position"].values),
+        "attitude": _short(turns),
+        "tilt": _short(np.degrees(record["tilt"].values)),
+        "thrust": _short(record["thrust"].values, 7),
+        "image": _short(record["image"].values.reshape(len(kept), -1)),
+    }
+
+
+def _short(values: NDArray[np.float64], digits: int = 5) -> Any:
+    """Return nested lists, rounded to so many digits of the largest of all numbers."""
+    largest = float(np.abs(values).max(initial=0.0)) or 1.0
+    places = digits - 1 - math.floor(math.log10(largest))
+    return (np.round(values, max(places, 0)) + 0.0).tolist()

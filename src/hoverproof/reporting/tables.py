@@ -1,0 +1,340 @@
+"""The tables of a report: what is known, by name, with units."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hoverproof.algebra.decimals import decimal_above, decimal_below
+from hoverproof.certification.attraction.verdict import Proved as Attraction
+from hoverproof.certification.gains import Proved, Verdict
+from hoverproof.certification.over_box import RegionVerdict
+from hoverproof.mission import Mission
+from hoverproof.reporting.parts import Firmware, Flown, Missing
+
+DIGITS = 4
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+class Table(NamedTuple):
+    """A table of names and values.
+
+    Attributes
+    ----------
+    title : str
+    rows : list of (name, value)
+    """
+
+    title: str
+    rows: list[tuple[str, str]]
+
+
+def short(value: float | Fraction, digits: int = DIGITS) -> str:
+    """Write a number with so many digits: 3.488×10⁻⁴.
+
+    Parameters
+    ----------
+    value : float or Fraction
+        Any number.
+    digits : int
+        Number of digits.
+    """
+    text, _, power = f"{float(value):.{digits}g}".partition("e")
+    text = text.replace("-", "−")
+    return f"{text}×10{str(int(power)).translate(SUPERSCRIPT)}" if power else text
+
+
+def at_least(value: Fraction, digits: int = DIGITS) -> str:
+    """Write a proved lower bound, rounded down.
+
+    Parameters
+    ----------
+    value : Fraction
+        Any number.
+    digits : int
+        Number of digits.
+    """
+    return short(decimal_below(value, digits), digits)
+
+
+def at_most(value: Fraction, digits: int = DIGITS) -> str:
+    """Write a proved upper bound, rounded up.
+
+    Parameters
+    ----------
+    value : Fraction
+        Any number.
+    digits : int
+        Number of digits.
+    """
+    return short(decimal_above(value, digits), digits)
+
+
+def interval(ends: Sequence[float | Fraction]) -> str:
+    """Write an interval.
+
+    Parameters
+    ----------
+    ends : (low, high)
+        Any numbers.
+    """
+    return f"{short(ends[0], 6)} to {short(ends[1], 6)}"
+
+
+def inside(ends: Sequence[Fraction]) -> str:
+    """Write an interval over which something is proved, rounded inward.
+
+    Parameters
+    ----------
+    ends : (low, high)
+        Any numbers.
+    """
+    return f"{at_most(ends[0], 6)} to {at_least(ends[1], 6)}"
+
+
+def place(position: Sequence[float | Fraction]) -> str:
+    """Write a position.
+
+    Parameters
+    ----------
+    position : (3,)
+        m.
+    """
+    return "(" + ",\u00a0".join(short(round(float(c), 4) + 0.0) for c in position) + ")\u00a0m"
+
+
+def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
+    """Return what the user wrote, with units.
+
+    Parameters
+    ----------
+    mission : Mission
+    q_star : (3,) Fractions
+        The wanted centroid, dimensionless.
+    """
+    v, g, start = mission.vehicle, mission.gains, mission.start
+    height, bounds = mission.goal.height, mission.bounds
+    goal = "by its centroid" if height is None else f"{short(height)} m above the target"
+    q = ", ".join(short(c, 6) for c in q_star)
+    points = "; ".join(place(p) for p in mission.target.points)
+    assumed = (
+        ("thrust", f"{interval(bounds.thrust)} N")
+        if bounds.thrust is not None
+        else ("level of L", short(bounds.level or 0))
+    )
+    tables = [
+        Table(
+            "Vehicle",
+            [
+                ("mass", f"{short(v.mass)} kg"),
+                ("inertia", f"{', '.join(map(short, v.inertia))} kg m²"),
+                ("arm", f"{short(v.arm)} m"),
+                ("drag torque over thrust", f"{short(v.drag_ratio)} m"),
+                ("gravity", f"{short(v.gravity)} m/s²"),
+                ("weight", f"{short(v.weight)} N"),
+            ],
+        ),
+        Table(
+            "Gains",
+            [
+                ("k1", f"{short(g.k1)} kg m/s"),
+                ("k2", f"{short(g.k2)} 1/m"),
+                ("k3", f"{short(g.k3)} kg/s"),
+                ("k4", f"{short(g.k4)} kg/s"),
+                ("k_yaw", f"{short(g.k_yaw)} kg m²/s"),
+            ],
+        ),
+        Table(
+            "Target, goal and start (world frame, z down)",
+            [
+                (f"{len(mission.target.points)} target points", points),
+                ("goal", goal),
+                ("wanted centroid q*", f"({q})"),
+                ("start", place(start.position)),
+                *_moving(mission),
+            ],
+        ),
+        Table(
+            "Assumed in flight",
+            [("eigenvalues of Q", f"{interval(bounds.eigenvalues)} 1/m"), assumed],
+        ),
+    ]
+    conditions = mission.conditions()
+    if conditions:
+        rows = [
+            (s, "; ".join(f"{k} = {_plain(x)}" for k, x in c.items()))
+            for s, c in conditions.items()
+        ]
+        tables.append(Table("Added to the model in flight (nothing is proved of it)", rows))
+    return tables
+
+
+def _moving(mission: Mission) -> list[tuple[str, str]]:
+    start = mission.start
+    rows = (
+        ("velocity", start.velocity, "m/s"),
+        ("roll, pitch, yaw", start.rotation, "rad"),
+        ("rates", start.rates, "rad/s"),
+    )
+    moving = [(n, f"({', '.join(map(short, x))}) {unit}") for n, x, unit in rows if any(x)]
+    return moving or [("at the start", "level, at rest")]
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_plain, value))}]"
+    try:
+        return short(Fraction(value))
+    except ValueError:
+        return str(value)
+
+
+def margins_table(verdict: Verdict) -> Table:
+    """Return the bounds of the worst eigenvalue of Σ, and the decay rate.
+
+    Parameters
+    ----------
+    verdict
+        What `hoverproof.certify` returned.
+    """
+    rows = []
+    if isinstance(verdict, Proved):
+        gap = float(verdict.margin_above / verdict.margin - 1)
+        rows = [
+            ("proved lower bound", f"{at_least(verdict.margin, 8)} kg/s"),
+            ("proved upper bound", f"{at_most(verdict.margin_above, 8)} kg/s"),
+            ("the two are apart by", f"{short(gap, 1)} of the margin"),
+            ("decay rate of L, proved", f"{at_least(verdict.decay_rate, 6)} 1/s"),
+            ("so L halves in at most", f"{at_most(Fraction(np.log(2)) / verdict.decay_rate)} s"),
+        ]
+    elif verdict.margin_above is not None:
+        below = "some eigenvalue is negative" if verdict.margin_above < 0 else "of an unknown sign"
+        rows = [
+            ("proved lower bound", "none"),
+            ("proved upper bound", f"{at_most(verdict.margin_above, 8)} kg/s, so {below}"),
+            ("decay rate of L", "none is proved"),
+        ]
+    else:
+        rows = [("bounds", "none were found")]
+    return Table("Worst eigenvalue of Σ over all Q and T that are allowed", rows)
+
+
+def region_table(found: RegionVerdict) -> Table:
+    """Return the bounds of the eigenvalues of Q over a box.
+
+    Parameters
+    ----------
+    found : RegionVerdict
+    """
+    rows = [
+        (f"box, {axis}", f"{interval(side)} m") for axis, side in zip("xyz", found.box, strict=True)
+    ]
+    if found.enclosure is not None:
+        low, high = found.enclosure.eigenvalues
+        rows.append(("eigenvalues of Q there, proved", f"{at_least(low)} to {at_most(high)} 1/m"))
+        rows.append(("found there", f"{interval(found.enclosure.attained)} 1/m"))
+    return Table("The box and the eigenvalues of Q in it", rows)
+
+
+def attraction_table(region: Attraction) -> Table:
+    """Return how far the region reaches, and what holds in it.
+
+    Parameters
+    ----------
+    region : Attraction
+    """
+    reach, height = region.reach, region.barrier_height
+    rows = [
+        ("sideways, all round", f"{at_least(reach.sideways)} m"),
+        ("up", f"{at_least(reach.up)} m"),
+        ("down", f"{at_least(reach.down)} m"),
+        ("tilt on the way", f"{at_most(region.tilt)} rad or less"),
+        (
+            "thrust on the way",
+            f"{at_least(region.thrust[0], 5)} to {at_most(region.thrust[1], 5)} N",
+        ),
+        ("eigenvalues of Q", f"{at_most(region.largest_eigenvalue)} 1/m or less"),
+    ]
+    if height is not None:
+        rows.append(("height above the target", f"{at_least(height)} m or more"))
+    return Table("Certified hovers about the goal, and what holds on the way", rows)
+
+
+def flight_table(flown: Flown) -> Table:
+    """Return what a flight came to.
+
+    Parameters
+    ----------
+    flown : Flown
+    """
+    told = flown.summary
+    settled = told["settled_at"]
+    rows = [
+        ("outcome", str(told["outcome"])),
+        ("length", f"{short(told['duration'])} s"),
+        ("start", f"{place(told['start_position'])}, {short(told['start_error'])} m from the goal"),
+        (
+            "end",
+            f"{place(told['final_position'])}, {short(told['final_error'], 2)} m from the goal",
+        ),
+        (
+            "within 10 % of the distance at the start",
+            "not reached" if settled is None else f"from {short(settled)} s on",
+        ),
+        ("largest tilt", f"{short(np.degrees(told['largest_tilt']), 3)}°"),
+        ("rotor thrusts", f"{interval(told['rotor_thrust'])} N"),
+    ]
+    if "ideal_settled_at" in told:
+        far = short(told["greatest_distance_from_ideal"], 3)
+        rows.append(("from the flight of the ideal model", f"at most {far} m away"))
+    if told["frames_lost"]:
+        rows.append(("frames with a target point out of view", str(told["frames_lost"])))
+    return Table("The flight", rows)
+
+
+def batch_table(told: dict[str, Any]) -> Table:
+    """Return what many flights came to.
+
+    Parameters
+    ----------
+    told : dict
+        Summary of the batch: distances in m, times in s.
+    """
+    rows = [(name.replace("_", " "), str(n)) for name, n in told["outcomes"].items() if n]
+    rows.append(("settled within 10 %", str(told["settled"])))
+    for name, unit in (("settled_at", "s"), ("final_error", "m")):
+        quantiles = told[name]
+        if quantiles is not None and np.isfinite(quantiles).all():
+            low, middle, high = (short(x, 3) for x in quantiles)
+            words = {"settled_at": "settled at", "final_error": "error at the end"}[name]
+            rows.append((words, f"median {middle} {unit}, 90 % within {low} to {high} {unit}"))
+    return Table("Outcomes", rows)
+
+
+def firmware_table(firmware: Firmware) -> Table:
+    """Return what the firmware costs.
+
+    Parameters
+    ----------
+    firmware : Firmware
+    """
+    budgets, held = firmware.manifest["budgets"], firmware.footprint
+    here = None if isinstance(held, Missing) else held
+    rows = [
+        ("target", str(budgets["target"])),
+        ("instructions of a step", f"at most {budgets['instructions']} (budget, held by a test)"),
+        ("stack of a step", _used(here.stack if here else None, budgets["stack_bytes"])),
+        ("flash", _used(here.flash if here else None, budgets["flash_bytes"])),
+        ("thrust that is monitored", f"{interval(firmware.manifest['thrust'])} N"),
+        ("limits of each rotor", f"{interval(firmware.manifest['rotor_limits'])} N"),
+    ]
+    return Table("The firmware", rows)
+
+
+def _used(measured: int | None, budget: int) -> str:
+    if measured is None:
+        return f"at most {budget} bytes (budget; not measured here)"
+    return f"{measured} bytes, of a budget of {budget}"
