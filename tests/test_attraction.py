@@ -380,6 +380,7 @@ def test_the_trade_off_is_drawn_at_the_speed_and_the_reach_of_each_region():
     for way, drawn in {"sideways": [3, 2], "down": [5, 1], "up": [7, 9]}.items():
         assert list(lines[way].get_xdata()) == speeds
         assert list(lines[way].get_ydata()) == drawn
-    stars = [line for line in axes.get_lines() if line.get_marker() == "*" and len(line.get_xdata())]
+    drawn_stars = (line for line in axes.get_lines() if line.get_marker() == "*")
+    stars = [line for line in drawn_stars if len(line.get_xdata())]
     assert {float(star.get_xdata()[0]) for star in stars} == {speeds[1]}
     assert sorted(float(star.get_ydata()[0]) for star in stars) == [1, 2, 9]

@@ -117,7 +117,7 @@ def test_NO_COLOR_leaves_no_escape_codes_even_in_a_terminal(no_color, coloured):
     ("arguments", "hint"),
     [
         (["certfy", "x4-flyer"], "did you mean 'certify'?"),
-        (["frobnicate"], "there are: attraction, certify"),
+        (["frobnicate"], "there are: certify, region, check"),
         (["--versoin"], "did you mean '--version'?"),
         (["certify", "x4-flyer", "--jsn"], "Did you mean --json?"),
         (["certify", "x4-flier"], "did you mean 'x4-flyer'?"),
