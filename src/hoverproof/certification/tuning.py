@@ -299,7 +299,7 @@ def _short_of(best: Tuned, limits: Limits, at_least: float, command: FirstComman
     rate = float(best.verdict.decay_rate)
     questions = Questions.of(gain_problem(best.mission, best.verdict.problem.weights))
     search = GainSearch(questions, limits, command, "decay")
-    needed = needed_bandwidth(search, best.mission.gains, at_least)
+    needed = needed_bandwidth(search, best.mission.gains, rate, at_least)
     binding = [f"{u.name} {u.value:.4g} of {u.limit:.4g} {u.unit}" for u in best.uses if u.binds]
     words = ", ".join(binding) if binding else "the bounds of Q and of the thrust alone"
     if needed is None:
