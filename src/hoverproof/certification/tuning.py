@@ -343,6 +343,8 @@ def pareto(
     if not 2 <= count <= 1000:
         raise InputError("--pareto", "", f"must be from 2 to 1000 bandwidths, not {count}")
     if options.get("objective") == "region":
+        if options.get("weights", ONES) != ONES:
+            raise InputError("--weights", "", "is about L, so not for --objective region")
         names = ("rate", "tilt", "rotor_thrust")
         limits = limits_of(mission, bandwidth, **{k: options.get(k) for k in names})
         return list(region_pareto(mission, count, limits, options.get("minimum_decay"), report))

@@ -108,7 +108,6 @@ def needed_bandwidth(
         Decay rate of L that is wished for, 1/s.
     """
     z = np.log([float(k) for k in (gains.k1, gains.k1 * gains.k2, gains.k3)])
-
     low, short = math.log(search.limits.fastest), at_least - rate
     known = {low: short}
 
