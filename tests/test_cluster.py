@@ -77,10 +77,11 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_bytes(cluster, monkeypatch
     assert Path("far.nc").read_bytes() == Path("here.nc").read_bytes()
 
 
-def test_an_atlas_drawn_on_a_cluster_is_the_one_drawn_here(cluster):
+def test_an_atlas_drawn_on_a_cluster_is_the_one_drawn_here(cluster, monkeypatch):
+    monkeypatch.setattr("hoverproof.certification.atlas.CHUNK", 80)
     address, workers = cluster
     mission = load("x4-flyer")
-    x, y = axis(mission, "k3", cells=70), axis(mission, "k4", cells=70)
+    x, y = axis(mission, "k3", cells=12), axis(mission, "k4", cells=12)
     seen = []
 
     def lose_one(done, total):
@@ -94,11 +95,11 @@ def test_an_atlas_drawn_on_a_cluster_is_the_one_drawn_here(cluster):
 
 
 def test_the_command_for_an_atlas_reaches_a_cluster(cluster, capsys):
-    options = ("--x", "k3", "--y", "k4", "--cells", "65", "--scheduler", cluster[0], "--json")
+    options = ("--x", "k3", "--y", "k4", "--cells", "12", "--scheduler", cluster[0], "--json")
     with pytest.raises(SystemExit) as done:
         main(["atlas", "x4-flyer", *options])
     assert done.value.code == 0
-    assert json.loads(capsys.readouterr().out)["cells"] == 65 * 65
+    assert json.loads(capsys.readouterr().out)["cells"] == 144
 
 
 def test_processes_and_a_scheduler_exclude_each_other(capsys):

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 
 from hoverproof import checker, cli
+from hoverproof.certification.attraction.gain_search import GainRegionSearch
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.proof import estimate
 from hoverproof.certification.attraction.search import HoverGrid
-from hoverproof.certification.attraction.tuning import GainRegionSearch, tune_region
+from hoverproof.certification.attraction.tuning import tune_region
 from hoverproof.certification.limits import Limits, bandwidth
 from hoverproof.certification.tuning import tune
 from hoverproof.certification.wishes import Infeasible

@@ -299,7 +299,7 @@ def _short_of(best: Tuned, limits: Limits, at_least: float, command: FirstComman
     rate = float(best.verdict.decay_rate)
     questions = Questions.of(gain_problem(best.mission, best.verdict.problem.weights))
     search = GainSearch(questions, limits, command, "decay")
-    needed = needed_bandwidth(search, best.mission.gains, at_least)
+    needed = needed_bandwidth(search, best.mission.gains, rate, at_least)
     binding = [f"{u.name} {u.value:.4g} of {u.limit:.4g} {u.unit}" for u in best.uses if u.binds]
     words = ", ".join(binding) if binding else "the bounds of Q and of the thrust alone"
     if needed is None:
@@ -343,6 +343,8 @@ def pareto(
     if not 2 <= count <= 1000:
         raise InputError("--pareto", "", f"must be from 2 to 1000 bandwidths, not {count}")
     if options.get("objective") == "region":
+        if options.get("weights", ONES) != ONES:
+            raise InputError("--weights", "", "is about L, so not for --objective region")
         names = ("rate", "tilt", "rotor_thrust")
         limits = limits_of(mission, bandwidth, **{k: options.get(k) for k in names})
         return list(region_pareto(mission, count, limits, options.get("minimum_decay"), report))

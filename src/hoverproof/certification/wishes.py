@@ -91,7 +91,9 @@ def margin_words(search: GainSearch, value: float) -> str:
     )
 
 
-def needed_bandwidth(search: GainSearch, gains: Gains, at_least: float) -> float | None:
+def needed_bandwidth(
+    search: GainSearch, gains: Gains, rate: float, at_least: float
+) -> float | None:
     """Return the bandwidth at which a rate is reached, rad/s; None if that is out of reach.
 
     Parameters
@@ -100,23 +102,25 @@ def needed_bandwidth(search: GainSearch, gains: Gains, at_least: float) -> float
         Its limit of bandwidth does not count.
     gains : Gains
         The best within that limit.
+    rate : float
+        Their decay rate of L, 1/s, below what is wished for.
     at_least : float
         Decay rate of L that is wished for, 1/s.
     """
     z = np.log([float(k) for k in (gains.k1, gains.k1 * gains.k2, gains.k3)])
+    low, short = math.log(search.limits.fastest), at_least - rate
+    known = {low: short}
 
     def missing(log_bandwidth: float) -> float:
         nonlocal z
-        limits = replace(search.limits, bandwidth=math.exp(log_bandwidth), rate=None)
-        z_new, value = replace(search, limits=limits).climb(z, 0.3, COARSE)
-        if np.isfinite(value):
-            z = z_new
-        return at_least - value
+        if log_bandwidth not in known:
+            limits = replace(search.limits, bandwidth=math.exp(log_bandwidth), rate=None)
+            z_new, value = replace(search, limits=limits).climb(z, 0.3, 2 * COARSE)
+            if np.isfinite(value):
+                z = z_new
+            known[log_bandwidth] = at_least - value
+        return known[log_bandwidth]
 
-    low = math.log(search.limits.fastest)
-    short = missing(low)
-    if short <= 0:
-        return search.limits.fastest
     for _ in range(STEPS):
         high = low + math.log(STEP)
         still = missing(high)
