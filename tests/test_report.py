@@ -19,7 +19,8 @@ from PIL import Image
 
 import hoverproof as hp
 from hoverproof import checker, cli
-from hoverproof.certification.gains import certify
+from hoverproof.certification.gains import Undecided, certify
+from hoverproof.certification.problem import gain_problem
 from hoverproof.errors import InputError
 from hoverproof.export import cost
 from hoverproof.mission import presets
@@ -212,6 +213,25 @@ def test_a_loop_that_is_not_stable_has_no_flight_and_the_page_says_why(monkeypat
     report = document.report(hp.load("x4-flyer"), "r.html", without=without)
     assert report.missing["flight"].startswith("The loop is not stable near its goal")
     assert report.missing["flight"] in text_of(report)
+
+
+@pytest.mark.parametrize("above", [None, Fraction(1, 10**9)])
+def test_an_undecided_mission_has_a_report_that_claims_nothing(capsys, monkeypatch, above):
+    def undecided(mission):
+        return Undecided(above, "the worst eigenvalue of Σ is too near zero", gain_problem(mission))
+
+    monkeypatch.setattr(parts, "certify", undecided)
+    options = [word for part in SLOW_PARTS[:3] for word in ("--without", part)]
+    status, out, _ = run(capsys, "report", "x4-flyer", "-o", "r.html", *options)
+    assert status == 3
+    assert "undecided" in out
+    text = Path("r.html").read_text(encoding="utf-8")
+    assert "The worst eigenvalue of Σ is too near zero." in text
+    assert "nothing is claimed" in text
+    assert "Proved" not in re.sub(r'(?s)<section id="region".*?</section>', "", text)
+    assert "The gains are undecided, so no firmware" in text
+    assert "x4-flyer.cert.json" not in text
+    Page(text)
 
 
 def test_a_mistake_of_the_program_is_not_taken_for_a_missing_part():

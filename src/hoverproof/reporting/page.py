@@ -12,6 +12,7 @@ from importlib import resources
 from typing import Any
 
 import jinja2
+from markupsafe import Markup
 
 import hoverproof
 from hoverproof.certification.attraction.verdict import NOT_COVERED
@@ -20,7 +21,7 @@ from hoverproof.certification.certificate import Certificate
 from hoverproof.certification.gains import Proved, Refuted, Undecided
 from hoverproof.certification.over_box import RegionVerdict
 from hoverproof.export.cost import STEPS
-from hoverproof.paper.judge import Judgement, Verdict
+from hoverproof.paper.judge import Verdict
 from hoverproof.reporting import mathematics, pictures, tables, wording
 from hoverproof.reporting.parts import Firmware, Flown, Map, Missing, Parts, sentence
 from hoverproof.reporting.player import player_data
@@ -200,7 +201,8 @@ def _pictures(parts: Parts) -> dict[str, Any]:
         drawn["attraction"] = pictures.attraction_pictures(parts.attraction)
     if isinstance(parts.flight, Flown):
         drawn["flight"] = list(pictures.flight_pictures(parts.flight))
-        drawn["batch"] = pictures.batch_picture(parts.flight) if parts.flight.batch else None
+        many = parts.flight.batch is not None
+        drawn["batch"] = pictures.batch_picture(parts.flight) if many else None
     return {"pictures": drawn}
 
 
@@ -264,8 +266,8 @@ def _tight(words: str) -> str:
     )
 
 
-def _tone(verdict: Judgement | Verdict) -> str:
-    return TONES.get(Verdict(str(verdict)), "")
+def _tone(verdict: Verdict) -> str:
+    return TONES.get(verdict, "")
 
 
 @cache
@@ -285,10 +287,8 @@ def _template() -> jinja2.Template:
         keep_trailing_newline=True,
     )
 
-    def mathml(latex: str, *, block: bool = False) -> Any:
-        import markupsafe
-
-        return markupsafe.Markup(mathematics.mathml(latex, block=block))
+    def mathml(latex: str, *, block: bool = False) -> Markup:
+        return Markup(mathematics.mathml(latex, block=block))
 
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
     environment.filters |= {

@@ -75,7 +75,7 @@ class Picture:
 def picture(
     name: str, draw: Callable[[], Figure], alt: str, caption: str, *, wide: bool = False
 ) -> Picture:
-    """Draw a figure as SVG, or as PNG where that is much smaller.
+    """Draw a figure as SVG, or as PNG where an SVG would be large.
 
     Parameters
     ----------
