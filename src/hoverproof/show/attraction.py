@@ -240,7 +240,7 @@ def _draw_section(axes: Axes, region: Proved, view: View, flights: Flights) -> N
         axes.plot([], [], ":", color="black", label=f"barrier, {at:.2f} m above the target")
     for kept, marker, colour, label in (
         (flights.settled, ".", COLOURS[2], "simulated start that reaches the goal"),
-        (~flights.settled, "x", COLOURS[3], "simulated start that does not"),
+        (~flights.settled, "x", COLOURS[3], "simulated start that does not reach it"),
     ):
         style: dict[str, Any] = {"color": colour, "markersize": 6 if marker == "." else 7}
         axes.plot(flights.across[kept], flights.height[kept], marker, **style)
