@@ -301,7 +301,8 @@ def _draw_space(axes: Any, region: Proved, view: View) -> None:
     axes.set_title(
         "certified hovers" + (f", cut at {steps[-1]:.3g} m from the goal" if cut else "")
     )
-    axes.set_box_aspect([np.ptp(edge[..., k]) for k in range(3)], zoom=0.88)
+    shown = np.vstack([edge.reshape(-1, 3), p.points, p.goal])
+    axes.set_box_aspect(np.ptp(shown, axis=0), zoom=0.88)
     axes.view_init(elev=18, azim=-60)
 
 
@@ -312,7 +313,8 @@ def _draw_energy(axes: Axes, region: Proved, flights: Flights) -> None:
         (~flights.certified, COLOURS[3], "start not certified"),
     ):
         for energy in flights.energy[kept]:
-            axes.semilogy(flights.time, energy, color=colour, linewidth=0.7, alpha=0.6)
+            over = 3 if kept is flights.certified else 2  # the certified are not to be hidden
+            axes.semilogy(flights.time, energy, color=colour, linewidth=0.7, alpha=0.6, zorder=over)
         if kept.any():
             axes.plot([], [], color=colour, label=label)
     largest = max(np.nanmax(flights.energy), level)
