@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hoverproof.certification.attraction.lemmas import LEMMAS
 from hoverproof.certification.attraction.proof import attraction
-from hoverproof.certification.attraction.verdict import Undecided
+from hoverproof.certification.attraction.verdict import Proved as Attracted
 from hoverproof.certification.gains import Proved, certify
 from hoverproof.certification.over_box import certify_region
 from hoverproof.certification.region import default_box
@@ -30,10 +30,10 @@ def make(folder: Path) -> None:
                 raise SystemExit(f"{name}: {verdict.status}")
             verdict.certificate.save(folder / f"{name}.{ending}.json")
         attracted = attraction(mission)
-        if isinstance(attracted, Undecided):
-            print(f"{name}: no region of attraction is proved: {attracted.reason}")
-        else:
+        if isinstance(attracted, Attracted):
             attracted.certificate.save(folder / f"{name}.attraction.cert.json")
+        else:
+            print(f"{name}: no region of attraction is proved: {attracted.reason}")
 
 
 def lemmas() -> str:

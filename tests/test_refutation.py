@@ -98,7 +98,9 @@ def enclosures(p, step, count):
     return found
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize(
+    "name", [*PRESETS[:2], *(pytest.param(n, marks=pytest.mark.slow) for n in PRESETS[2:])]
+)
 def test_the_enclosure_holds_the_motion(name, monkeypatch):
     """Another integrator stays near it; enclosures by other steps and orders overlap it."""
     mission = load(name, LEANING)

@@ -248,7 +248,7 @@ def draw_section(axes: Axes, region: Proved, view: View, flights: Flights) -> No
         axes.plot([], [], ":", color="black", label=f"barrier, {at:.2f} m above the target")
     for kept, marker, colour, label in (
         (flights.settled, ".", COLOURS[2], "simulated start that reaches the goal"),
-        (~flights.settled, "x", COLOURS[3], "simulated start that does not"),
+        (~flights.settled, "x", COLOURS[3], "simulated start that does not reach it"),
     ):
         style: dict[str, Any] = {"color": colour, "markersize": 6 if marker == "." else 7}
         axes.plot(flights.across[kept], flights.height[kept], marker, **style)
@@ -311,8 +311,8 @@ def _draw_space(axes: Any, region: Proved, view: View) -> None:
     axes.set_title(
         "certified hovers" + (f", cut at {steps[-1]:.3g} m from the goal" if cut else "")
     )
-    limits = (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())
-    axes.set_box_aspect([high - low for low, high in limits], zoom=0.88)
+    shown = np.vstack([edge.reshape(-1, 3), p.points, p.goal])
+    axes.set_box_aspect(np.ptp(shown, axis=0), zoom=0.88)
     axes.view_init(elev=18, azim=-60)
 
 
@@ -332,7 +332,8 @@ def draw_energy(axes: Axes, region: Proved, flights: Flights) -> None:
         (~flights.certified, COLOURS[3], "start not certified"),
     ):
         for energy in flights.energy[kept]:
-            axes.semilogy(flights.time, energy, color=colour, linewidth=0.7, alpha=0.6)
+            over = 3 if kept is flights.certified else 2  # the certified are not to be hidden
+            axes.semilogy(flights.time, energy, color=colour, linewidth=0.7, alpha=0.6, zorder=over)
         if kept.any():
             axes.plot([], [], color=colour, label=label)
     largest = max(np.nanmax(flights.energy), level)

@@ -293,24 +293,19 @@ def _weighted_sums() -> dict[str, bool]:
 
 def _sinking() -> dict[str, bool]:
     """The motion in terms of the body axis b = R e3 and its derivative w, seen from the body."""
-    loop, no_yaw = axial_loop(), ca.SX(0)
-    d, z, rho, c = (
-        loop.design,
-        loop.measured,
-        loop.measured.gravity_direction,
-        loop.design.stiffness,
-    )
+    loop = axial_loop()
+    d, z, c = loop.design, loop.measured, loop.design.stiffness
     kappa, room = (d.k1 * d.k2 + d.k3) / d.mass, z.thrust - c * d.goal_centroid[2]
-    y = d.mass * d.gravity / c * rho + d.mass / d.k1 * z.velocity - z.centroid
+    y = d.mass * d.gravity / c * z.gravity_direction + d.mass / d.k1 * z.velocity - z.centroid
     climb = kappa * (c * y[2] - room)
-    a = d.mass * d.gravity / d.k1 * rho + (kappa + d.k4 / d.mass) * y
+    a = d.mass * d.gravity / d.k1 * z.gravity_direction + (kappa + d.k4 / d.mass) * y
     w = ca.cross(z.rate, E3)
     right = c * kappa / room * P @ a - ca.dot(w, w) * E3
     right -= ((climb + c * kappa * y[2]) / room + d.k4 / d.mass) * w
     gap = loop.dot(w) + ca.cross(z.rate, w) - loop.axial(right)
     return {
         "T' = κ(c bᵀy - D), any Ω": bool(prove_equal(loop.dot(z.thrust), loop.axial(climb))),
-        "w', Ω3 = 0": bool(prove_zero(ca.substitute(gap, z.rate[2], no_yaw))),
+        "w', Ω3 = 0": bool(prove_zero(ca.substitute(gap, z.rate[2], 0))),
     }
 
 
@@ -449,10 +444,9 @@ LEMMAS = (
     Lemma(
         "sinking",
         "the motion in world axes",
-        "With Ω3 = 0, b = R e3, w = b', D = T - c q3*, κ = (k1 k2 + k3)/m, y = (m g/c) e3 + "
-        "(m/k1) ξ' - Rq, the motion obeys ξ'' = g e3 - (T/m) b, T' = κ(c bᵀy - D), "
-        "w' = (cκ/D)(I - bbᵀ)a - |w|² b - h w, a = (m g/k1) e3 + (κ + k4/m) y, "
-        "h = (T' + cκ bᵀy)/D + k4/m; no heading is in it.",
+        "With Ω3 = 0, b = R e3, w = b', D = T - c q3*, κ = (k1 k2 + k3)/m: T' = κ(c bᵀy - D), "
+        "w' = (cκ/D)(I - bbᵀ)a - |w|² b - h w, y = (m g/c) e3 + (m/k1) ξ' - Rq, "
+        "a = (m g/k1) e3 + (κ + k4/m) y, h = (T' + cκ bᵀy)/D + k4/m; no heading is in it.",
         "Seen from the body, b is e3, w is Ω × e3 and w' is d(Ω × e3)/dt + Ω × (Ω × e3).",
         _sinking,
     ),

@@ -111,11 +111,13 @@ def simulate(mission: Mission, start: Array, most: float) -> tuple[Ending, float
     singular = float(gains.k1**2 * gains.k2 / mission.vehicle.mass) * design[-1]
     if start[2] >= lowest:
         return "sinks to the target", 0.0
+    if start[18] <= singular:
+        return "breaks off", 0.0
 
     def below(t: float, x: Array) -> float:
         return float(x[2] - lowest - PASSED)
 
-    def away(t: float, x: Array) -> float:  # slow means: it would take long to move as far again
+    def away(t: float, x: Array) -> float:
         return float(max(np.linalg.norm(x[:3] - goal), np.linalg.norm(x[3:6])) - near)
 
     def margin(t: float, x: Array) -> float:
@@ -169,8 +171,8 @@ def refute(
             sinking.append((time, state))
     for time, state in sorted(sinking, key=lambda pair: pair[0])[:1]:
         parts = {"motion": {**asdict(state), "time": decimal_above(time, 6)}}
-        certificate = seal_content(mission, "sinking", parts, model_fingerprint(mission))
         try:
+            certificate = seal_content(mission, "sinking", parts, model_fingerprint(mission))
             checker.check(certificate.content)
         except checker.Rejected as rejected:
             shown = f"sinks to the target within {time:.3g} s, but {rejected}"
