@@ -53,9 +53,11 @@ def atlas(
     """Map the certified decay rate over two gains or bounds.
 
     The map is in floating point; with --exact-boundary each cell that has a neighbour on the other
-    side is decided exactly, as `certify` does.
+    side is decided exactly, as `certify` does. Writes NAME.atlas.nc and a figure.
 
     Example: `hoverproof atlas x4-flyer --x k3 --y k4 --exact-boundary`
+
+    Example: `hoverproof atlas x4-flyer --cells 50 --show margin --figure k1-and-k2.svg`
     """
     import numpy as np
 

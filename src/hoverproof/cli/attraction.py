@@ -64,6 +64,8 @@ def attraction(
     NAME.attraction.refutation.json.
 
     Example: `hoverproof attraction x4-flyer --start 20,0,-20`
+
+    Example: `hoverproof attraction x4-flyer --objective radius --no-barrier`
     """
     from hoverproof.certification.attraction.proof import attraction as decide
     from hoverproof.certification.attraction.verdict import NOT_COVERED, Proved, Undecided, as_json
@@ -157,7 +159,10 @@ def _print_motion(verdict: Refuted) -> None:
 
 
 def _describe(start: Start) -> str:
-    sides = " x ".join(number(a) if a == b else interval((a, b)) for a, b in start.position)
+    point = all(a == b for a, b in start.position)
+    sides = (", " if point else " x ").join(
+        number(a) if a == b else interval((a, b)) for a, b in start.position
+    )
     sizes = [
         f"{word} <= {number(value)} {unit}"
         for word, value, unit in (

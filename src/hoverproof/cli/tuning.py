@@ -85,6 +85,10 @@ def tune(
     --out, --objective region writes the certificate of the region beside the mission.
 
     Example: `hoverproof tune x4-flyer --bandwidth 20 --out my-flyer.toml`
+
+    Example: `hoverproof tune x4-flyer --pareto 4 --out decay-and-bandwidth.svg`
+
+    Example: `hoverproof tune x4-flyer --objective region --minimum-decay 0.0234`
     """
     from hoverproof.certification.attraction.tuning import RegionTuned
     from hoverproof.certification.tuning import Tuned
