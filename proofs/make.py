@@ -15,7 +15,7 @@ from hoverproof.mission import load, presets
 
 
 def make(folder: Path) -> None:
-    """Write the certificates of each preset: gains, region, over-box, attraction if proved."""
+    """Write the certificates of each preset: gains, region, over-box, attraction."""
     (folder / "attraction-lemmas.md").write_text(lemmas(), encoding="utf-8")
     for name in presets():
         mission = load(name)
@@ -30,10 +30,12 @@ def make(folder: Path) -> None:
                 raise SystemExit(f"{name}: {verdict.status}")
             verdict.certificate.save(folder / f"{name}.{ending}.json")
         attracted = attraction(mission)
-        if isinstance(attracted, Attracted):
-            attracted.certificate.save(folder / f"{name}.attraction.cert.json")
-        else:
-            print(f"{name}: no region of attraction is proved: {attracted.reason}")
+        if not isinstance(attracted, Attracted):
+            print(f"{name}: its start is {attracted.status}, so a region of its own size is made")
+            attracted = attraction(mission, objective="radius")
+        if not isinstance(attracted, Attracted):
+            raise SystemExit(f"{name}: region of attraction: {attracted.status}")
+        attracted.certificate.save(folder / f"{name}.attraction.cert.json")
 
 
 def lemmas() -> str:

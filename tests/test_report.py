@@ -184,6 +184,28 @@ def test_a_part_that_fails_is_told_in_words_and_the_report_is_written(monkeypatc
     assert "The solver found nothing &lt; &amp; &gt;." in text_of(report)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("preset", "changes", "said"),
+    [
+        ("x4-flyer", {}, "The start of the mission is among them."),
+        ("x4-flyer-tuned", {}, "The start of the mission: undecided."),
+        (
+            "x4-flyer",
+            {"start.position": [0, 0, -0.5], "start.velocity": [0, 0, 3]},
+            "The start of the mission: refuted.",
+        ),
+    ],
+)
+def test_a_region_is_shown_whatever_becomes_of_the_start(preset, changes, said):
+    without = ("atlas", "region", "firmware", "ledger")
+    report = document.report(hp.load(preset, changes), "r.html", without=without)
+    assert said in text_of(report)
+    files = list(Page(text_of(report)).downloads)
+    assert f"{preset}.attraction.cert.json" in files
+    assert (f"{preset}.attraction.refutation.json" in files) == ("refuted" in said)
+
+
 def test_a_goal_for_which_no_region_can_be_asked_says_so():
     off_axis = hp.load("x4-flyer", {"goal": {"centroid": [0.1, -0.2, 3.5]}})
     held = parts.attempt(lambda: hp.attraction(off_axis))

@@ -17,13 +17,14 @@ from markupsafe import Markup
 import hoverproof
 from hoverproof.certification.attraction.verdict import NOT_COVERED
 from hoverproof.certification.attraction.verdict import Proved as Attraction
+from hoverproof.certification.attraction.verdict import Refuted as Sinks
 from hoverproof.certification.certificate import Certificate
 from hoverproof.certification.gains import Proved, Refuted, Undecided
 from hoverproof.certification.over_box import RegionVerdict
 from hoverproof.export.cost import STEPS
 from hoverproof.paper.judge import Verdict
 from hoverproof.reporting import mathematics, pictures, tables, wording
-from hoverproof.reporting.parts import Firmware, Flown, Map, Missing, Parts, sentence
+from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts, sentence
 from hoverproof.reporting.player import player_data
 from hoverproof.reporting.tables import short
 
@@ -119,6 +120,7 @@ def context(parts: Parts, origin: Origin) -> dict[str, Any]:
         "certificate": files.get("gains"),
         "region_file": files.get("region"),
         "attraction_file": files.get("attraction"),
+        "sinks_file": files.get("sinks"),
         "files": list(files.values()),
         "rounding_steps": STEPS,
         "not_claimed": wording.NOT_REFUTED
@@ -154,10 +156,10 @@ def _theorem(parts: Parts) -> dict[str, Any]:
     ]
     told["ledger_reasons"] = [(id, judged[id].reason) for id in ("conditions", "theorem") if judged]
     told["conditions_words"] = wording.conditions(parts)
-    if isinstance(parts.attraction, Attraction):
-        told["attraction_words"] = wording.attraction(parts.attraction)
-        told["attraction_statement"] = parts.attraction.certificate.statement
-        told["attraction_claim"] = mathematics.attraction_claim(parts.attraction)
+    if (attracted := _attraction(parts)) is not None:
+        told["attraction_words"] = wording.attraction(attracted)
+        told["attraction_statement"] = attracted.certificate.statement
+        told["attraction_claim"] = mathematics.attraction_claim(attracted)
     told["mended"] = [j for j in judged.values() if j.verdict in MENDED]
     told["unmended"] = [j for j in judged.values() if j.verdict not in MENDED]
     counts = Counter(str(j.verdict) for j in judged.values())
@@ -178,8 +180,8 @@ def _tables(parts: Parts) -> dict[str, Any]:
     if isinstance(parts.region, RegionVerdict):
         told["region_table"] = tables.region_table(parts.region)
         told["region_words"] = wording.region(parts.region, parts.mission)
-    if isinstance(parts.attraction, Attraction):
-        told["attraction_table"] = tables.attraction_table(parts.attraction)
+    if (attracted := _attraction(parts)) is not None:
+        told["attraction_table"] = tables.attraction_table(attracted)
     if isinstance(parts.flight, Flown):
         told["flight_table"] = tables.flight_table(parts.flight)
         told["flight_words"] = wording.FLIGHT
@@ -197,13 +199,18 @@ def _pictures(parts: Parts) -> dict[str, Any]:
         drawn["atlas"] = pictures.map_picture(parts.mission, parts.atlas)
     if isinstance(parts.region, RegionVerdict):
         drawn["region"] = pictures.region_picture(parts.mission, parts.region)
-    if isinstance(parts.attraction, Attraction):
-        drawn["attraction"] = pictures.attraction_pictures(parts.attraction)
+    if (attracted := _attraction(parts)) is not None:
+        drawn["attraction"] = pictures.attraction_pictures(attracted)
     if isinstance(parts.flight, Flown):
         drawn["flight"] = list(pictures.flight_pictures(parts.flight))
         many = parts.flight.batch is not None
         drawn["batch"] = pictures.batch_picture(parts.flight) if many else None
     return {"pictures": drawn}
+
+
+def _attraction(parts: Parts) -> Attraction | None:
+    """Return the region of attraction that is shown, if there is one."""
+    return parts.attraction.region if isinstance(parts.attraction, Attracted) else None
 
 
 def _certificates(parts: Parts) -> Iterable[tuple[str, str, Certificate]]:
@@ -215,8 +222,12 @@ def _certificates(parts: Parts) -> Iterable[tuple[str, str, Certificate]]:
     if isinstance(parts.region, RegionVerdict) and parts.region.certificate is not None:
         ending = "region.refutation" if parts.region.outside else "region.cert"
         yield "region", ending, parts.region.certificate
-    if isinstance(parts.attraction, Attraction):
-        yield "attraction", "attraction.cert", parts.attraction.certificate
+    if isinstance(parts.attraction, Attracted):
+        start = parts.attraction.start
+        if isinstance(start, Sinks):
+            yield "sinks", "attraction.refutation", start.certificate
+        if parts.attraction.region is not None:
+            yield "attraction", "attraction.cert", parts.attraction.region.certificate
 
 
 def _files(parts: Parts) -> dict[str, File]:

@@ -14,6 +14,7 @@ import xarray as xr
 
 from hoverproof.certification.atlas import atlas, axis, cell_values
 from hoverproof.certification.attraction.proof import attraction
+from hoverproof.certification.attraction.verdict import Proved as Region
 from hoverproof.certification.attraction.verdict import Verdict as AttractionVerdict
 from hoverproof.certification.gains import Proved, Verdict, certify
 from hoverproof.certification.over_box import RegionVerdict, certify_region
@@ -121,6 +122,22 @@ class Firmware:
 
 
 @dataclass(frozen=True)
+class Attracted:
+    """From where the controller may be switched on.
+
+    Attributes
+    ----------
+    start
+        What `hoverproof.attraction` returned for the start of the mission.
+    region : Proved or None
+        The region that holds that start; where none does, the one with the largest ball.
+    """
+
+    start: AttractionVerdict
+    region: Region | None
+
+
+@dataclass(frozen=True)
 class Parts:
     """All that a report tells of a mission.
 
@@ -133,8 +150,7 @@ class Parts:
         Conditions of the printed theorem.
     atlas : Map or Missing
     region : RegionVerdict or Missing
-    attraction
-        What `hoverproof.attraction` returned, or Missing.
+    attraction : Attracted or Missing
     flight : Flown or Missing
     firmware : Firmware or Missing
     ledger : list of Judgement, or Missing
@@ -145,7 +161,7 @@ class Parts:
     demands: Sequence[Demand]
     atlas: Map | Missing
     region: RegionVerdict | Missing
-    attraction: AttractionVerdict | Missing
+    attraction: Attracted | Missing
     flight: Flown | Missing
     firmware: Firmware | Missing
     ledger: list[Judgement] | Missing
@@ -188,7 +204,7 @@ def gather(
         region=part(
             "region", "eigenvalue region", lambda: certify_region(mission, default_box(mission))
         ),
-        attraction=part("attraction", "region of attraction", lambda: attraction(mission)),
+        attraction=part("attraction", "region of attraction", lambda: _attract(mission)),
         flight=part("flight", "flight", lambda: _fly(mission, verdict, runs)),
         firmware=part("firmware", "firmware", lambda: _export(mission, verdict)),
         ledger=part("ledger", "ledger of the paper", derive),
@@ -232,6 +248,14 @@ def _map(mission: Mission) -> Map:
     x, y = (axis(mission, name, cells=MAP_CELLS) for name in MAP_AXES)
     data = atlas(mission, x, y, processes=1)
     return Map(data, where_met(mission, cell_values(mission, x, y)))
+
+
+def _attract(mission: Mission) -> Attracted:
+    start = attraction(mission)
+    if isinstance(start, Region):
+        return Attracted(start, start)
+    ball = attraction(mission, objective="radius")
+    return Attracted(start, ball if isinstance(ball, Region) else None)
 
 
 def _fly(mission: Mission, verdict: Verdict, runs: int | None) -> Flown:

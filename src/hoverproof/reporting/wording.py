@@ -8,7 +8,7 @@ from hoverproof.certification.attraction.verdict import Proved as Attraction
 from hoverproof.certification.gains import Proved, Refuted
 from hoverproof.certification.over_box import RegionVerdict
 from hoverproof.mission import Mission
-from hoverproof.reporting.parts import Firmware, Flown, Map, Missing, Parts
+from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts
 from hoverproof.reporting.tables import at_least, at_most, inside, interval, place, short
 
 NOT_REFUTED = (
@@ -71,22 +71,22 @@ def merits(parts: Parts) -> Iterable[tuple[str, str, str]]:
     ----------
     parts : Parts
     """
-    verdict, region, flight, firmware = (
-        *(parts.verdict, parts.attraction, parts.flight, parts.firmware),
-    )
+    verdict, attracted = parts.verdict, parts.attraction
+    flight, firmware = parts.flight, parts.firmware
     if isinstance(verdict, Proved):
         yield "margin of Σ, proved", f"≥ {at_least(verdict.margin)} kg/s", ""
         yield "decay rate of L, proved", f"≥ {at_least(verdict.decay_rate)} 1/s", ""
     elif verdict.margin_above is not None:
         yield "worst eigenvalue of Σ", f"≤ {at_most(verdict.margin_above)} kg/s", "proved"
-    if isinstance(region, Attraction):
-        reach = f"{at_least(region.reach.down)} m down, {at_least(region.reach.up)} m up"
+    if isinstance(attracted, Attracted) and attracted.region is not None:
+        reach = attracted.region.reach
+        holds = "" if attracted.start is attracted.region else ", start not inside"
         yield (
             "may be switched on",
-            f"{at_least(region.reach.sideways)} m sideways",
-            f"{reach}; proved",
+            f"{at_least(reach.sideways)} m sideways",
+            f"{at_least(reach.down)} m down, {at_least(reach.up)} m up; proved{holds}",
         )
-    elif not isinstance(region, Missing):
+    elif not isinstance(attracted, Missing):
         yield "region of attraction", "undecided", ""
     if isinstance(flight, Flown):
         settled = flight.summary["settled_at"]
@@ -140,7 +140,7 @@ def attraction(region: Attraction) -> str:
     return (
         f"From every {where} with Λ at most {at_least(region.level, 6)}{above}, with any heading "
         "and yaw rate, the motion of the exact model comes to the hover at the goal, while all "
-        "target points are seen. The start of the mission is among them."
+        "target points are seen."
     )
 
 
