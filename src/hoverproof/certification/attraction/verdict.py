@@ -15,7 +15,7 @@ NOT_COVERED = (
     "sampling, delay and noise of measurements",
     "errors of the model: mass, inertia, wind, drag, limits of the rotors",
     "a camera that loses the target: every point is taken to be seen at all times",
-    "the ground, unless a barrier is used: a motion may pass between the target points",
+    "without a barrier the ground: a motion may pass between the target points",
 )
 """What the theorem does not say, in words."""
 
@@ -118,7 +118,7 @@ class Refuted:
     certificate : Certificate
     """
 
-    status: ClassVar[str] = "refuted"
+    status: ClassVar[Literal["refuted"]] = "refuted"
     state: State
     time: Fraction
     mission: Mission
