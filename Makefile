@@ -13,7 +13,7 @@ demo: .venv/installed
 
 # Everything that CI runs: style, types, the documentation, all tests, and every notebook executed.
 test: .venv/installed-compare lint docs
-	$(BIN)/pytest -n auto
+	$(BIN)/pytest -n auto --dist worksteal
 	$(BIN)/pytest -n auto --nbmake notebooks
 
 # The fast tests only.

@@ -70,15 +70,15 @@ class Peer:
 
 
 def batch(threads: int) -> Peer:
-    """Return the batch kernel on so many threads, two blocks each."""
-    plan = Plan(load("x4-flyer", TILTED), DT, 10, STEPS // 10)
+    """Return the batch kernel on so many threads, two blocks each, of 400 s of flight."""
+    plan = Plan(load("x4-flyer", TILTED), DT, 10, STEPS)
     parts = [(i * VEHICLES, VEHICLES) for i in range(2 * threads)]
 
     def run() -> np.ndarray:
         flown = list(spread(lambda part: fly_raw(plan, *part), parts, threads=threads))
         return flown[0][0][0, -1, :3]
 
-    return Peer(run, len(parts) * VEHICLES * STEPS, STEPS)
+    return Peer(run, len(parts) * VEHICLES * 10 * STEPS, 10 * STEPS)
 
 
 def one_vehicle(run: Callable, numbers: FlightNumbers, steps: int) -> Peer:
