@@ -6,8 +6,7 @@ import sys
 from pathlib import Path
 
 from hoverproof.certification.attraction.lemmas import LEMMAS
-from hoverproof.certification.attraction.proof import attraction
-from hoverproof.certification.attraction.verdict import Proved as Attracted
+from hoverproof.certification.attraction.proof import start_or_ball
 from hoverproof.certification.gains import Proved, certify
 from hoverproof.certification.over_box import certify_region
 from hoverproof.certification.region import default_box
@@ -29,12 +28,11 @@ def make(folder: Path) -> None:
             if not isinstance(verdict, Proved):
                 raise SystemExit(f"{name}: {verdict.status}")
             verdict.certificate.save(folder / f"{name}.{ending}.json")
-        attracted = attraction(mission)
-        if not isinstance(attracted, Attracted):
-            print(f"{name}: its start is {attracted.status}, so a region of its own size is made")
-            attracted = attraction(mission, objective="radius")
-        if not isinstance(attracted, Attracted):
-            raise SystemExit(f"{name}: region of attraction: {attracted.status}")
+        start, attracted = start_or_ball(mission)
+        if attracted is None:
+            raise SystemExit(f"{name}: no region of attraction, its start is {start.status}")
+        if attracted is not start:
+            print(f"{name}: its start is {start.status}, so the largest ball about the goal is made")
         attracted.certificate.save(folder / f"{name}.attraction.cert.json")
 
 

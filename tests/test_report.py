@@ -177,7 +177,7 @@ def test_a_part_that_fails_is_told_in_words_and_the_report_is_written(monkeypatc
     def broken(*_):
         raise RuntimeError("the solver found nothing < & >")
 
-    monkeypatch.setattr(parts, "attraction", broken)
+    monkeypatch.setattr(parts, "start_or_ball", broken)
     off_axis = hp.load("x4-flyer", {"goal": {"centroid": [0.1, -0.2, 3.5]}})
     report = document.report(off_axis, "r.html", without=("atlas", "firmware", "ledger"))
     assert report.missing["attraction"] == "The solver found nothing < & >."

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from hoverproof.certification.atlas import atlas, axis, cell_values
-from hoverproof.certification.attraction.proof import attraction
+from hoverproof.certification.attraction.proof import start_or_ball
 from hoverproof.certification.attraction.verdict import Proved as Region
 from hoverproof.certification.attraction.verdict import Verdict as AttractionVerdict
 from hoverproof.certification.gains import Proved, Verdict, certify
@@ -204,7 +204,9 @@ def gather(
         region=part(
             "region", "eigenvalue region", lambda: certify_region(mission, default_box(mission))
         ),
-        attraction=part("attraction", "region of attraction", lambda: _attract(mission)),
+        attraction=part(
+            "attraction", "region of attraction", lambda: Attracted(*start_or_ball(mission))
+        ),
         flight=part("flight", "flight", lambda: _fly(mission, verdict, runs)),
         firmware=part("firmware", "firmware", lambda: _export(mission, verdict)),
         ledger=part("ledger", "ledger of the paper", derive),
@@ -248,14 +250,6 @@ def _map(mission: Mission) -> Map:
     x, y = (axis(mission, name, cells=MAP_CELLS) for name in MAP_AXES)
     data = atlas(mission, x, y, processes=1)
     return Map(data, where_met(mission, cell_values(mission, x, y)))
-
-
-def _attract(mission: Mission) -> Attracted:
-    start = attraction(mission)
-    if isinstance(start, Region):
-        return Attracted(start, start)
-    ball = attraction(mission, objective="radius")
-    return Attracted(start, ball if isinstance(ball, Region) else None)
 
 
 def _fly(mission: Mission, verdict: Verdict, runs: int | None) -> Flown:

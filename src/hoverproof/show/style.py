@@ -41,7 +41,7 @@ def legend_above(axes: Axes, columns: int = 5) -> None:
         )
 
 
-def save_figure(figure: Figure, path: Path) -> None:
+def save_figure(figure: Figure, path: Path, dpi: int = DPI) -> None:
     """Write a figure as SVG if the file's name ends so, and as PNG if not.
 
     Parameters
@@ -49,6 +49,8 @@ def save_figure(figure: Figure, path: Path) -> None:
     figure : Figure
     path : Path
         The file.
+    dpi : int
+        Pixels in an inch of the figure.
 
     Raises
     ------
@@ -57,4 +59,4 @@ def save_figure(figure: Figure, path: Path) -> None:
     """
     with replacing(path) as beside:
         ending = "svg" if path.suffix.lower() == ".svg" else "png"
-        figure.savefig(beside, dpi=DPI, format=ending)
+        figure.savefig(beside, dpi=dpi, format=ending)

@@ -79,6 +79,30 @@ def attraction(
     return verdict
 
 
+def start_or_ball(mission: Mission) -> tuple[Verdict, Proved | None]:
+    """Decide about the start of a mission, and find a region whatever becomes of it.
+
+    Parameters
+    ----------
+    mission : Mission
+
+    Returns
+    -------
+    verdict
+        Of `attraction`, about the start of the mission.
+    region : Proved or None
+        The region that holds that start; where none is proved to, the one with the largest ball.
+
+    Raises
+    ------
+    InputError
+        See `attraction`.
+    """
+    start = attraction(mission)
+    found = start if isinstance(start, Proved) else attraction(mission, objective="radius")
+    return start, found if isinstance(found, Proved) else None
+
+
 def _search_and_prove(
     mission: Mission,
     objective: Objective,
