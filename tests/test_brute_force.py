@@ -23,7 +23,10 @@ SIMPLEX = np.array([[1, 0], [-1, 1], [-1, -1]])
 
 
 def random_mission(rng):
-    """Return a mission with a general q* and all numbers of the claim at random, or None."""
+    """Return a mission with a general q* and all numbers of the claim at random, or None.
+
+    The bounds hold Q at the goal, narrowly or with much to spare.
+    """
 
     def text(x, digits=3):
         return str(Fraction(f"{x:.{digits}g}").limit_denominator(10**9).__float__())
@@ -31,11 +34,15 @@ def random_mission(rng):
     def spread(decades):
         return 10.0 ** rng.uniform(-decades, decades)
 
-    height = 10.0 ** rng.uniform(-0.7, 1.3)
+    height = 10.0 ** rng.uniform(-0.1, 1.3)
     rays = CORNERS - [*(rng.normal(size=2) * height * rng.choice([0.1, 1])), -height]
-    q = (rays / np.linalg.norm(rays, axis=1)[:, None]).sum(axis=0).round(3)
-    low = 10.0 ** rng.uniform(-3, 0)
-    high = low * (1.02 + 10.0 ** rng.uniform(-2, 3))
+    far = np.linalg.norm(rays, axis=1)[:, None]
+    q = (rays / far).sum(axis=0).round(3)
+    p = rays / far
+    Q = ((np.eye(3) - p[:, :, None] * p[:, None]) / far[..., None]).sum(axis=0)
+    least, *_, most = np.linalg.eigvalsh(Q)
+    low = least * 10.0 ** rng.uniform(-1.5, -0.02)
+    high = most * 10.0 ** rng.uniform(0.02, 1.2)
     mass = 9.6 * spread(0.3)
     weight = float(text(mass)) * 9.8
     change = {
@@ -231,8 +238,8 @@ GENERAL = {"goal": "{centroid = [0.3, 0.2, 3.5]}"}
 STATED = [
     GENERAL,
     GENERAL | {"gains.k4": "0.1"},
-    {"goal": "{centroid = [-1, 1.5, 1]}", "gains.k3": "40"},
-    {"goal": "{centroid = [-1, 1.5, 1]}", "bounds.eigenvalues": "[0.02, 0.93]"},
+    {"goal": "{centroid = [-1, 1.5, 1]}", "gains.k3": "40", "bounds.eigenvalues": "[1, 6]"},
+    {"goal": "{centroid = [-1, 1.5, 1]}", "bounds.eigenvalues": "[0.02, 6]"},
     {"goal": "{centroid = [0, 0, 3]}", "gains.k4": "0.5"},
 ]
 

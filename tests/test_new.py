@@ -43,8 +43,17 @@ def test_enter_throughout_gives_the_vehicle_of_the_paper():
     mission = written(converse({})[0])
     model = load("x4-flyer")
     assert mission.name == "mine"
-    for part in ("vehicle", "target", "goal", "gains", "bounds", "start"):
+    for part in ("vehicle", "target", "goal", "gains", "start"):
         assert getattr(mission, part) == getattr(model, part)
+    assert mission.bounds.thrust == model.bounds.thrust
+
+
+def test_the_bounds_of_q_in_a_new_mission_are_proved_not_assumed():
+    mission = written(converse({})[0])
+    verdict = certify(mission)
+    assert mission.bounds.eigenvalues == "auto"
+    assert verdict.status == "proved"
+    assert verdict.problem.box is not None
 
 
 def test_answers_are_written_as_they_were_typed():

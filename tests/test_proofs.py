@@ -50,7 +50,7 @@ def test_the_proofs_made_today_are_the_shipped_ones():
 
 
 def test_the_printed_conditions_are_reported_with_their_numbers(x4):
-    demands = {d.name: d for d in printed_demands(x4)}
+    demands = {d.name: d for d in printed_demands(x4, x4.bounds.eigenvalues)}
     assert demands["k3"].limit == pytest.approx(8416875)
     assert [name for name, d in demands.items() if not d.met] == ["k3"]
     start = simulate(x4, duration=1)["lyapunov"].values[0]

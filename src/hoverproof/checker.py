@@ -68,6 +68,7 @@ class Question(NamedTuple):
     eigenvalues: list[Fraction]  # of Q, lowest and highest, 1/m
     box: list[list[Fraction]] | None  # positions over which the eigenvalues are to be shown, m
     points: Matrix  # target, world frame, m
+    goal: list[Fraction] | None  # position, m; None where q* is given
     centroid: list[tuple[Fraction, Fraction]]  # q*
     factor: tuple[Fraction, Fraction]  # holds every f(T), 1/m
     attained: tuple[Fraction, Fraction]  # every value in it is an f(T), 1/m
@@ -433,13 +434,18 @@ def read_setting(c: Any) -> Setting:
 
 def read_mission(c: Any) -> Question:
     """Return the numbers of the mission that bear on the claim, and enclosures made from them."""
-    name, m, gravity, g, points, centroid, _ = read_setting(c)
+    name, m, gravity, g, points, centroid, goal = read_setting(c)
     w, bounds = numbers(c["weights"], 4), c["mission"]["bounds"]
     require(min(w) > 0, "weights must be positive")
     require(isinstance(bounds, dict), "bounds is not an object")
     stiffness = g["k1"] ** 2 * g["k2"] / m
 
-    keys(bounds, ("eigenvalues", "thrust" if "thrust" in bounds else "level"), "bounds")
+    auto = bounds.get("eigenvalues") == "auto"  # to be shown over a box, which may be named
+    own_box = ("box",) if auto and "box" in bounds else ()
+    known = ("eigenvalues", *own_box, "thrust" if "thrust" in bounds else "level")
+    keys(bounds, known, "bounds")
+    if own_box:
+        numbers(bounds["box"], 3, 2)
     if "thrust" in bounds:
         thrust = numbers(bounds["thrust"], 2)
         require(thrust[0] <= m * gravity <= thrust[1], "the thrust interval does not hold m g")
@@ -448,7 +454,8 @@ def read_mission(c: Any) -> Question:
         require(level > 0, "the level must be positive")
         reach = stiffness * square_root(2 * level * (1 / w[1] + 1 / w[2]))[1]
         thrust = [m * gravity - reach, m * gravity + reach]
-    numbers(bounds["eigenvalues"], 2)
+    if not auto:
+        numbers(bounds["eigenvalues"], 2)
     region = keys(c["region"], ("box", "eigenvalues"), "region")
     eigenvalues, box = numbers(region["eigenvalues"], 2), None
     require(0 < eigenvalues[0] < eigenvalues[1], "the eigenvalue bounds are not in order")
@@ -472,6 +479,7 @@ def read_mission(c: Any) -> Question:
         eigenvalues=eigenvalues,
         box=box,
         points=points,
+        goal=goal,
         centroid=centroid,
         factor=(f(high, q_low), f(low, q_high)),
         attained=(f(high, q_high), f(low, q_low)),
@@ -480,7 +488,7 @@ def read_mission(c: Any) -> Question:
 
 def verify_gains(c: Any, p: Question) -> None:
     """Verify a proof of Σ ≻ margin·W, hence of the decay of L."""
-    keys(c["enclosures"], ("centroid", "factor"), "enclosures")
+    keys(c["enclosures"], ("centroid", "factor", "goal"), "enclosures")
     box = numbers(c["enclosures"]["centroid"], 3, 2)
     span = numbers(c["enclosures"]["factor"], 2)
     for mine, given in zip(p.centroid, box, strict=True):
@@ -503,6 +511,39 @@ def verify_gains(c: Any, p: Question) -> None:
         margins.append(t)
     require(margin == min(margins), "the margin is not the smallest of the vertices")
     verify_region(c, p)
+    spot = numbers(c["enclosures"]["goal"], 3, 2)
+    require(
+        goal_within(p.points, p.goal, p.centroid, spot, p.eigenvalues),
+        "Q at the goal is not shown to be within the bounds of its eigenvalues",
+    )
+
+
+def goal_within(
+    points: Matrix,
+    goal: Row | None,
+    centroid: Sequence[tuple[Fraction, Fraction]],
+    box: Matrix,
+    eigenvalues: Row,
+) -> bool:
+    """Tell whether a box is shown to hold the goal, and low I ≺ Q ≺ high I all over it.
+
+    A goal by its centroid q* is where the convex Σ|P'i - ξ| + q*ᵀξ, of slope q* - q and Hessian
+    Q ≻ low I, is least. On the largest ball about the middle of the box, of radius r, it is higher
+    than in the middle if |q - q*| < low r/2 there.
+    """
+    if any(a > b for a, b in box) or not eigenvalues_hold(
+        points, box, eigenvalues[0], eigenvalues[1], 1000
+    ):
+        return False
+    if goal is not None:
+        return all(a <= x <= b for x, (a, b) in zip(goal, box, strict=True))
+    seen = centroid_seen(points, [(a + b) / 2 for a, b in box])
+    slope = sum(
+        max(abs(x - y) for x in ends for y in want) ** 2
+        for ends, want in zip(seen, centroid, strict=True)
+    )
+    radius = min(b - a for a, b in box) / 2
+    return slope < (eigenvalues[0] * radius / 2) ** 2
 
 
 def theorem_of_gains(c: Any, p: Question) -> str:
@@ -510,7 +551,7 @@ def theorem_of_gains(c: Any, p: Question) -> str:
     claim = keys(c["claim"], ("margin", "decay_rate"), "claim")
     margin, rate = about(number(claim["margin"])), about(number(claim["decay_rate"]))
     weights = ", ".join(map(str, p.w))
-    stays = "Q and T stay in these intervals"
+    stays = "Q and T stay in these intervals (which is assumed of Q, not shown for the target)"
     region = ""
     if p.box is not None:
         stays, region = (
@@ -520,7 +561,8 @@ def theorem_of_gains(c: Any, p: Question) -> str:
     return (
         f"For {setting(p)}, the matrix Σ(Q, T) is positive definite: XᵀΣX > {margin} kg/s times "
         f"Σ wi|δi|² for all X ≠ 0, w = ({weights}). {region}Hence, while {stays} and Ω3 = 0, the "
-        f"Lyapunov function L = ½ Σ wi|δi|² falls at least as fast as exp(-r t), r = {rate} 1/s."
+        f"Lyapunov function L = ½ Σ wi|δi|² falls at least as fast as exp(-r t), r = {rate} 1/s. "
+        "At the goal Q is within this interval."
     )
 
 

@@ -23,6 +23,10 @@ class InputError(ValueError):
         self.where, self.key, self.reason = where, key, reason
         super().__init__(": ".join(part for part in (where, key, reason) if part))
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str]]:
+        """Let it cross from a process that works to the one that asked."""
+        return InputError, (self.where, self.key, self.reason)
+
 
 def suggestion(word: str, known: Sequence[str], title: str, *, shown: Sequence[str] = ()) -> str:
     """Suggest the nearest of what is known; list it (or what is to be `shown`) if nothing is near.

@@ -12,14 +12,9 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    BeforeValidator,
-    Field,
-    ValidationError,
-    model_validator,
-)
+from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationError, model_validator
 
 from hoverproof.conditions import ModelError, Rotors, Scatter, Sensors, Wind
 from hoverproof.errors import InputError, suggestion
@@ -120,25 +115,39 @@ class Gains(_Section):
     k_yaw: Annotated[Fraction, _quantity("kg m²/s", "0", "1e9", open_low=True)]
 
 
+_ends = BeforeValidator(_array("lowest", "highest"))
+_Side = Annotated[tuple[_Length, _Length], _ends]
+_AUTO, _NUMBERS = "auto", "two numbers"  # tags, left out of messages
+
+
 class Bounds(_Section):
-    """What is assumed in flight: eigenvalues of Q 1/m, and thrust N or a level of L."""
+    """What holds in flight: eigenvalues of Q 1/m, and thrust N or a level of L.
+
+    Eigenvalues are assumed, or ``"auto"``: proved over `box`, m, by default about start and goal.
+    """
 
     eigenvalues: Annotated[
-        tuple[_Eigenvalue, _Eigenvalue], BeforeValidator(_array("lowest", "highest"))
+        Annotated[Literal["auto"], Tag(_AUTO)]
+        | Annotated[tuple[_Eigenvalue, _Eigenvalue], _ends, Tag(_NUMBERS)],
+        Discriminator(lambda value: _AUTO if value == _AUTO else _NUMBERS),
     ]
-    thrust: (
-        Annotated[tuple[_Force, _Force], BeforeValidator(_array("lowest", "highest"))] | None
-    ) = None
+    box: Annotated[tuple[_Side, _Side, _Side], BeforeValidator(_array("x", "y", "z"))] | None = None
+    thrust: Annotated[tuple[_Force, _Force], _ends] | None = None
     level: Annotated[Fraction, _quantity("", "0", "1e9", open_low=True)] | None = None
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
-        low, high = self.eigenvalues
-        if low >= high:
-            raise _reject(
-                f"the lowest, {_shown(low)}, must be below the highest, {_shown(high)}",
-                key="eigenvalues",
-            )
+        if isinstance(self.eigenvalues, tuple):
+            low, high = self.eigenvalues
+            if low >= high:
+                raise _reject(
+                    f"the lowest, {_shown(low)}, must be below the highest, {_shown(high)}",
+                    key="eigenvalues",
+                )
+            if self.box is not None:
+                raise _reject('is for eigenvalues = "auto", which are proved over it', key="box")
+        if any(low > high for low, high in self.box or ()):
+            raise _reject("each side goes from its lowest to its highest", key="box")
         if (self.thrust is None) == (self.level is None):
             raise _reject(
                 "give either thrust ([lowest, highest] in N) or level (of L), one of the two"
@@ -401,7 +410,8 @@ def _input_error(error: ValidationError, where: str) -> InputError:
     """Turn the most telling finding of pydantic into our own words."""
     problems = sorted(error.errors(), key=lambda p: p["type"] != "extra_forbidden")
     first = problems[0]
-    location = [*first["loc"], *first.get("ctx", {}).get("key", "").split(".")]
+    held = [part for part in first["loc"] if part not in (_AUTO, _NUMBERS)]
+    location = [*held, *first.get("ctx", {}).get("key", "").split(".")]
     key = "".join(f"[{p + 1}]" if isinstance(p, int) else f".{p}" for p in location if p != "")
     kind, shown = first["type"], _shown(first["input"])
     short_name = f"must be a short name of letters, digits, '.', '_' and '-', not {shown}"

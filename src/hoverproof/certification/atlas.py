@@ -20,10 +20,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from hoverproof.certification.bounds import eigenvalues_at_goal
 from hoverproof.certification.certificate import model_fingerprint
 from hoverproof.certification.gains import certify
 from hoverproof.certification.margins import Questions, margins
-from hoverproof.certification.problem import ONES, gain_problem
+from hoverproof.certification.problem import ONES, gain_problem, pose
 from hoverproof.errors import InputError
 from hoverproof.mission import Bounds, Gains, Mission
 from hoverproof.spread import spread
@@ -34,6 +35,7 @@ Report = Callable[[int, int], None]
 
 DIGITS = 6
 CHUNK = 4000
+BARELY = 1e-6  # how near to its bounds Q at the goal may come, as a part
 EXACT_CHUNK = 16
 VERDICTS = {"refuted": -1, "undecided": 0, "proved": 1}
 NOT_ASKED = -128
@@ -71,6 +73,8 @@ class Quantity:
         """
         section, name = self.key.split(".")
         held = getattr(getattr(mission, section), name)
+        if held == "auto":
+            return None
         value: Fraction | None = held if held is None or self.end is None else held[self.end]
         return value
 
@@ -149,6 +153,8 @@ def axis(
     held = quantity.value(mission)
     if held is None:
         other = "bounds.level" if name.endswith("thrust") else "bounds.thrust"
+        if name.endswith("eigenvalue"):
+            other = '"auto" for them'
         raise InputError(option, "", f"{name} cannot vary: {mission.source} gives {other} instead")
     if not 2 <= cells <= 5000:
         raise InputError("--cells", "", f"must be from 2 to 5000, not {cells}")
@@ -255,6 +261,8 @@ def cell_margins(
 ) -> Array:
     """Return the worst eigenvalue of each cell, kg/s, (n,), in floating point.
 
+    NaN where no question is posed, as where Q at the goal is not within the bounds.
+
     Parameters
     ----------
     mission : Mission
@@ -264,7 +272,11 @@ def cell_margins(
     pairs : (n, 2)
         Values of x and y.
     """
-    return margins(questions_of(mission, x, y, weights, pairs))
+    questions = questions_of(mission, x, y, weights, pairs)
+    low, high = questions.eigenvalues
+    least, most = eigenvalues_at_goal(mission)
+    asked = (low < least * (1 - BARELY)) & (most * (1 + BARELY) < high)
+    return np.where(asked, margins(questions), np.nan)
 
 
 def questions_of(
@@ -281,7 +293,9 @@ def questions_of(
     pairs : (n, 2)
         Values of x and y.
     """
-    questions = Questions.of(gain_problem(mission, weights))
+    varied = "bounds.eigenvalues" in (QUANTITIES[x].key, QUANTITIES[y].key)
+    problem = pose(mission, weights) if varied else gain_problem(mission, weights)
+    questions = Questions.of(problem)
     ones = np.ones(len(pairs))
     gains = [g * ones for g in questions.gains]
     eigenvalues: list[Any] = list(questions.eigenvalues)

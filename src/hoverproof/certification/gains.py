@@ -161,8 +161,8 @@ def certify(
     Raises
     ------
     InputError
-        If the mission poses no question: its goal cannot be seen, or its thrust interval reaches
-        the singularity of the controller.
+        If the mission poses no question: its goal cannot be seen, Q there is not within the bounds,
+        or its thrust interval reaches the singularity of the controller.
     """
     problem = gain_problem(mission, weights, region)
     vertices, candidates = [], []
@@ -216,7 +216,11 @@ def _proved(problem: GainProblem, vertices: list[_Vertex], margin_above: Fractio
     rate = problem.decay_rate(margin)
     parts = {
         "claim": {"margin": margin, "decay_rate": rate},
-        "enclosures": {"centroid": problem.centroid, "factor": problem.factor},
+        "enclosures": {
+            "centroid": problem.centroid,
+            "factor": problem.factor,
+            "goal": problem.goal_box,
+        },
         "vertices": [
             {
                 "factor": v.factor,
@@ -358,6 +362,7 @@ def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
         "margin_bounds": [float(proved.margin) if proved else None, above],
         "decay_rate": float(proved.decay_rate) if proved else None,
         "eigenvalues": _numbers(problem.eigenvalues),
+        "eigenvalue_bounds": problem.origin,
         "thrust": _numbers(problem.thrust),
         "goal_centroid": _numbers(problem.goal.centroid_midpoint),
         "weights": _numbers(problem.weights),

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from hoverproof.certification.bounds import none_proved
 from hoverproof.certification.certificate import Certificate, seal
-from hoverproof.certification.problem import gain_problem
+from hoverproof.certification.problem import pose
 from hoverproof.certification.region import Box, Outside, Region, enclose, holds_over, outside
 from hoverproof.mission import Mission
+from hoverproof.plant.goal import Interval
 
 
 @dataclass(frozen=True)
@@ -20,6 +22,9 @@ class RegionVerdict:
         Of the mission's bounds over the box: ``"proved"``, ``"refuted"`` or ``"undecided"``.
     box : (3,) of (low, high)
         World frame, m.
+    bounds : (low, high)
+        What was asked: the bounds of the mission, or, if they are "auto", those that were proved,
+        1/m.
     enclosure : Region or None
         The narrowest bounds that were proved there; None if none were.
     outside : Outside or None
@@ -31,6 +36,7 @@ class RegionVerdict:
 
     status: str
     box: Box
+    bounds: Interval
     enclosure: Region | None
     outside: Outside | None
     certificate: Certificate | None
@@ -38,6 +44,8 @@ class RegionVerdict:
 
 def certify_region(mission: Mission, box: Box, most: int | None = None) -> RegionVerdict:
     """Prove or refute that the mission's eigenvalue bounds hold over a box.
+
+    Bounds that are "auto" are those that hold over the box.
 
     Parameters
     ----------
@@ -49,10 +57,16 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Regio
     Raises
     ------
     InputError
-        If the box holds a target point, where Q is infinite.
+        If the box holds a target point, where Q is infinite, or if the bounds are "auto" and none
+        are proved.
     """
     enclosed = enclose(mission, box, most)
     wanted = mission.bounds.eigenvalues
+    if not isinstance(wanted, tuple):
+        if enclosed is None:
+            raise none_proved(mission)
+        certificate = seal(pose(mission, region=enclosed), "region", {})
+        return RegionVerdict("proved", box, enclosed.eigenvalues, enclosed, None, certificate)
     spot = outside(mission, box, wanted)
     if spot is not None:
         point = {
@@ -61,14 +75,15 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Regio
             "bound": spot.bound,
         }
         shown = Region(box, wanted, (spot.eigenvalue, spot.eigenvalue))
-        refutation = seal(gain_problem(mission, region=shown), "outside", {"outside": point})
-        return RegionVerdict("refuted", box, enclosed, spot, refutation)
+        refutation = seal(pose(mission, region=shown), "outside", {"outside": point})
+        return RegionVerdict("refuted", box, wanted, enclosed, spot, refutation)
     proved = holds_over(mission, box, wanted, most)
     held = enclosed
     if proved:
         attained = enclosed.attained if enclosed else (float(wanted[0]), float(wanted[1]))
         held = Region(box, wanted, attained)
     if held is None:
-        return RegionVerdict("undecided", box, None, None, None)
-    certificate = seal(gain_problem(mission, region=held), "region", {})
-    return RegionVerdict("proved" if proved else "undecided", box, enclosed, None, certificate)
+        return RegionVerdict("undecided", box, wanted, None, None, None)
+    certificate = seal(pose(mission, region=held), "region", {})
+    status = "proved" if proved else "undecided"
+    return RegionVerdict(status, box, wanted, enclosed, None, certificate)

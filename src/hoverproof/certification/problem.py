@@ -10,15 +10,17 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, cached_property
+from typing import Literal
 
 import casadi as ca
 
 from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.identity import normal_form
 from hoverproof.algebra.surd import sqrt_enclosure
+from hoverproof.certification.bounds import eigenvalue_bounds, goal_box, proved_bounds
 from hoverproof.certification.region import Box, Region
 from hoverproof.errors import InputError
 from hoverproof.mission import Mission
@@ -94,6 +96,9 @@ class GainProblem:
         Interval of the eigenvalues of Q, 1/m.
     box : (3,) of (low, high), or None
         Positions over which that interval was proved, m; None if it is the mission's assumption.
+    goal_box : (3,) of (low, high), or None
+        Holds the goal, and Q is proved to be within that interval there, m; None where the question
+        is not about gains.
     """
 
     mission: Mission
@@ -105,6 +110,7 @@ class GainProblem:
     factor_attained: Interval
     eigenvalues: Interval
     box: Box | None
+    goal_box: Box | None = None
 
     def corners(self) -> Iterator[tuple[Fraction, ...]]:
         """Yield the corners of the box around q*."""
@@ -153,6 +159,16 @@ class GainProblem:
         return entries
 
     @property
+    def origin(self) -> Literal["assumed", "proved"]:
+        """Where the interval of the eigenvalues comes from: the mission, or a proof over `box`."""
+        return "assumed" if self.box is None else "proved"
+
+    @property
+    def footing(self) -> str:
+        """What a verdict rests on, in words."""
+        return "bounds of Q assumed" if self.box is None else "bounds of Q proved over a box"
+
+    @property
     def weight_diagonal(self) -> list[Fraction]:
         """Diagonal of W, (11,): L = ½ XᵀWX."""
         w1, w2, w3, w4 = self.weights
@@ -175,7 +191,31 @@ ONES = (Fraction(1),) * 4
 def gain_problem(
     mission: Mission, weights: tuple[Fraction, ...] = ONES, region: Region | None = None
 ) -> GainProblem:
-    """Pose the question for a mission.
+    """Pose the question about the gains of a mission.
+
+    Parameters
+    ----------
+    mission : Mission
+    weights : (4,) Fractions
+        w of L = ½ Σ wᵢ|δᵢ|².
+    region : Region, optional
+        A box with proved eigenvalue bounds; by default those of the mission, proved if they are
+        "auto".
+
+    Raises
+    ------
+    InputError
+        If the thrust interval reaches the singularity of the controller, T = c q3*, if Q at the
+        goal is not within the bounds, or if "auto" proves none.
+    """
+    problem = pose(mission, weights, proved_bounds(mission) if region is None else region)
+    return replace(problem, goal_box=goal_box(mission, problem.eigenvalues, problem.box))
+
+
+def pose(
+    mission: Mission, weights: tuple[Fraction, ...] = ONES, region: Region | None = None
+) -> GainProblem:
+    """Put the numbers of a question together, wherever the goal is.
 
     Parameters
     ----------
@@ -188,7 +228,8 @@ def gain_problem(
     Raises
     ------
     InputError
-        If the thrust interval reaches the singularity of the controller, T = c q3*.
+        If the thrust interval reaches the singularity of the controller, T = c q3*, or if "auto"
+        proves nothing.
     """
     goal = hover_goal(mission)
     box = tuple((_down(low), _up(high)) for low, high in goal.centroid)
@@ -225,7 +266,7 @@ def gain_problem(
         thrust=(low, high),
         factor=(_down(force(high, bottom)[2]), _up(force(low, top)[2])),
         factor_attained=(_up(force(high, top)[2]), _down(force(low, bottom)[2])),
-        eigenvalues=mission.bounds.eigenvalues if region is None else region.eigenvalues,
+        eigenvalues=eigenvalue_bounds(mission) if region is None else region.eigenvalues,
         box=None if region is None else region.box,
     )
 

@@ -65,12 +65,19 @@ def parse_box(text: str) -> Box:
 
 
 def default_box(mission: Mission) -> Box:
-    """Return the box that holds start and goal, wider by a tenth of their distance on each side.
+    """Return the box of a mission: by default start and goal, with a tenth of their distance added.
 
     Parameters
     ----------
     mission : Mission
+
+    Returns
+    -------
+    (3,) of (low, high)
+        World frame, m.
     """
+    if mission.bounds.box is not None:
+        return mission.bounds.box
     start, goal = mission.start.position, hover_goal(mission).position
     square = sum(((a - b) ** 2 for a, b in zip(start, goal, strict=True)), Fraction(0))
     margin = decimal_above(WIDEN * sqrt_enclosure(square)[1], 2)
@@ -119,7 +126,8 @@ def enclose(mission: Mission, box: Box, most: int | None = None) -> Region | Non
     InputError
         If the box holds a target point, where Q is infinite.
     """
-    _check_box(mission, box)
+    if holds_target_point(mission, box):
+        raise InputError(mission.source, "--box", "holds a target point, where Q is infinite")
     low, high = _extremes(mission, box)
     for slack in SLACKS:
         bounds = (
@@ -238,7 +246,16 @@ def _points(mission: Mission) -> Array:
     return np.array(mission.target.points, float)
 
 
-def _check_box(mission: Mission, box: Box) -> None:
-    for point in mission.target.points:
-        if all(a <= c <= b for c, (a, b) in zip(point, box, strict=True)):
-            raise InputError(mission.source, "--box", "holds a target point, where Q is infinite")
+def holds_target_point(mission: Mission, box: Box) -> bool:
+    """Tell whether a target point lies in a box.
+
+    Parameters
+    ----------
+    mission : Mission
+    box : (3,) of (low, high)
+        World frame, m.
+    """
+    return any(
+        all(a <= c <= b for c, (a, b) in zip(point, box, strict=True))
+        for point in mission.target.points
+    )

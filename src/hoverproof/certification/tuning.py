@@ -248,8 +248,11 @@ def _tuned(
     for gains in _short(mission, search, best, value):
         tuned = mission.model_copy(update={"gains": gains})
         verdict = certify(tuned, weights=weights)
-        if isinstance(verdict, Proved) and (
-            search.objective == "decay" or verdict.decay_rate >= search.at_least
+        slowest = slowest_rate_at_goal(tuned)
+        if (
+            isinstance(verdict, Proved)
+            and (search.objective == "decay" or verdict.decay_rate >= search.at_least)
+            and slowest > 0  # follows from the proof; held against the loop itself all the same
         ):
             break
     else:
@@ -262,7 +265,7 @@ def _tuned(
         estimate=2
         * float(margins(replace(search.questions, gains=exact))[0])
         / search.questions.mass,
-        slowest_rate=slowest_rate_at_goal(tuned),
+        slowest_rate=slowest,
         uses=uses(search.limits, search.command, tuned),
         objective=search.objective,
     )

@@ -87,7 +87,7 @@ def certify(
         ending = "cert" if isinstance(verdict, Proved) else "refutation"
         path = out or Path(f"{loaded.name}.{ending}.json")
         verdict.certificate.save(path)
-    demands = printed_demands(loaded)
+    demands = printed_demands(loaded, verdict.problem.eigenvalues)
     if json_:
         paper = [{"condition": d.text(), "met": d.met} for d in demands]
         answer = as_json(verdict, None if path is None else str(path))
@@ -103,6 +103,8 @@ def certify(
     if problem.box is not None:
         print("  (bounds of the eigenvalues proved over the box")
         print(f"  {sides_text(problem.box)} m)")
+    else:
+        print("  (bounds of the eigenvalues assumed, not proved: see hoverproof region)")
     if weights is not None:
         print(f"  weights of L            {', '.join(map(number, problem.weights))}")
     if isinstance(verdict, Proved):
@@ -161,14 +163,14 @@ def region(
     loaded = load_mission(mission, set_)
     sides = box_sides(loaded, box)
     verdict = certify_region(loaded, sides, boxes)
-    found, spot, wanted = verdict.enclosure, verdict.outside, loaded.bounds.eigenvalues
+    found, spot, wanted = verdict.enclosure, verdict.outside, verdict.bounds
     ending = "refutation" if spot else "cert"
     path = out or Path(f"{loaded.name}.region.{ending}.json")
     picture = path.with_name(f"{path.name.removesuffix('.json').removesuffix(f'.{ending}')}.png")
     if verdict.certificate is not None:
         verdict.certificate.save(path)
     if figure:
-        save_region_figure(loaded, sides, picture)
+        save_region_figure(loaded, verdict, picture)
 
     if json_:
         witness = spot and {

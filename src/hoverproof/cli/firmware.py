@@ -87,7 +87,9 @@ def export(
     if json_:
         print_json({"out": str(out), **manifest})
         return 0
-    standing = "certified" if manifest["certified"] else "UNCERTIFIED: nothing is proved"
+    standing = "UNCERTIFIED: nothing is proved"
+    if manifest["certified"]:
+        standing = f"certified (bounds of Q {manifest['eigenvalue_bounds']})"
     print(f"{loaded.name}: firmware written, {precision}, {standing}")
     print(f"  folder  {out}")
     print(f"  thrust  {interval(manifest['thrust'])} N, monitored")

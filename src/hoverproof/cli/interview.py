@@ -153,7 +153,7 @@ def _toml(given: str, *, like: str) -> str:
 
 
 def _completed(answers: Answers, model: Mission) -> Answers:
-    """Add what is not asked: the target's points, and gains and bounds by similarity."""
+    """Add what is not asked: the target's points, and gains and thrust by similarity."""
     length = _length_scale(answers, model)
     mass = _ratio(answers["mass"], model.vehicle.mass)
     pull = _ratio(answers["gravity"], model.vehicle.gravity)
@@ -169,7 +169,6 @@ def _completed(answers: Answers, model: Mission) -> Answers:
         "k3": _text(gains.k3 * mass * rate),
         "k4": _text(gains.k4 * mass * rate),
         "k_yaw": _text(gains.k_yaw * turning),
-        "eigenvalues": _row(x / length for x in model.bounds.eigenvalues),
         "thrust": f"[{0.9 * weight:.6g}, {1.1 * weight:.6g}]",
     }
 

@@ -13,6 +13,8 @@ from hoverproof.cli.completion import preset_names
 from hoverproof.cli.console import Json, app, number, print_json
 from hoverproof.errors import InputError
 
+AUTO = 'eigenvalues = "auto"          # of Q: proved over a box around start and goal'
+
 
 @app.command
 def presets(
@@ -94,9 +96,10 @@ def new(
     """Write a commented mission file for your vehicle, or from a preset.
 
     In a terminal it asks for the vehicle, its target and its start: mass, arm, inertia and so on,
-    each with its unit and a default. An answer that cannot be used is asked for again. Gains and
-    bounds are then those of x4-flyer, scaled by similarity. With --from, --yes or --json, or if
-    it is not run in a terminal, nothing is asked and the preset is written as it is.
+    each with its unit and a default. An answer that cannot be used is asked for again. Gains are
+    then those of x4-flyer, scaled by similarity. With --from, --yes or --json, or if it is not run
+    in a terminal, nothing is asked and the preset is written, but that its eigenvalue bounds of Q
+    are "auto": proved over a box around start and goal.
 
     The file is written whole at the end, or, after Ctrl-C, not at all.
 
@@ -119,6 +122,7 @@ def new(
         text = interview(name)
     else:
         text = re.sub(r'(?m)^name = ".*"', f'name = "{name}"', preset_text(source), count=1)
+        text = re.sub(r"(?m)^eigenvalues = .*", AUTO, text, count=1)
     with replacing(path) as beside:
         beside.write_text(text + conditions_text(), encoding="utf-8")
         load(beside)  # nothing is put in place that does not load

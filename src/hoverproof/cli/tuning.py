@@ -184,6 +184,8 @@ def as_json(found: Tuned | Infeasible) -> dict[str, Any]:
         "decay_rate_before_rounding": found.estimate,
         "improvement": None if before is None else float(rate / before),
         "margin": float(found.verdict.margin),
+        "eigenvalues": [float(x) for x in found.verdict.problem.eigenvalues],
+        "eigenvalue_bounds": found.verdict.problem.origin,
         "slowest_rate": found.slowest_rate,
         "bandwidth": found.uses[0].value,
         "weights": [float(w) for w in found.verdict.problem.weights],
@@ -234,7 +236,7 @@ def _print_tuned(found: Tuned | Infeasible, written: str | None) -> None:
         print("\n".join(f"  {part}{';' if part is not parts[-1] else ''}" for part in parts))
         return
     name, verdict = found.mission.name, found.verdict
-    print(f"{name}: tuned for {found.objective}, and proved")
+    print(f"{name}: tuned for {found.objective}, and proved ({verdict.problem.footing})")
     for key, value in found.mission.gains:
         print(f"  {key:6} = {decimal(value):12} {GAIN_UNITS[key]}")
     rate = verdict.decay_rate

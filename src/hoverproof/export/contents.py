@@ -135,6 +135,7 @@ def contents(
         "certificate_file": f"{name}.cert.json" if certified else "no certificate",
         "certificate_sha256": sha,
         "certified": certified,
+        "eigenvalue_bounds": _bounds_origin(standing),
         "law_sha256": law_sha,
         "origin_size": len(origin_text) + 1,
         "tells_gains": options["tunable"] or not certified,
@@ -208,6 +209,13 @@ def _claim(certified: bool, sha: str) -> str:
     if certified:
         return f"Certificate of the gains, SHA-256 {sha}."
     return "UNCERTIFIED: nothing is proved of these gains."
+
+
+def _bounds_origin(standing: Standing) -> str | None:
+    """Say whether the certificate assumes the bounds of Q or has them proved."""
+    if standing.certificate is None:
+        return None
+    return "assumed" if standing.certificate["region"]["box"] is None else "proved over a box"
 
 
 def _standing(standing: Standing) -> str:

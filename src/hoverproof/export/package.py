@@ -197,6 +197,7 @@ def _manifest(context: dict[str, Any], texts: Mapping[str, str]) -> dict[str, An
         "name": context["name"],
         "mission": context["mission"].exact(),
         "certified": context["certified"],
+        "eigenvalue_bounds": context["eigenvalue_bounds"],
         "certificate_sha256": context["certificate_sha256"] if context["certified"] else None,
         "law_sha256": context["law_sha256"],
         "precision": context["precision"].name,

@@ -162,8 +162,12 @@ def _judge_norm(claim: Claim) -> Judgement:
 # --- the example --------------------------------------------------------------------------------
 
 
-def _paper_mission() -> Mission:
-    return load("x4-flyer")
+def _paper_mission() -> tuple[Mission, Fraction, Fraction]:
+    """Return the mission of the paper, and its bounds of the eigenvalues of Q, 1/m."""
+    mission = load("x4-flyer")
+    if not isinstance(mission.bounds.eigenvalues, tuple):
+        raise TypeError("the paper assumes its bounds")
+    return mission, *mission.bounds.eigenvalues
 
 
 def _judge_gain_units(claim: Claim) -> Judgement:
@@ -182,8 +186,8 @@ def _judge_gain_units(claim: Claim) -> Judgement:
 
 def _judge_paper_gains(claim: Claim) -> Judgement:
     """The condition on k3 at the paper's numbers; f(Tmin)|q*| = (k1 k2 + k3)/k1 for axial q*."""
-    mission = _paper_mission()
-    v, k, (low, high) = mission.vehicle, mission.gains, mission.bounds.eigenvalues
+    mission, low, high = _paper_mission()
+    v, k = mission.vehicle, mission.gains
     gains = [k.k1, k.k2, k.k3, k.k4]
     met = printed_conditions(v.mass, v.gravity, gains, Fraction(1), low, high)
     needed = k3_limit(k.k1, k.k2, k.k3, Fraction(1), Fraction(1), low, high)
@@ -199,8 +203,7 @@ def _judge_paper_gains(claim: Claim) -> Judgement:
 
 def _judge_start_eigenvalues(claim: Claim) -> Judgement:
     """Enclose Q at the start and decide λ- I ≺ Q ≺ λ+ I exactly."""
-    mission = _paper_mission()
-    low, high = mission.bounds.eigenvalues
+    mission, low, high = _paper_mission()
     middle = [[Fraction(0)] * 3 for _ in range(3)]
     radius = Fraction(0)
     for point in mission.target.points:

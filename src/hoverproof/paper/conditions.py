@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hoverproof.mission import Mission
 from hoverproof.paper.theorem import k3_limit, printed_conditions
 from hoverproof.plant import camera
-from hoverproof.plant.goal import hover_goal
+from hoverproof.plant.goal import Interval, hover_goal
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.servo.error_chain import Design, Measurement, errors
 from hoverproof.servo.lyapunov import lyapunov
@@ -49,12 +49,14 @@ class Demand:
         return f"{self.name} {sign} {self.limit:.3g} ({self.value:.3g}: {met})"
 
 
-def printed_demands(mission: Mission) -> list[Demand]:
+def printed_demands(mission: Mission, eigenvalues: Interval) -> list[Demand]:
     """Return the conditions of the printed theorem (on k1…k4, and eq. 33) for a mission.
 
     Parameters
     ----------
     mission : Mission
+    eigenvalues : (low, high)
+        Bounds of the eigenvalues of Q, 1/m.
 
     Raises
     ------
@@ -62,7 +64,7 @@ def printed_demands(mission: Mission) -> list[Demand]:
         If the goal of the mission cannot be seen.
     """
     k1, k2, k3, k4 = (float(getattr(mission.gains, k)) for k in ("k1", "k2", "k3", "k4"))
-    low, high = (float(x) for x in mission.bounds.eigenvalues)
+    low, high = (float(x) for x in eigenvalues)
     q = [float(c) for c in hover_goal(mission).centroid_midpoint]
     weight, length = float(mission.vehicle.weight), math.hypot(*q)
     wanted_k3 = k3_limit(k1, k2, k3, q[2], length, low, high) if k2 > high else math.inf

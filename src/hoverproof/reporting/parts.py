@@ -199,7 +199,7 @@ def gather(
     return Parts(
         mission=mission,
         verdict=verdict,
-        demands=printed_demands(mission),
+        demands=printed_demands(mission, verdict.problem.eigenvalues),
         atlas=part("atlas", "atlas", lambda: _map(mission)),
         region=part(
             "region", "eigenvalue region", lambda: certify_region(mission, default_box(mission))

@@ -153,7 +153,7 @@ def region_picture(mission: Mission, found: RegionVerdict) -> Picture:
     """
     return picture(
         "region",
-        lambda: _narrow(region_figure(mission, found.box), 4.9, columns=2),
+        lambda: _narrow(region_figure(mission, found), 4.9, columns=2),
         "Cross-section of the positions in which the eigenvalues of Q keep to their bounds, with "
         "target, goal, start and the box of the question.",
         "Vertical cross-section through the goal. The shading is computed in floating point; what "

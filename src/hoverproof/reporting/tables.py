@@ -10,6 +10,7 @@ import numpy as np
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.attraction.verdict import Proved as Attraction
+from hoverproof.certification.bounds import eigenvalue_bounds
 from hoverproof.certification.gains import Proved, Verdict
 from hoverproof.certification.over_box import RegionVerdict
 from hoverproof.mission import Mission
@@ -120,10 +121,11 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
     goal = "by its centroid" if height is None else f"{short(height)} m above the target"
     q = ", ".join(short(c, 6) for c in q_star)
     points = "; ".join(place(p) for p in mission.target.points)
+    origin = "proved over a box" if bounds.eigenvalues == "auto" else "assumed"
     assumed = (
-        ("thrust", f"{interval(bounds.thrust)} N")
+        ("thrust, assumed", f"{interval(bounds.thrust)} N")
         if bounds.thrust is not None
-        else ("level of L", short(bounds.level or 0))
+        else ("level of L, assumed", short(bounds.level or 0))
     )
     tables = [
         Table(
@@ -158,8 +160,11 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
             ],
         ),
         Table(
-            "Assumed in flight",
-            [("eigenvalues of Q", f"{interval(bounds.eigenvalues)} 1/m"), assumed],
+            "In flight",
+            [
+                (f"eigenvalues of Q, {origin}", f"{interval(eigenvalue_bounds(mission))} 1/m"),
+                assumed,
+            ],
         ),
     ]
     conditions = mission.conditions()

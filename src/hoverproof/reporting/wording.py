@@ -48,7 +48,8 @@ def headline(parts: Parts) -> str:
     """
     problem, verdict = parts.verdict.problem, parts.verdict
     question = (
-        f"every symmetric Q with eigenvalues from {inside(problem.eigenvalues)} 1/m and every "
+        f"every symmetric Q with eigenvalues from {inside(problem.eigenvalues)} 1/m "
+        f"({problem.footing}) and every "
         f"thrust from {inside(problem.thrust)} N"
     )
     if isinstance(verdict, Proved):
@@ -152,7 +153,7 @@ def region(found: RegionVerdict, mission: Mission) -> str:
     found : RegionVerdict
     mission : Mission
     """
-    bounds = f"{interval(mission.bounds.eigenvalues)} 1/m"
+    bounds = f"{interval(found.bounds)} 1/m"
     if found.status == "proved":
         return f"The bounds of the mission, {bounds}, hold at every position in the box."
     if found.outside is not None:

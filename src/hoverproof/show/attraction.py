@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from hoverproof.certification.attraction.motion import energies, numbers
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.verdict import Proved
+from hoverproof.certification.bounds import eigenvalue_bounds
 from hoverproof.certification.region import eigenvalues
 from hoverproof.files import replacing
 from hoverproof.plant.rigid_body import STATE_SIZE
@@ -231,7 +232,7 @@ def draw_section(axes: Axes, region: Proved, view: View, flights: Flights) -> No
     axes.contourf(across, height, inside, levels=[0.5, 1.5], colors=["#56B4E9"], alpha=0.45)
     axes.fill([], [], color="#56B4E9", alpha=0.45, label="certified hovers")
     values = eigenvalues(p.points, places)
-    low, high = (float(x) for x in mission.bounds.eigenvalues)
+    low, high = (float(x) for x in eigenvalue_bounds(mission))
     bounded = ((values[:, 0] > low) & (values[:, 2] < high)).astype(float).reshape(shape)
     if 0 < bounded.mean() < 1:
         axes.contour(across, height, bounded, levels=[0.5], colors=COLOURS[4], linestyles="--")

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from hoverproof.certification.over_box import RegionVerdict
 from hoverproof.certification.region import Box, eigenvalues
 from hoverproof.mission import Mission
 from hoverproof.plant.goal import hover_goal
@@ -16,20 +17,20 @@ from hoverproof.show.style import COLOURS, save_figure
 CELLS = 400
 
 
-def region_figure(mission: Mission, box: Box) -> Figure:
+def region_figure(mission: Mission, found: RegionVerdict) -> Figure:
     """Draw the cross-section through the goal in the (x, z) plane, computed in floating point.
 
     Parameters
     ----------
     mission : Mission
-    box : (3,) of (low, high)
-        World frame, m; its outline is drawn.
+    found : RegionVerdict
+        Its bounds are drawn, and the outline of its box.
     """
     points = np.array(mission.target.points, float)
     goal = np.array([float(c) for c in hover_goal(mission).position])
     start = np.array([float(c) for c in mission.start.position])
-    low, high = (float(x) for x in mission.bounds.eigenvalues)
-    x, z = _window(points, goal, start, box)
+    low, high = (float(x) for x in found.bounds)
+    x, z = _window(points, goal, start, found.box)
     grid_x, grid_z = np.meshgrid(np.linspace(*x, CELLS), np.linspace(*z, CELLS))
     places = np.stack([grid_x, np.full_like(grid_x, goal[1]), grid_z], axis=-1).reshape(-1, 3)
     values = eigenvalues(points, places)
@@ -44,7 +45,7 @@ def region_figure(mission: Mission, box: Box) -> Figure:
             axes.contour(grid_x, grid_z, data, levels=[level], colors=[colour], linewidths=1.5)
             which = "lowest" if data is lowest else "highest"
             axes.plot([], [], color=colour, label=f"{which} eigenvalue = {level:g} 1/m")
-    (x0, x1), _, (z0, z1) = [[float(end) for end in side] for side in box]
+    (x0, x1), _, (z0, z1) = [[float(end) for end in side] for side in found.box]
     outline = Rectangle((x0, z0), x1 - x0, z1 - z0, fill=False, linestyle="--", linewidth=1.5)
     outline.set_label("the box of the question")
     axes.add_patch(outline)
@@ -61,12 +62,12 @@ def region_figure(mission: Mission, box: Box) -> Figure:
     return figure
 
 
-def save_region_figure(mission: Mission, box: Box, path: Path) -> None:
+def save_region_figure(mission: Mission, found: RegionVerdict, path: Path) -> None:
     """Write the figure as PNG.
 
     Parameters
     ----------
-    mission, box
+    mission, found
         See `region_figure`.
     path : Path
 
@@ -75,7 +76,7 @@ def save_region_figure(mission: Mission, box: Box, path: Path) -> None:
     InputError
         If the file cannot be written.
     """
-    save_figure(region_figure(mission, box), path)
+    save_figure(region_figure(mission, found), path)
 
 
 Range = tuple[float, float]

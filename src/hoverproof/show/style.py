@@ -50,7 +50,7 @@ def save_figure(figure: Figure, path: Path, dpi: int = DPI) -> None:
     path : Path
         The file.
     dpi : int
-        Pixels in an inch of the figure.
+        Number of pixels in an inch of the figure.
 
     Raises
     ------

@@ -1,0 +1,162 @@
+"""The bounds of the eigenvalues of Q that a verdict rests on: assumed or proved, the goal in them.
+
+A verdict about gains is about motions that come to the goal. Bounds that Q does not keep to there
+would make it true of nothing, so they are refused.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+
+from hoverproof import checker
+from hoverproof.certification.region import (
+    Box,
+    Region,
+    default_box,
+    eigenvalues,
+    enclose,
+    holds_target_point,
+)
+from hoverproof.errors import InputError
+from hoverproof.mission import Mission
+from hoverproof.plant.goal import HoverGoal, Interval, hover_goal
+
+KEY = "bounds.eigenvalues"
+BITS = (24, 18, 12)
+"""Boxes around a goal that is known to rounding are tried with sides of 2^-BITS of its height."""
+
+
+def proved_bounds(mission: Mission) -> Region | None:
+    """Return the bounds that ``eigenvalues = "auto"`` stands for; None if a mission assumes some.
+
+    Parameters
+    ----------
+    mission : Mission
+
+    Raises
+    ------
+    InputError
+        If nothing can be proved over the box of the mission.
+    """
+    if isinstance(mission.bounds.eigenvalues, tuple):
+        return None
+    box = default_box(mission)
+    if holds_target_point(mission, box):
+        raise InputError(
+            mission.source,
+            KEY,
+            '"auto" proves bounds over a box around start and goal, but that box holds a target '
+            "point, where Q is infinite; give a smaller one as bounds.box",
+        )
+    region = _enclosed(mission, box)
+    if region is None:
+        raise none_proved(mission)
+    return region
+
+
+def none_proved(mission: Mission) -> InputError:
+    """Say that "auto" found nothing.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    return InputError(
+        mission.source,
+        KEY,
+        '"auto": no bounds were proved over the box within the effort; give a smaller one as '
+        "bounds.box, or two numbers",
+    )
+
+
+def eigenvalue_bounds(mission: Mission) -> Interval:
+    """Return the bounds of the eigenvalues of Q, proved or assumed, 1/m.
+
+    Parameters
+    ----------
+    mission : Mission
+
+    Raises
+    ------
+    InputError
+        See `proved_bounds`.
+    """
+    if isinstance(mission.bounds.eigenvalues, tuple):
+        return mission.bounds.eigenvalues
+    region = proved_bounds(mission)
+    if region is None:
+        raise none_proved(mission)
+    return region.eigenvalues
+
+
+def eigenvalues_at_goal(mission: Mission) -> tuple[float, float]:
+    """Return the lowest and the highest eigenvalue of Q at the goal, 1/m, in floating point.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    place = np.array([[float(x) for x in hover_goal(mission).position]])
+    (values,) = eigenvalues(np.array(mission.target.points, float), place)
+    return float(values[0]), float(values[2])
+
+
+def goal_box(mission: Mission, bounds: Interval, box: Box | None) -> Box:
+    """Return a box that holds the goal, and over which Q is proved to be within bounds.
+
+    Parameters
+    ----------
+    mission : Mission
+    bounds : (low, high)
+        Of the eigenvalues of Q, 1/m.
+    box : (3,) of (low, high), or None
+        Positions over which they were proved, m; None if they are assumed.
+
+    Raises
+    ------
+    InputError
+        If Q at the goal is not within the bounds: they say nothing about a motion that comes there.
+    """
+    goal = hover_goal(mission)
+    points = [list(p) for p in mission.target.points]
+    known = list(goal.position) if mission.goal.height is not None else None
+    for sides in _boxes(mission, goal, exactly=known is not None):
+        held = [list(side) for side in sides]
+        if checker.goal_within(points, known, goal.centroid, held, bounds):
+            return sides
+    least, most = eigenvalues_at_goal(mission)
+    low, high = (float(x) for x in bounds)
+    told = (
+        f"Q at the goal has eigenvalues from {least:.4g} to {most:.4g} 1/m, not within "
+        f"[{low:g}, {high:g}]: a verdict would say nothing about a motion that comes to the goal; "
+    )
+    if box is not None:
+        raise InputError(mission.source, "--box", told + "take a box that holds the goal")
+    advice = 'take bounds that hold them, or "auto", which proves bounds around start and goal'
+    raise InputError(mission.source, KEY, told + advice)
+
+
+def _boxes(mission: Mission, goal: HoverGoal, *, exactly: bool) -> list[Box]:
+    if exactly:
+        return [tuple((x, x) for x in goal.position)]
+    size = math.frexp(float(mission.height_of_target - goal.position[2]))[1]
+    boxes: list[Box] = []
+    for bits in BITS:
+        half = Fraction(2) ** (size - bits)
+        middle = [round(x / half * 2**16) * half / 2**16 for x in goal.position]  # short numbers
+        boxes.append(tuple((x - half, x + half) for x in middle))
+    return boxes
+
+
+_held: dict[tuple[object, Box], Region | None] = {}
+
+
+def _enclosed(mission: Mission, box: Box) -> Region | None:
+    """Enclose once for a target and a box: searches for gains ask again and again."""
+    key = (tuple(mission.target.points), box)
+    if key not in _held:
+        _held[key] = enclose(mission, box)
+    return _held[key]
