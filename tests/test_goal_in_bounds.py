@@ -178,7 +178,7 @@ def test_auto_takes_a_box_of_the_mission():
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        ({"bounds.eigenvalues": "automatic"}, "must be a list [lowest, highest]"),
+        ({"bounds.eigenvalues": "automatic"}, 'must be "auto" or a list [lowest, highest]'),
         (AUTO | {"bounds.box": "[[-1, 2], [-1, 1], [-2, 1]]"}, "holds a target point"),
         (AUTO | {"bounds.box": "[[-1, -2], [-1, 1], [-2, -1]]"}, "from its lowest to its highest"),
         ({"bounds.box": "[[-1, 1], [-1, 1], [-4, -2]]"}, 'is for eigenvalues = "auto"'),

@@ -128,7 +128,11 @@ class Bounds(_Section):
 
     eigenvalues: Annotated[
         Annotated[Literal["auto"], Tag(_AUTO)]
-        | Annotated[tuple[_Eigenvalue, _Eigenvalue], _ends, Tag(_NUMBERS)],
+        | Annotated[
+            tuple[_Eigenvalue, _Eigenvalue],
+            BeforeValidator(_array("lowest", "highest", instead=_AUTO)),
+            Tag(_NUMBERS),
+        ],
         Discriminator(lambda value: _AUTO if value == _AUTO else _NUMBERS),
     ]
     box: Annotated[tuple[_Side, _Side, _Side], BeforeValidator(_array("x", "y", "z"))] | None = None

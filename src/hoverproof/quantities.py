@@ -69,18 +69,21 @@ def quantity(unit: str, low: str, high: str, *, open_low: bool = False) -> Befor
     return BeforeValidator(exact)
 
 
-def array(*names: str) -> Callable[[object], object]:
+def array(*names: str, instead: str = "") -> Callable[[object], object]:
     """Return a validator that wants one entry for each name.
 
     Parameters
     ----------
     *names : str
         Of the entries, as shown in messages.
+    instead : str
+        A word that is taken in place of the list, by another validator.
     """
+    word = f'"{instead}" or ' if instead else ""
 
     def check(value: object) -> object:
         if not isinstance(value, list | tuple) or len(value) != len(names):
-            raise reject(f"must be a list [{', '.join(names)}], not {shown(value)}")
+            raise reject(f"must be {word}a list [{', '.join(names)}], not {shown(value)}")
         return tuple(value)
 
     return check
