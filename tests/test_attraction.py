@@ -322,6 +322,37 @@ def test_a_barrier_without_real_poles_is_rejected(paper):
         checker.check(claimed(forged))
 
 
+def over_five_points(content, q3, hover):
+    """Forge a small region for a square with a point in its middle, seen as q3* from a hover."""
+    forged = copy.deepcopy(content)
+    forged["mission"]["target"]["points"].append(["0", "0", "0"])
+    forged["mission"]["goal"] = {"centroid": ["0", "0", q3]}
+    forged |= {"goal_position": None, "hover": hover, "weights": ["2/25", "3/200", "2/125"]}
+    still = {"sideways": "0", "up": "0", "down": "0"}
+    forged["claim"] |= {"level": "1/100", "rate": "1/1000", "barrier_height": None, "reach": still}
+    forged["claim"]["starts"], forged["multipliers"] = [], ["27/250", "27/250"]
+    forged["mission_sha256"] = checker.digest(forged["mission"])
+    p = checker.read_attraction(forged)
+    s, weight = p.s, p.s.m * p.s.gravity
+    thrusts = (weight + p.force, weight - p.force)
+    factors = [checker.factor(s.m, s.g, thrust, s.centroid[2][0]) for thrust in thrusts]
+    forged["enclosures"] |= {"goal": [q3, q3], "factor": list(map(str, factors))}
+    forged["enclosures"]["largest_eigenvalue"] = "7"
+    return claimed(forged)
+
+
+@pytest.mark.slow
+def test_no_region_is_proved_where_no_hover_sees_the_goal(paper):
+    """Over a point in the middle, at height 0, qz is 1 at least: then W is least in that point."""
+    content = paper.certificate.content
+    seen = over_five_points(content, "21/5", ["0", "0", "-1885618083/1000000000"])
+    assert "converges" in checker.check(seen)
+    for hover in ("-1/1000000", "1/100"):
+        unseen = over_five_points(content, "1/2", ["0", "0", hover])
+        with pytest.raises(checker.Rejected, match="largest eigenvalue"):
+            checker.check(unseen)
+
+
 @pytest.mark.slow
 def test_the_command_writes_a_certificate_and_tells_in_json(capsys):
     with pytest.raises(SystemExit) as done:
