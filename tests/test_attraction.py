@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 import json
+import re
+import runpy
 import subprocess
 import sys
 from fractions import Fraction
@@ -51,6 +53,16 @@ def test_every_identity_of_a_lemma_is_proved(lemma):
     identities = lemma.identities()
     assert identities
     assert all(identities.values()), identities
+
+
+def test_the_ledger_in_proofs_is_the_one_of_today():
+    made = runpy.run_path(str(ROOT / "proofs/make.py"))["lemmas"]()
+    assert (ROOT / "proofs/attraction-lemmas.md").read_text(encoding="utf-8") == made
+
+
+def test_the_proofs_name_every_lemma_and_no_other():
+    text = (ROOT / "proofs/README.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"\[(\w+)\]", text)) == {lemma.id for lemma in LEMMAS}
 
 
 def test_the_prover_tells_a_wrong_quadratic_form():

@@ -520,29 +520,29 @@ LEMMAS = (
     Lemma(
         "z",
         "the vertical motion",
-        "With κ = (k1 k2 + k3)/m, N = z + (m/(k1 k2))(z' + z''/κ) obeys N' = (k1/m) w, w = ρᵀq - "
-        "q3* cos φ + (Pρ)ᵀ[(1 + γ) δ4 - γ Pδ3], γ = c q3*/(T - c q3*), ρᵀq = qz. While Λ <= ℓ, T ≥ "
-        "T₋ > c q3* and φ ≤ φ̄ < 90°: w <= qz - q3* + ω with ω = q3*(1 - cos φ̄) + sin φ̄ √(2ℓ((1 "
-        "+ γ)²/a4 + γ²/a3)), γ taken at T₋.",
+        "With κ = (k1 k2 + k3)/m, N = z + (m/(k1 k2))(z' + z''/κ) obeys N' = (k1/m) w, "
+        "w = ρᵀq - q3* cos φ + (Pρ)ᵀ[(1 + γ) δ4 - γ Pδ3], γ = c q3*/(T - c q3*), ρᵀq = qz. "
+        "While Λ <= ℓ, T >= T₋ > c q3* and φ <= φ̄ < 90°: w <= qz - q3* + ω with "
+        "ω = q3*(1 - cos φ̄) + sin φ̄ √(2ℓ((1 + γ)²/a4 + γ²/a3)), γ taken at T₋.",
         "By differentiation. w - qz + q3* is at most q3*(1 - cos φ) + |Pρ|((1 + γ)|δ4| + γ|δ3|), "
-        "where |Pρ| = sin φ, and a3|δ3|² + a4|δ4|² ≤ 2ℓ, so the lemma on sums gives ω with φ and T "
-        "in the place of φ̄ and T₋. It grows with γ > 0, and γ falls as T grows; it grows with φ, "
-        "as 1 - cos φ and sin φ do up to 90°.",
+        "where |Pρ| = sin φ, and a3|δ3|² + a4|δ4|² <= 2ℓ as W >= 0, so the lemma on sums gives ω "
+        "with φ and T in the place of φ̄ and T₋. It grows with γ > 0, and γ falls as T grows; it "
+        "grows with φ, as 1 - cos φ and sin φ do up to 90°.",
         _vertical,
     ),
     Lemma(
         "barrier",
         "nothing sinks below the barrier",
-        "Let k3 >= 3 k1 k2, let r <= s be the roots of x² - κ x + κ k1 k2/m, let w <= w_max, and w "
-        "<= 0 wherever z >= z_s, w_max > 0. With lags D1 >= (k1/m) w_max/s, D2 >= s D1/r and z_b = "
-        "z_s + D1 + D2, the set of z <= z_b, x = z + z'/r <= z_b, N <= z_b, N - x <= D1, x - z <= "
-        "D2 is not left. At rest, z' = z'' = 0, N = x = z, and the least lags will do: D1 + D2 = "
-        "w_max/k2.",
-        "As κ >= 4 k1 k2/m, the roots are real, and positive. (N - x)' ≤ 0 where N - x ≥ D1, so N "
-        "- x stays at most D1; then x - z stays at most D2 likewise. If N were above z_b at some "
-        "time, let t0 be the last time before at which N = z_b: from then on N > z_b, so z = N - "
-        "(N - x) - (x - z) > z_s, so N' <= 0, and N could not have grown. x follows N, x' ≤ 0 "
-        "where x ≥ z_b ≥ N, and z follows x.",
+        "Let k3 >= 3 k1 k2, let r <= s be the roots of x² - κ x + κ k1 k2/m, and let "
+        "D1 >= (k1/m) w_max/s, D2 >= s D1/r, w_max > 0, z_b = z_s + D1 + D2. Let z <= z_b, "
+        "x = z + z'/r <= z_b, N <= z_b, N - x <= D1 and x - z <= D2 at the start, and on the way "
+        "w <= w_max, and w <= 0 wherever z >= z_s. Then these five bounds hold on the way. "
+        "At rest, z' = z'' = 0, N = x = z, and the least lags will do: D1 + D2 = w_max/k2.",
+        "As κ >= 4 k1 k2/m, the roots are real, and positive. (N - x)' <= 0 where N - x >= D1, so "
+        "N - x stays at most D1; then x - z stays at most D2 likewise. If N were above z_b at some "
+        "time, let t0 be the last time before at which N = z_b: from then on N > z_b, so "
+        "z = N - (N - x) - (x - z) > z_s, so N' <= 0, and N could not have grown. "
+        "x' <= 0 where x >= z_b >= N, so x stays at most z_b; z follows x likewise.",
         _cascade,
     ),
     Lemma(
@@ -564,17 +564,17 @@ LEMMAS = (
     Lemma(
         "starts",
         "a start that moves",
-        "Let |V| ≤ v, φ ≤ φ0, √(Ω1² + Ω2²) ≤ ω0, |T - m g| ≤ τ0 < m g - c q3*, and let q_w = Rq = "
-        "Σ (P'ᵢ - ξ)/rᵢ be what a level camera sees. Then |δ1| ≤ |q_w - q*| + q3* φ0, |δ2| ≤ "
-        "(m/k1) v + |δ1|, |F| ≤ τ0 + m g φ0, |δ3| ≤ |F|/c + |δ2|, |Pδ3| ≤ (m g/c) φ0 + (m/k1) v + "
-        "|P q_w| + n φ0, and |δ4| is at most the bound of |Pδ3| plus (m/(c (k1 k2 + k3)))(m g + τ0 "
-        "- c q3*) ω0; |z'| ≤ v and |z''| ≤ |F|/m.",
-        "Two unit vectors at an angle φ are 2 sin(φ/2) ≤ φ apart. R turns e3 by φ: |δ1| = |q_w - "
-        "q3* R e3|, |R e3 - e3| ≤ φ, |ρ - e3| ≤ φ, |Pρ| = sin φ ≤ φ. R = R₂ R₁, where R₁ turns "
-        "about e3 and R₂ by φ about a horizontal axis. q = R₁ᵀ R₂ᵀ q_w, and R₁ does not change the "
-        "length of a P-part, so |P q| = |P R₂ᵀ q_w| ≤ |P q_w| + φ |q_w|, |q_w| ≤ n. The last term "
-        "of δ4 is that of the lemma on the factor, with 0 < T - c q3* ≤ m g + τ0 - c q3*. z' = (R "
-        "V)₃ and z'' = (R F)₃/m.",
+        "Let |V| <= v, φ <= φ0, √(Ω1² + Ω2²) <= ω0, |T - m g| <= τ0 < m g - c q3*, and let "
+        "q_w = Rq = Σ (P'ᵢ - ξ)/rᵢ be what a level camera sees. Then |δ1| <= |q_w - q*| + q3* φ0, "
+        "|δ2| <= (m/k1) v + |δ1|, |F| <= τ0 + m g φ0, |δ3| <= |F|/c + |δ2|, "
+        "|Pδ3| <= (m g/c) φ0 + (m/k1) v + |P q_w| + n φ0, and |δ4| is at most the bound of |Pδ3| "
+        "plus (m/(c (k1 k2 + k3)))(m g + τ0 - c q3*) ω0; |z'| <= v and |z''| <= |F|/m.",
+        "Two unit vectors at an angle φ are 2 sin(φ/2) <= φ apart. R turns e3 by φ: "
+        "|δ1| = |q_w - q3* R e3|, |R e3 - e3| <= φ, |ρ - e3| <= φ, |Pρ| = sin φ <= φ. R = R₂ R₁, "
+        "where R₁ turns about e3 and R₂ by φ about a horizontal axis. q = R₁ᵀ R₂ᵀ q_w, and R₁ does "
+        "not change the length of a P-part, so |P q| = |P R₂ᵀ q_w| <= |P q_w| + φ |q_w|, "
+        "|q_w| <= n. The last term of δ4 is that of the lemma on the factor, with "
+        "0 < T - c q3* <= m g + τ0 - c q3*. z' = (R V)₃ and z'' = (R F)₃/m.",
         _starts,
     ),
 )
