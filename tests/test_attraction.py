@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from hoverproof import checker, cli
+from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.identity import prove_equal
 from hoverproof.certification.attraction.form import derive_form
@@ -347,8 +348,9 @@ def over_five_points(content, q3, hover):
     p = checker.read_attraction(forged)
     s, weight = p.s, p.s.m * p.s.gravity
     thrusts = (weight + p.force, weight - p.force)
-    factors = [checker.factor(s.m, s.g, thrust, s.centroid[2][0]) for thrust in thrusts]
-    forged["enclosures"] |= {"goal": [q3, q3], "factor": list(map(str, factors))}
+    low, high = (checker.factor(s.m, s.g, thrust, s.centroid[2][0]) for thrust in thrusts)
+    factors = [str(decimal_below(low, 9)), str(decimal_above(high, 9))]
+    forged["enclosures"] |= {"goal": [q3, q3], "factor": factors}
     forged["enclosures"]["largest_eigenvalue"] = "7"
     return claimed(forged)
 
