@@ -49,7 +49,7 @@ def squared(a):
 # ## The natural potential
 #
 # In world coordinates $Rq = -\nabla\Phi$ for $\Phi(\xi) = \sum_i|P_i' - \xi|$, a convex function:
-# its Hessian is $Q$. So the goal is the lowest point of
+# its Hessian is $Q$. So the hover that is asked for, if there is one, is the lowest point of
 #
 # $$W(\xi) = \Phi(\xi) - \Phi(\xi^*) + q_3^*\,e_3^\top(\xi - \xi^*) ,\qquad
 # \dot W = -e^\top V,\quad e = q - q_3^*\rho .$$
@@ -141,8 +141,9 @@ print("Λ' as a quadratic form of (e, δ2, δ3, δ4), for any Ω: proved")
 #   + (\pi\rho)^\top\big[(1 + \gamma)\delta_4 - \gamma\,\pi\delta_3\big],\quad
 #   \gamma = \frac{c\,q_3^*}{T - c\,q_3^*} .$$
 #
-# $\rho^\top q = \sum_i h_i/r_i$ grows with the heights $h_i$ above the points. Near the target it
-# is below $q_3^*$, so $N$, the depth at which the vehicle would come to rest, decreases.
+# $\rho^\top q = \sum_i h_i/r_i$ does not fall as the heights $h_i$ above the points grow; straight
+# above or below a point, $h_i/r_i$ is $1$ or $-1$. Near the target it is below $q_3^*$, so $N$, the
+# depth at which the vehicle would come to rest, decreases.
 
 # %%
 kappa = (k1 * k2 + k3) / m
@@ -178,7 +179,7 @@ print("two lags, together w/k2 at most: proved")
 # So if $w \le 0$ at and below a depth $z_s$, a motion from hover passes no depth below
 # $z_s + \bar w/k_2$. That, a level of $\Lambda$, and a bound $\lambda$ of $Q$ above that depth hold
 # each other up: none can be the first to fail. `hoverproof attraction` finds numbers that fit
-# and proves them in exact arithmetic; the theorem stands in `proofs/`.
+# and proves them in exact arithmetic; the theorem and its whole proof stand in `proofs/`.
 #
 # ## What is not claimed
 #

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 import json
+import re
+import runpy
 import subprocess
 import sys
 from fractions import Fraction
@@ -13,6 +15,7 @@ import numpy as np
 import pytest
 
 from hoverproof import checker, cli
+from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.identity import prove_equal
 from hoverproof.certification.attraction.form import derive_form
@@ -51,6 +54,16 @@ def test_every_identity_of_a_lemma_is_proved(lemma):
     identities = lemma.identities()
     assert identities
     assert all(identities.values()), identities
+
+
+def test_the_ledger_in_proofs_is_the_one_of_today():
+    made = runpy.run_path(str(ROOT / "proofs/make.py"))["lemmas"]()
+    assert (ROOT / "proofs/attraction-lemmas.md").read_text(encoding="utf-8") == made
+
+
+def test_the_proofs_name_every_lemma_and_no_other():
+    text = (ROOT / "proofs/README.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"\[(\w+)\]", text)) == {lemma.id for lemma in LEMMAS}
 
 
 def test_the_prover_tells_a_wrong_quadratic_form():
@@ -320,6 +333,38 @@ def test_a_barrier_without_real_poles_is_rejected(paper):
     forged["mission_sha256"] = checker.digest(forged["mission"])
     with pytest.raises(checker.Rejected, match=r"k3 >= 3 k1 k2|interval of f|not shown"):
         checker.check(claimed(forged))
+
+
+def over_five_points(content, q3, hover):
+    """Forge a small region for a square with a point in its middle, seen as q3* from a hover."""
+    forged = copy.deepcopy(content)
+    forged["mission"]["target"]["points"].append(["0", "0", "0"])
+    forged["mission"]["goal"] = {"centroid": ["0", "0", q3]}
+    forged |= {"goal_position": None, "hover": hover, "weights": ["2/25", "3/200", "2/125"]}
+    still = {"sideways": "0", "up": "0", "down": "0"}
+    forged["claim"] |= {"level": "1/100", "rate": "1/1000", "barrier_height": None, "reach": still}
+    forged["claim"]["starts"], forged["multipliers"] = [], ["27/250", "27/250"]
+    forged["mission_sha256"] = checker.digest(forged["mission"])
+    p = checker.read_attraction(forged)
+    s, weight = p.s, p.s.m * p.s.gravity
+    thrusts = (weight + p.force, weight - p.force)
+    low, high = (checker.factor(s.m, s.g, thrust, s.centroid[2][0]) for thrust in thrusts)
+    factors = [str(decimal_below(low, 9)), str(decimal_above(high, 9))]
+    forged["enclosures"] |= {"goal": [q3, q3], "factor": factors}
+    forged["enclosures"]["largest_eigenvalue"] = "7"
+    return claimed(forged)
+
+
+@pytest.mark.slow
+def test_no_region_is_proved_where_no_hover_sees_the_goal(paper):
+    """Over a point in the middle, at height 0, qz is 1 at least: then W is least in that point."""
+    content = paper.certificate.content
+    seen = over_five_points(content, "21/5", ["0", "0", "-1885618083/1000000000"])
+    assert "converges" in checker.check(seen)
+    for hover in ("-1/1000000", "1/100"):
+        unseen = over_five_points(content, "1/2", ["0", "0", hover])
+        with pytest.raises(checker.Rejected, match="largest eigenvalue"):
+            checker.check(unseen)
 
 
 @pytest.mark.slow

@@ -668,15 +668,17 @@ def about(x: Fraction) -> str:
 #
 # where uᵀQv >= (λ/2)(uᵀv - ½(τ|v|² + |u|²/τ)) for 0 ⪯ Q ⪯ λ I. It is affine in f, in q3* and in θ,
 # and a turn about e3 carries one θ to all of its length: both ends of f and q3*, and θ = (t, 0),
-# suffice. On {Λ <= ℓ}, |F| <= d = c √(2ℓ(1/a2 + 1/a3)): |T - m g| <= d, and the tilt φ has
-# sin φ <= d/(m g), |θ| = tan(φ/2).
+# suffice. On {Λ <= ℓ, T > 0}, |F| <= d = c √(2ℓ(1/a2 + 1/a3)): |T - m g| <= d, and the tilt φ has
+# sin φ <= d/(m g), |θ| = tan(φ/2). G is least at one point; were that a target point, no hover
+# would see q3*, but then W <= ℓ at a target point, where Q has no bound.
 #
 # Barrier: with κ = (k1 k2 + k3)/m, N = z + (m/(k1 k2))(z' + z''/κ) obeys N' = (k1/m) w, where
-# w <= qz - q3* + ω, ω = q3*(1 - cos φ) + sin φ √(2ℓ((1 + γ)²/a4 + γ²/a3)), γ = c q3*/(T - c q3*).
-# qz = Σ hi/ri grows with height. If k3 >= 3 k1 k2, let r <= s have r + s = κ, r s = κ k1 k2/m; then
-# x = z + z'/r obeys x' = s (N - x), z' = r (x - z). So N - x and x - z keep below lags
-# D1 >= (k1/m) max w/s and D2 >= s D1/r, and if w <= 0 wherever z >= zb - D1 - D2, none of N, x, z
-# passes zb. Proofs of all this are in proofs/.
+# w <= qz - q3* + ω, ω = q3*(1 - cos φ) + sin φ √(2ℓ((1 + γ)²/a4 + γ²/a3)), γ = c q3*/(T - c q3*),
+# largest at the largest tilt and the least thrust, T = m g - d. qz = Σ hi/ri; no hi/ri falls as the
+# vehicle rises (it jumps from -1 to 1 through the point). If k3 >= 3 k1 k2, let r <= s have
+# r + s = κ, r s = κ k1 k2/m; then x = z + z'/r obeys x' = s (N - x), z' = r (x - z). So N - x and
+# x - z keep below lags D1 >= (k1/m) max w/s and D2 >= s D1/r, and if w <= 0 wherever
+# z >= zb - D1 - D2, none of N, x, z passes zb. Proofs of all this are in proofs/.
 
 
 class Attraction(NamedTuple):

@@ -65,7 +65,6 @@ def _potential() -> dict[str, bool]:
     hessian, _ = ca.hessian(distance, xi)
     x = ca.SX.sym("x", 3)
     turned = ca.cross(ray / r, x)
-    height = ray[2]
     return {
         "d/dt (|P' - ξ| + q3* e3ᵀξ) = -eᵀV": bool(
             prove_equal(lie_derivative(W, xi, rotation @ velocity), -e.T @ velocity, roots)
@@ -76,8 +75,42 @@ def _potential() -> dict[str, bool]:
         "xᵀ(I - ppᵀ)x/r = |p × x|²/r": bool(
             prove_equal(x.T @ hessian @ x, ca.dot(turned, turned) / r, roots)
         ),
-        "∂(h/r)/∂z = -d²/r³, h the height above the point, d² = r² - h²": bool(
-            prove_equal(ca.jacobian(height / distance, xi[2]), (height**2 - r**2) / r**3, roots)
+    }
+
+
+def _height() -> dict[str, bool]:
+    d, h, r = map(ca.SX.sym, ("d", "h", "r"))
+    part = h / ca.sqrt(d**2 + h**2)
+    return {
+        "∂(h/r)/∂h = d²/r³, r² = d² + h²": bool(
+            prove_equal(ca.jacobian(part, h), d**2 / r**3, {r: d**2 + h**2})
+        )
+    }
+
+
+def _slope() -> dict[str, bool]:
+    """The derivative of one term of Q while ξ moves along h; α = pᵀh, g = h - α p."""
+    ray, h = ca.SX.sym("P", 3), ca.SX.sym("h", 3)
+    r, mu, c = map(ca.SX.sym, ("r", "mu", "c"))
+    roots = {r: ca.dot(ray, ray)}
+    p = ray / r
+    along = ca.dot(p, h)
+    across = h - along * p
+    slope = ca.reshape(-ca.jtimes(ca.vec(camera.depth_matrix(ray)), ray, h), 3, 3)
+    D = across @ p.T + p @ across.T + along * (ca.SX.eye(3) - p @ p.T)
+    shifted = mu * ca.SX.eye(3) - D
+    det = ca.dot(shifted[:, 0], ca.cross(shifted[:, 1], shifted[:, 2]))
+    square = ca.dot(across, across)
+    return {
+        "the derivative is D/r², D = g pᵀ + p gᵀ + α (I - ppᵀ)": bool(
+            prove_equal(r**2 * slope, D, roots)
+        ),
+        "|g|² + α² = |h|²": bool(prove_equal(square + along**2, ca.dot(h, h), roots)),
+        "det(μ I - D) = (μ - α)(μ² - α μ - |g|²)": bool(
+            prove_equal(det, (mu - along) * (mu**2 - along * mu - square), roots)
+        ),
+        "4(μ² - α μ - (1 - α²)) = (2α - μ)² + 3μ² - 4": bool(
+            prove_equal(4 * (mu**2 - c * mu - (1 - c**2)), (2 * c - mu) ** 2 + 3 * mu**2 - 4)
         ),
     }
 
@@ -276,6 +309,7 @@ def _cascade() -> dict[str, bool]:
         "(x - z)' = -r (x - z) + s (N - x)": bool(
             prove_equal(dot(x - z), -r * (x - z) + s * (N - x))
         ),
+        "N - x = (z'' + r z')/(r s)": bool(prove_equal(N - x, (z2 + r * z1) / (r * s))),
         "b W/s + b W/r = W/k2": bool(prove_equal(first + second, W / k2)),
         "= (κ (c/m)/s + s k1/m) W m/(κ k1 k2)": bool(prove_equal(first + second, spec)),
     }
@@ -303,9 +337,17 @@ def _sinking() -> dict[str, bool]:
     right = c * kappa / room * P @ a - ca.dot(w, w) * E3
     right -= ((climb + c * kappa * y[2]) / room + d.k4 / d.mass) * w
     gap = loop.dot(w) + ca.cross(z.rate, w) - loop.axial(right)
+    ray, velocity, r, D, climbing = (
+        ca.SX.sym(n, k) for n, k in (("P", 3), ("v", 3), ("r", 1), ("D", 1), ("T'", 1))
+    )
+    nearer = -ca.jtimes(1 / ca.sqrt(ca.dot(ray, ray)), ray, velocity)
     return {
         "T' = κ(c bᵀy - D), any Ω": bool(prove_equal(loop.dot(z.thrust), loop.axial(climb))),
         "w', Ω3 = 0": bool(prove_zero(ca.substitute(gap, z.rate[2], 0))),
+        "(1/r)' = (P' - ξ)ᵀξ'/r³": bool(
+            prove_equal(nearer, ca.dot(ray, velocity) / r**3, {r: ca.dot(ray, ray)})
+        ),
+        "(1/D)' = -T'/D²": bool(prove_equal(ca.jtimes(1 / D, D, climbing), -climbing / D**2)),
     }
 
 
@@ -324,13 +366,39 @@ def _hover() -> dict[str, bool]:
     }
 
 
+def _starts() -> dict[str, bool]:
+    loop = axial_loop()
+    d, z, e, c = loop.design, loop.measured, loop.errors, loop.design.stiffness
+    rho, weight = z.gravity_direction, d.mass * d.gravity
+    force = rigid_body.force(z.thrust, rho, d.mass, d.gravity)
+    moved = d.mass / d.k1 * z.velocity
+    flat = (weight / c * rho + moved - z.centroid)[:2]
+    theta = ca.SX.sym("theta", 2)
+    size = ca.dot(theta, theta)
+    gap = ca.vertcat(2 * theta, 1 - size) / (1 + size) - E3
+    return {
+        "F = (m g - T) e3 + m g (ρ - e3)": bool(
+            prove_equal(force, (weight - z.thrust) * E3 + weight * (rho - E3))
+        ),
+        "δ2 = (m/k1) V - δ1": bool(prove_equal(e.d2, moved - e.d1)),
+        "δ3 = F/c + δ2": bool(prove_equal(e.d3, force / c + e.d2)),
+        "Pδ3 = (m g/c) Pρ + (m/k1) P V - P q": bool(prove_equal(e.d3[:2], flat)),
+        "|ρ - e3|² = 4|θ|²/(1 + |θ|²), θ = Pρ/(1 + ρ3)": bool(
+            prove_equal(ca.dot(gap, gap), 4 * size / (1 + size))
+        ),
+    }
+
+
 def _factor() -> dict[str, bool]:
     loop = axial_loop()
     d, thrust = loop.design, loop.measured.thrust
     f = thrust_factor(thrust, d)
     room = thrust - d.stiffness * d.goal_centroid[2]
     return {
-        "f' = -f/(T - c q3*)": bool(prove_equal(ca.jacobian(f, thrust), -f / room)),
+        "∂f/∂T = -f/(T - c q3*)": bool(prove_equal(ca.jacobian(f, thrust), -f / room)),
+        "∂f/∂q3* = c f/(T - c q3*)": bool(
+            prove_equal(ca.jacobian(f, d.goal_centroid[2]), d.stiffness * f / room)
+        ),
         "δ4 = (m/(c (k1 k2 + k3))) (T - c q3*) e3 × Ω + Pδ3": bool(
             prove_equal(
                 loop.errors.d4 - loop.errors.d3[:2],
@@ -349,23 +417,50 @@ LEMMAS = (
     Lemma(
         "W",
         "the natural potential",
-        "W(ξ) = Φ(ξ) - Φ(ξ*) + q3* e3ᵀ(ξ - ξ*), Φ = Σ |P'ᵢ - ξ|, has W' = -eᵀV along the motion, "
-        "e = q - q3* ρ. If 0 < q3* < n and the points do not share one vertical line, W is convex, "
-        "W ≥ 0 with equality at ξ* alone, and its level sets are compact. The height part "
-        "qz = Σ hᵢ/rᵢ of the centroid grows with height, everywhere.",
-        "Its Hessian is Q ⪰ 0, its gradient -Re vanishes at ξ*, so ξ* is a minimum. Were Q(ξ*) "
-        "singular, all rays from ξ* would be on one line; their unit vectors add up to q3* e3 ≠ 0, "
-        "so that line were vertical, with all points on it. Hence the minimum is strict, and by "
-        "convexity unique. W ≥ (n - q3*)|ξ - ξ*| - constant, so level sets are bounded.",
+        "Let 0 < q3* < n and the points not all on one vertical line. G(ξ) = Σ |P'ᵢ - ξ| + q3* z "
+        "is least at exactly one point ξ*. W = G - G(ξ*) is convex, W > 0 but at ξ*, and its level "
+        "sets are compact. Where ξ is no target point, W is smooth, its Hessian is Q, its gradient "
+        "is -Re, e = q - q3* ρ, and W' = -eᵀV along the motion. If ξ* is no target point, it is "
+        "the only one from which a level camera sees q = q3* e3; if it is one, no level camera "
+        "sees that.",
+        "G is convex and continuous, and G ≥ (n - q3*)|ξ| - Σ |P'ᵢ|: so it has a minimum, and its "
+        "level sets are compact. Were it least at two points, it would be so on the segment "
+        "between them, of direction x; take a ξ of that which is no target point. There ∇G = 0, so "
+        "the unit vectors along the rays from ξ add up to q3* e3; and xᵀQx = Σ |pᵢ × x|²/rᵢ = 0, "
+        "so all rays are along x. As q3* e3 ≠ 0, x is vertical, and all points are on one vertical "
+        "line, which is excluded. Off the target points, a level camera sees q3* e3 just where ∇G "
+        "= 0, and a convex G is least there.",
         _potential,
+    ),
+    Lemma(
+        "height",
+        "the part qz of the centroid",
+        "Let h be the height of ξ above a target point, r its distance and d that from the "
+        "vertical line through the point. Where r > 0, h/r does not fall as h grows with d fixed. "
+        "So, if z ≥ z_s and ξ is no target point, qz(ξ) = Σ hᵢ/rᵢ is at most the sum of hᵢ/√(hᵢ² + "
+        "dᵢ²) over the points deeper than z_s, hᵢ > 0 taken at z_s.",
+        "If d > 0, h/r grows with h, by the identity. On the point's own vertical line, d = 0, it "
+        "is -1 below the point and 1 above it: it jumps where it is not defined, and it jumps "
+        "upward. So a term with hᵢ > 0 at z is at most what it is at z_s ≤ z, where hᵢ is larger; "
+        "a term with hᵢ ≤ 0 at z is at most 0.",
+        _height,
+    ),
+    Lemma(
+        "slope",
+        "how fast Q changes with the position",
+        "Along a unit vector h the derivative of (I - ppᵀ)/r has norm at most (2/√3)/r².",
+        "Its eigenvalues times r² are α = pᵀh, |α| ≤ 1, and the roots μ of μ² - α μ - (1 - α²), "
+        "real as D is symmetric; by the last identity 3μ² ≤ 4.",
+        _slope,
     ),
     Lemma(
         "tilt",
         "force, thrust and tilt",
         "With F = c(δ3 - δ2), η = δ1 - e = (q3* c/(m g)) (P - e3 θᵀ)(δ3 - δ2), θ = Pρ/(1 + ρ3), "
         "|θ| = tan(φ/2). While T > 0 and |F| < m g: |T - m g| <= |F|, sin φ <= |F|/(m g), φ < 90°.",
-        "|F|² is (T - m g)² plus a term that is not negative. If ρ3 <= 0, that term makes "
-        "|F|² >= T² + (m g)². The rest is P F = m g Pρ.",
+        "|F|² is (T - m g)² plus a term that is not negative. If ρ3 <= 0, that term is at least 2 "
+        "T m g, so |F|² >= T² + (m g)², against |F| < m g. Hence ρ3 > 0, φ < 90°. |Pρ| = sin φ, "
+        "and P F = m g Pρ gives the rest.",
         _tilt,
     ),
     Lemma(
@@ -400,8 +495,9 @@ LEMMAS = (
     Lemma(
         "corners",
         "corners suffice",
-        "If the form minus ε|Y|² is positive for every Q in [0, λ], at both ends of f and q3*, and "
-        "at the one tilt θ = (t, 0), it is so for all f and q3* between and all |θ| <= t.",
+        "If the form minus ε|Y|² is positive for every Q in [0, λ], at both ends of f and q3* (all "
+        "four pairs), and at the one tilt θ = (t, 0), it is so for all f and q3* between and all "
+        "|θ| <= t.",
         "A turn about e3 carries θ = (t, 0) to any θ with |θ| = t, and the set of all Q to itself. "
         "For fixed Q the form is affine in each of f, q3*, θ, and a disc is the hull of its edge.",
         lambda: _convexity() | _symmetry(),
@@ -409,8 +505,9 @@ LEMMAS = (
     Lemma(
         "factor",
         "the factor f(T), and the body rates",
-        "f(T) falls with T for T > c q3*, and δ4 - Pδ3 tells the rates of roll and pitch.",
-        "f' = -f/(T - c q3*) < 0.",
+        "For T > c q3* > 0, f(T) falls with T and grows with q3*, and δ4 - Pδ3 tells the rates of "
+        "roll and pitch: |δ4 - Pδ3| = (m/(c (k1 k2 + k3))) (T - c q3*) √(Ω1² + Ω2²).",
+        "By the signs of the derivatives, as f > 0. |e3 × Ω|² = Ω1² + Ω2².",
         _factor,
     ),
     Lemma(
@@ -424,21 +521,28 @@ LEMMAS = (
         "z",
         "the vertical motion",
         "With κ = (k1 k2 + k3)/m, N = z + (m/(k1 k2))(z' + z''/κ) obeys N' = (k1/m) w, "
-        "w = ρᵀq - q3* cos φ + (Pρ)ᵀ[(1 + g) δ4 - g Pδ3], g = c q3*/(T - c q3*), ρᵀq = qz; "
-        "so w <= qz - q3* + ω, ω = q3*(1 - cos φ) + sin φ √(2ℓ((1 + g)²/a4 + g²/a3)) on {Λ <= ℓ}.",
-        "By differentiation; ω by the lemma on sums.",
+        "w = ρᵀq - q3* cos φ + (Pρ)ᵀ[(1 + γ) δ4 - γ Pδ3], γ = c q3*/(T - c q3*), ρᵀq = qz. "
+        "While Λ <= ℓ, T >= T₋ > c q3* and φ <= φ̄ < 90°: w <= qz - q3* + ω with "
+        "ω = q3*(1 - cos φ̄) + sin φ̄ √(2ℓ((1 + γ)²/a4 + γ²/a3)), γ taken at T₋.",
+        "By differentiation. w - qz + q3* is at most q3*(1 - cos φ) + |Pρ|((1 + γ)|δ4| + γ|δ3|), "
+        "where |Pρ| = sin φ, and a3|δ3|² + a4|δ4|² <= 2ℓ as W >= 0, so the lemma on sums gives ω "
+        "with φ and T in the place of φ̄ and T₋. It grows with γ > 0, and γ falls as T grows; it "
+        "grows with φ, as 1 - cos φ and sin φ do up to 90°.",
         _vertical,
     ),
     Lemma(
         "barrier",
         "nothing sinks below the barrier",
-        "Let k3 >= 3 k1 k2, let r <= s be the roots of x² - κ x + κ k1 k2/m, let w <= w_max, and "
-        "w <= 0 wherever z >= z_s. With lags D1 >= (k1/m) w_max/s, D2 >= s D1/r and "
-        "z_b = z_s + D1 + D2, the set of z <= z_b, x = z + z'/r <= z_b, N <= z_b, N - x <= D1, "
-        "x - z <= D2 is not left. From hover, the least lags will do: D1 + D2 = w_max/k2.",
-        "As κ >= 4 k1 k2/m, the roots are real. N - x and x - z keep below their bounds by their "
-        "equations. Where N >= z_b, z = N - (N - x) - (x - z) >= z_s, so N' <= 0: N cannot pass "
-        "z_b; x follows N and z follows x.",
+        "Let k3 >= 3 k1 k2, let r <= s be the roots of x² - κ x + κ k1 k2/m, and let "
+        "D1 >= (k1/m) w_max/s, D2 >= s D1/r, w_max > 0, z_b = z_s + D1 + D2. Let z <= z_b, "
+        "x = z + z'/r <= z_b, N <= z_b, N - x <= D1 and x - z <= D2 at the start, and on the way "
+        "w <= w_max, and w <= 0 wherever z >= z_s. Then these five bounds hold on the way. "
+        "At rest, z' = z'' = 0, N = x = z, and the least lags will do: D1 + D2 = w_max/k2.",
+        "As κ >= 4 k1 k2/m, the roots are real, and positive. (N - x)' <= 0 where N - x >= D1, so "
+        "N - x stays at most D1; then x - z stays at most D2 likewise. If N were above z_b at some "
+        "time, let t0 be the last time before at which N = z_b: from then on N > z_b, so "
+        "z = N - (N - x) - (x - z) > z_s, so N' <= 0, and N could not have grown. "
+        "x' <= 0 where x >= z_b >= N, so x stays at most z_b; z follows x likewise.",
         _cascade,
     ),
     Lemma(
@@ -456,5 +560,21 @@ LEMMAS = (
         "In a level hover with T = m g, Λ = W + ½((a2 + a3)|δ1|² + a4|Pδ1|²), δ1 = q - q*.",
         "δ2 = δ3 = -δ1 and δ4 = -Pδ1 there.",
         _hover,
+    ),
+    Lemma(
+        "starts",
+        "a start that moves",
+        "Let |V| <= v, φ <= φ0, √(Ω1² + Ω2²) <= ω0, |T - m g| <= τ0 < m g - c q3*, and let "
+        "q_w = Rq = Σ (P'ᵢ - ξ)/rᵢ be what a level camera sees. Then |δ1| <= |q_w - q*| + q3* φ0, "
+        "|δ2| <= (m/k1) v + |δ1|, |F| <= τ0 + m g φ0, |δ3| <= |F|/c + |δ2|, "
+        "|Pδ3| <= (m g/c) φ0 + (m/k1) v + |P q_w| + n φ0, and |δ4| is at most the bound of |Pδ3| "
+        "plus (m/(c (k1 k2 + k3)))(m g + τ0 - c q3*) ω0; |z'| <= v and |z''| <= |F|/m.",
+        "Two unit vectors at an angle φ are 2 sin(φ/2) <= φ apart. R turns e3 by φ: "
+        "|δ1| = |q_w - q3* R e3|, |R e3 - e3| <= φ, |ρ - e3| <= φ, |Pρ| = sin φ <= φ. R = R₂ R₁, "
+        "where R₁ turns about e3 and R₂ by φ about a horizontal axis. q = R₁ᵀ R₂ᵀ q_w, and R₁ does "
+        "not change the length of a P-part, so |P q| = |P R₂ᵀ q_w| <= |P q_w| + φ |q_w|, "
+        "|q_w| <= n. The last term of δ4 is that of the lemma on the factor, with "
+        "0 < T - c q3* <= m g + τ0 - c q3*. z' = (R V)₃ and z'' = (R F)₃/m.",
+        _starts,
     ),
 )
