@@ -80,11 +80,11 @@ def plan(one: Case, whole: bool) -> list[str]:
         return list(ALL)
     turn = one.number // 3
     chosen = ["certify"]
-    every = {"over-box": 5, "region": 4, "simulate": 5, "export": 6, "runs": 30}
+    every = {"over-box": 8, "region": 8, "simulate": 10, "export": 10, "runs": 30}
     chosen += [command for command, n in every.items() if turn % n == 0]
-    if turn % 24 == 1:
+    if turn % 22 == 1:
         chosen += ["tune", "export"]
-    if turn % 16 == 2:
+    if turn % 22 == 2:
         chosen += ["attraction", "simulate"]
     return [command for command in ALL if command in chosen]
 
@@ -298,6 +298,8 @@ def _bandwidth(mission: Any) -> float:
 
 def _beside(mission: Any) -> str:
     """Say whether bounds that leave out Q at the goal are what makes a rate empty."""
+    if mission.bounds.eigenvalues == "auto":
+        return ""
     low, high = mission.bounds.eigenvalues
     values = _at_goal(mission)
     return (

@@ -179,6 +179,8 @@ def bounds(rng: random.Random, points: Any, place: Any, weight: float) -> Conten
         ends = [ends[1] / 2, ends[1]]
     found: Content = {"eigenvalues": [short(e) for e in ends]}
     if rng.random() < 0.15:
+        found["eigenvalues"] = "auto"
+    if rng.random() < 0.15:
         return {**found, "level": short(log_uniform(rng, 1e-4, 1))}
     share = rng.choice((0.05, 0.1, 0.1, 0.25))
     return {**found, "thrust": [short(weight * (1 - share), 6), short(weight * (1 + share), 6)]}
@@ -402,6 +404,9 @@ WRONG = (
 )
 
 
+ZEROS = ("-0.0", "1e-999")  # no mistake where a coordinate is wanted
+
+
 def mistaken(rng: random.Random, content: Content) -> Content:
     """Return a mission with one entry of its demanded sections missing, unknown or wrong."""
     demanded = ("vehicle", "target", "gains", "start")
@@ -423,10 +428,9 @@ def mistaken(rng: random.Random, content: Content) -> Content:
         spot = content[section][key]
         while isinstance(spot[0], list):
             spot = rng.choice(spot)
-        spot[rng.randrange(len(spot))] = rng.choice([w for w in WRONG if w != "-0.0"])
+        spot[rng.randrange(len(spot))] = rng.choice([w for w in WRONG if w not in ZEROS])
     else:
-        wrong = [w for w in WRONG if w != "-0.0" or key != "position"]
-        content[section][key] = rng.choice(wrong)
+        content[section][key] = rng.choice(WRONG)
     return content
 
 
