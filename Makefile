@@ -1,7 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test quick docs notebooks proofs bench fuzz lint clean
+.PHONY: demo test quick docs notebooks proofs bench fuzz missions lint clean
 .DELETE_ON_ERROR:
 
 # Certify the paper's vehicle, check the certificate, and fly it. Everything lands in demo/.
@@ -49,6 +49,10 @@ bench: .venv/installed-dev
 # Ten million calls of the firmware with hostile inputs, under sanitizers (needs clang).
 fuzz: .venv/installed-dev
 	$(BIN)/python tests/fuzz_firmware.py
+
+# Two thousand random mission files, valid, broken and absurd, through every command: takes hours.
+missions: .venv/installed-dev
+	$(BIN)/python tests/mission_trials.py --count 2000 --whole
 
 .venv/installed: pyproject.toml
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv

@@ -23,6 +23,8 @@ BROKEN = [
     ("mass = 9.6", "mass = 0", "vehicle.mass", "above 0"),
     ("mass = 9.6", "mass = 1e308", "vehicle.mass", "at most 1e6 kg"),
     ("mass = 9.6", "mass = 1e999999999", "vehicle.mass", "at most 1e6 kg"),
+    ("mass = 9.6", "mass = 1e400", "vehicle.mass", "not a number beyond 1e308"),
+    ("mass = 9.6", "mass = -1e400", "vehicle.mass", "not a number beyond -1e308"),
     ("mass = 9.6", "mass = nan", "vehicle.mass", "nan"),
     ("mass = 9.6", "mass = inf", "vehicle.mass", "inf"),
     ("mass = 9.6", 'mass = "9.6"', "vehicle.mass", "a number in kg"),
@@ -161,3 +163,11 @@ def test_points_on_one_line_are_found_in_any_direction():
     line = [[Fraction(t), Fraction(2 * t), Fraction(-t)] for t in range(4)]
     assert on_one_line(line)
     assert not on_one_line([*line, [Fraction(0), Fraction(0), Fraction(1)]])
+
+
+@pytest.mark.parametrize("dotted", ["a." * 5000 + "b", '"a" . ' * 5000 + "b", "1." * 5000 + "2"])
+def test_a_key_of_thousands_of_parts_is_refused_before_it_takes_minutes(dotted):
+    for line in (f"{dotted} = 1", f"[{dotted}]", f"x = {{{dotted} = 1}}"):
+        Path("deep.toml").write_text(f"{BASE}\n{line}\n")
+        with pytest.raises(InputError, match=r"line \d+ has a key of more than 64 parts"):
+            load("deep.toml")

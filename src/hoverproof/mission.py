@@ -26,6 +26,8 @@ from hoverproof.quantities import shown as _shown
 
 MAX_FILE_BYTES = 1_000_000
 MAX_POINTS = 64
+MAX_PARTS = 64
+_DOTTED = re.compile(r"""\.[ \t]*["'A-Za-z_-]|\.\d+[ \t]*(?=\.)""")  # a dot in a key
 CONDITIONS = ("sensors", "rotors", "wind", "model_error", "scatter")
 """Sections that say what a real flight adds to the model."""
 
@@ -370,6 +372,9 @@ def _read(source: str | Path) -> tuple[str, str]:
 
 
 def _parse(text: str, where: str) -> dict[str, Any]:
+    for count, line in enumerate(text.splitlines(), 1):  # reading takes the square of their number
+        if len(_DOTTED.findall(line)) > MAX_PARTS:
+            raise InputError(where, "", f"line {count} has a key of more than {MAX_PARTS} parts")
     try:
         return tomllib.loads(text, parse_float=_exact_decimal)
     except tomllib.TOMLDecodeError as error:

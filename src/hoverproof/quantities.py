@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from fractions import Fraction
 
@@ -31,7 +32,8 @@ def shown(value: object) -> str:
         As read from a mission file.
     """
     if isinstance(value, Fraction):
-        return f"{float(value):g}"
+        beyond = abs(value) > sys.float_info.max
+        return f"a number beyond {'-' * (value < 0)}1e308" if beyond else f"{float(value):g}"
     if isinstance(value, list):
         return f"[{', '.join(map(shown, value))}]" if len(value) < 8 else f"{len(value)} entries"
     if isinstance(value, dict):

@@ -1,0 +1,120 @@
+"""Two hundred random mission files through the commands; ``make missions`` takes two thousand."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+import mission_trials
+from random_missions import KINDS, case
+
+COUNT = 200
+
+
+@pytest.fixture(scope="module")
+def tally():
+    found = mission_trials.Tally()
+    mission_trials.spread(list(range(COUNT)), whole=False, jobs=1, report=found.add)
+    return found
+
+
+def faults(tally, *, contradict):
+    found = [f for f in tally.faults if (f.kind == "contradiction") is contradict]
+    return [f"mission {f.number}, {f.command}: {f.kind}: {f.words}" for f in found]
+
+
+@pytest.mark.slow
+def test_no_random_mission_gives_a_traceback_a_hang_or_a_bad_message(tally):
+    assert faults(tally, contradict=False) == []
+
+
+@pytest.mark.slow
+def test_no_verdict_on_a_random_mission_contradicts_that_of_another_command(tally):
+    assert faults(tally, contradict=True) == []
+
+
+@pytest.mark.slow
+def test_random_missions_go_through_every_command_and_meet_every_verdict(tally):
+    assert set(mission_trials.ALL) <= {command for command, _ in tally.status}
+    for command in ("certify", "over-box", "region", "export"):
+        assert {s for c, s in tally.status if c == command} >= {0, 1, 2}, command
+    for command in ("attraction", "tune", "simulate", "runs"):
+        assert {s for c, s in tally.status if c == command} >= {0, 2}, command
+
+
+def test_a_random_mission_is_made_again_by_its_number():
+    assert [case(i) for i in range(60)] == [case(i) for i in range(60)]
+    assert len({case(i).text for i in range(600)}) > 500
+    assert {n // 200 for n in Counter(case(i).kind for i in range(600)).values()} == {1}
+    assert {case(i).kind for i in range(3)} == set(KINDS)
+
+
+def command_that(does):
+    """Return an answer of a made-up command."""
+    answer = mission_trials.Answer("certify", ["certify", "7.toml", "--json"])
+    for key, value in does.items():
+        setattr(answer, key, value)
+    return answer
+
+
+REFUSED = {"status": 2, "err": "hoverproof: 7.toml: vehicle.mass: must be positive\n"}
+
+
+@pytest.mark.parametrize(
+    ("does", "kind"),
+    [
+        (REFUSED, None),
+        ({"error": "Traceback ...\nValueError: no"}, "traceback"),
+        ({"status": -11, "out": '{"a": 1}'}, "status"),
+        ({"status": 1, "out": '{"verdict": "refuted"}'}, "file"),
+        ({"status": 3, "out": '{"verdict": "undecided"}', "files": ["x.txt"]}, "file"),
+        ({"status": 3, "out": '{"reason": "k3 > inf"}'}, "message"),
+        ({"status": 3, "out": "no object"}, "message"),
+        ({"status": 3, "out": '{"a": 1}', "err": "x.py: RuntimeWarning: overflow"}, "chatter"),
+        (REFUSED | {"err": "hoverproof: must be positive\n"}, "message"),
+        (REFUSED | {"err": 2 * REFUSED["err"]}, "message"),
+        (REFUSED | {"out": "x"}, "message"),
+        (REFUSED | {"files": ["x.txt"]}, "file"),
+        (REFUSED | {"seconds": 61}, "hang"),
+    ],
+)
+def test_the_trials_tell_a_bad_answer(does, kind):
+    one = mission_trials.Case(7, "absurd", b"", refused=False)
+    found = [f.kind for f in mission_trials.plain_faults(one, command_that(does), "7.toml")]
+    assert found == ([] if kind is None else [kind])
+
+
+DEADLY = """
+import os, resource
+import mission_trials
+
+def call(command, arguments):
+    if command == "certify":
+        os.abort()
+    if command == "region":
+        resource.setrlimit(resource.RLIMIT_CPU, (1, resource.RLIM_INFINITY))
+        while True:
+            pass
+    return mission_trials.Answer(command, arguments, status=0)
+
+def report(message):
+    print(*message.get("seconds", ()), message.get("fault", {}).get("words", ""))
+
+mission_trials.call, mission_trials.warm_up = call, lambda: None
+mission_trials.run([1], whole=True, report=report)
+"""
+
+
+def test_the_trials_tell_a_crash_and_a_hang_and_go_on_with_the_next_command():
+    paths = [str(Path(mission_trials.__file__).parent), os.environ.get("PYTHONPATH", "")]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
+    words = [sys.executable, "-c", DEADLY]
+    done = subprocess.run(words, env=environment, capture_output=True, text=True, check=True)
+    assert "ended by SIGABRT" in done.stdout
+    assert "ended by SIGXCPU" in done.stdout
+    assert "export" in done.stdout
