@@ -36,6 +36,7 @@ Q(c + δ) ⪯ Q(c) + Σ 1.155 ρ/(di - ρ)² I. A box that this does not decide 
 """
 
 import hashlib
+import io
 import itertools
 import json
 import math
@@ -56,8 +57,8 @@ Cell = list[tuple[int, int]]  # a box, its ends whole numbers of a unit of lengt
 MAX_BYTES = 1_000_000
 MAX_DIGITS = 80  # of a numerator or denominator
 MAX_POINTS = 64
-MAX_WORK = 24_000  # boxes times points in a branch and bound
-MAX_SEARCH = 100_000  # the same for all that a region of attraction asks for
+MAX_WORK = 40_000  # boxes times (points + 4), for the eigenvalues over a box
+MAX_SEARCH = 250_000  # boxes times points times 1, 3 or 4, for a region of attraction
 
 
 class Question(NamedTuple):
@@ -244,7 +245,8 @@ def eigenvalues_hold(
     grid = Grid.of(points)
     low, high = low / grid.unit, high / grid.unit
     cells = [grid.cover(box)]
-    for _ in range(MAX_WORK // len(points) if most is None else most):
+    limit = MAX_WORK // (len(points) + 4)
+    for _ in range(limit if most is None else min(limit, most)):
         if not cells:
             return True
         cell = cells.pop()
@@ -791,7 +793,7 @@ def verify_attraction(c: Any, p: Attraction) -> None:
 
 
 class Work:
-    """The work that may still be done for a certificate: boxes times points."""
+    """The work that may still be done for a certificate, in units that take about as long."""
 
     def __init__(self, most: int) -> None:
         self.left = most
@@ -814,7 +816,7 @@ def positions_hold(p: Attraction, high: Fraction, work: Work) -> bool:
         box[2][1] = min(box[2][1], p.bottom)
     cells = [p.grid.cover(box)] if box[2][0] <= box[2][1] else []
     top = high / p.grid.unit
-    while cells and work.may(len(p.s.points)):
+    while cells and work.may(3 * len(p.s.points)):
         cell = cells.pop()
         center, _, radius, rays, distances = around(p.grid.points, cell)
         if not largest_below(rays, distances, radius, top) and not above_level(
@@ -932,7 +934,7 @@ def start_holds(p: Attraction, start: Start, work: Work) -> None:
     cells = [p.grid.cover(start.position)]
     middle, shares = [sum(side) for side in cells[0][:2]], shares_of(p, start)
     rim = math.ceil((2 * p.grid.unit * (start.radius or 0) + 2) ** 2)
-    while cells and work.may(2 * len(p.s.points)):  # it takes longer than for other cells
+    while cells and work.may(4 * len(p.s.points)):
         cell = cells.pop()
         if start.radius is not None:  # leave out what is farther from the axis
             gaps = (max(2 * a - x, x - 2 * b, 0) for (a, b), x in zip(cell, middle, strict=False))
@@ -1017,8 +1019,8 @@ def theorem_of_attraction(c: Any, p: Attraction) -> str:
         states = "state of the set {Λ <= level, T > 0}"
         stays = ". This knows no ground: on its way the motion may pass below the target points"
     else:
-        height = f"at least {about(number(claim['barrier_height']))} m above the mean height"
-        states = f"level hover at rest with Λ <= level {height} of the target points"
+        height = f", at least {about(number(claim['barrier_height']))} m above the mean height"
+        states = f"level hover at rest with Λ <= level{height} of the target points"
         stays = "; it stays in {Λ <= level, T > 0} and at that height or above it"
     side, up, down = map(about, reach_of(c))
     hover = ", ".join(map(about, numbers(c["hover"], 3)))
@@ -1063,8 +1065,8 @@ def state_of(start: Start) -> str:
 # a motion from Z leaves Z + 2r it is within r + |d| of its start. So if |d| <= r, it does not leave
 # within the step, hence exists, and ends in c0 + ... + c(p-1) + d.
 
-BITS, ORDER, ACCURACY = 192, 24, 60  # numbers are multiples of 2^-BITS; |d| < 2^-ACCURACY
-MAX_SERIES = 1_200  # expansions times (points + 3)
+BITS, ORDER, ACCURACY = 192, 20, 50  # numbers are multiples of 2^-BITS; |d| < 2^-ACCURACY
+MAX_SERIES = 800  # expansions times (points + 3)
 MAX_TIME = 60  # s
 
 
@@ -1124,15 +1126,17 @@ NOUGHT = Ball(0)
 
 def product(x: Series, y: Series) -> Ball:
     """Return the last coefficient of the product of two series."""
-    mid = sum(map(operator.mul, x.mid, y.mid[::-1]))
-    rad = sum(map(operator.mul, x.size, y.rad[::-1]))
-    rad += sum(map(operator.mul, x.rad, y.size[::-1]))
-    return Ball(mid >> BITS, (rad >> BITS) + 2)
+    return inner([x], [y])
 
 
 def inner(x: Sequence[Series], y: Sequence[Series]) -> Ball:
     """Return the last coefficient of xᵀy."""
-    return sum((product(a, b) for a, b in zip(x, y, strict=True)), NOUGHT)
+    mid = rad = 0
+    for a, b in zip(x, y, strict=True):
+        mid += sum(map(operator.mul, a.mid, b.mid[::-1]))
+        rad += sum(map(operator.mul, a.size, b.rad[::-1]))
+        rad += sum(map(operator.mul, a.rad, b.size[::-1]))
+    return Ball(mid >> BITS, (rad >> BITS) + 2)
 
 
 class Motion(NamedTuple):
@@ -1210,34 +1214,39 @@ def taylor(p: Motion, z: Sequence[Ball], step: Fraction, order: int) -> list[Ser
     closing, u2, u3 = empty(n), empty(n), empty(n)
     by, ba, rise, swing, gain, x2, inward, brake = empty(8)
     for i in range(order):
-        one = Ball(int(i == 0) << BITS)  # the coefficient of 1
+        first = i == 0  # then constants count
         for j in range(n):
             for k in range(3):
-                rays[j][k].append(points[j][k] * one - xi[k][i])
+                rays[j][k].append((points[j][k] if first else NOUGHT) - xi[k][i])
             closing[j].append(inner(rays[j], v))
             u2[j].append(product(u[j], u[j]))
             u3[j].append(product(u2[j], u[j]))
-        ups = (NOUGHT, NOUGHT, one)
-        for k, up in enumerate(ups):
-            y[k].append(far * up + slow * v[k][i] - inner([ray[k] for ray in rays], u))
-            a[k].append(pull * up + quick * y[k][i])
+        for k in range(3):
+            up = first and k == 2
+            bent = slow * v[k][i] - inner([ray[k] for ray in rays], u)
+            y[k].append(bent + far if up else bent)
+            quicker = quick * y[k][i]
+            a[k].append(quicker + pull if up else quicker)
         by.append(inner(b, y))
         ba.append(inner(b, a))
-        rise.append(K * (C * by[i] + singular * one - T[i]))
+        lift = C * by[i] - T[i]
+        rise.append(K * (lift + singular if first else lift))
         swing.append(rise[i] + CK * by[i])
         gain.append(CK * x[i])
         x2.append(product(x, x))
         inward.append(product(gain, ba) + inner(w, w))
-        brake.append(product(swing, x) + H * one)
+        braked = product(swing, x)
+        brake.append(braked + H if first else braked)
         rates = [
             *(side[i] for side in v),
-            *(G * up - light * product(T, side) for up, side in zip(ups, b, strict=True)),
+            *(NOUGHT - light * product(T, side) for side in b),
             *(side[i] for side in w),
             *(product(gain, a[k]) - product(inward, b[k]) - product(brake, w[k]) for k in range(3)),
             rise[i],
             NOUGHT - product(x2, rise),
             *(product(u3[j], closing[j]) for j in range(n)),
         ]
+        rates[5] += G if first else NOUGHT
         part = Ball.over(step / (i + 1), step / (i + 1))
         for line, rate in zip(series, rates, strict=True):
             line.append(part * rate)
@@ -1439,15 +1448,33 @@ def main(arguments: list[str]) -> int:
     if len(arguments) != 1:
         print("usage: checker.py FILE", file=sys.stderr)
         return 2
+    for stream in (sys.stdout, sys.stderr):  # a terminal may know few letters
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
-        theorem = check_file(arguments[0])
+        certificate = read(arguments[0])
     except Unreadable as error:
         print(f"{arguments[0]}: {error}", file=sys.stderr)
         return 2
+    return tell(arguments[0], certificate)
+
+
+def tell(name: str, certificate: Any) -> int:
+    """Print whether a certificate is accepted; return the exit status.
+
+    Parameters
+    ----------
+    name : str
+        Of the file.
+    certificate : mapping
+        The JSON object.
+    """
+    try:
+        theorem = check(certificate)
     except Rejected as error:
-        print(f"{arguments[0]}: rejected: {error}")
+        print(f"{name}: rejected: {error}")
         return 1
-    print(f"{arguments[0]}: accepted")
+    print(f"{name}: accepted")
     print(
         textwrap.fill(f"Proved: {theorem}", width=80, initial_indent="  ", subsequent_indent="  ")
     )
