@@ -1061,11 +1061,11 @@ def state_of(start: Start) -> str:
 #
 # With 1/D and 1/ri as unknowns of their own, (1/D)' = -T'/D², (1/ri)' = (P'i - ξ)ᵀξ'/ri³, the right
 # sides are polynomials. For a step s let ci hold the Taylor coefficients z⁽ⁱ⁾(0) sⁱ/i! of all
-# motions that start in a box Z, and d those of order p in Z + 2r, r = |c1| + ... + |c(p-1)|. Until
-# a motion from Z leaves Z + 2r it is within r + |d| of its start. So if |d| <= r, it does not leave
-# within the step, hence exists, and ends in c0 + ... + c(p-1) + d.
+# motions that start in a box Z, and d those of order p in Z + 2r, r = |c1| + ... + |c(p-1)| + 2^-50.
+# Until a motion from Z leaves Z + 2r it is within r + |d| of its start. So if |d| <= 2^-50, it does
+# not leave within the step, hence exists, and ends in c0 + ... + c(p-1) + d.
 
-BITS, ORDER, ACCURACY = 192, 20, 50  # numbers are multiples of 2^-BITS; |d| < 2^-ACCURACY
+BITS, ORDER, ACCURACY = 192, 20, 50  # numbers are multiples of 2^-BITS; |d| <= 2^-ACCURACY
 MAX_SERIES = 800  # expansions times (points + 3)
 MAX_TIME = 60  # s
 
@@ -1261,12 +1261,12 @@ def empty(count: int) -> list[Series]:
 def advance(p: Motion, z: Sequence[Ball], step: Fraction) -> list[Ball] | None:
     """Enclose where all motions from a box are after a step; None if that is not shown."""
     series, most = taylor(p, z, step, ORDER - 1), 1 << (BITS - ACCURACY)
-    reach = [sum(line.size[1:]) for line in series]
+    reach = [sum(line.size[1:]) + most for line in series]
     if max(reach) >> (BITS + 20) or max(line.size[-1] for line in series) > 256 * most:
         return None
     hull = [Ball(x.mid, x.rad + 2 * r + 1) for x, r in zip(z, reach, strict=True)]
     rest = [line[ORDER] for line in taylor(p, hull, step, ORDER)]
-    if any(x.size() > min(r, most) for x, r in zip(rest, reach, strict=True)):
+    if any(x.size() > most for x in rest):
         return None
     ends = zip(series, rest, strict=True)
     return [Ball(sum(line.mid) + x.mid, sum(line.rad) + x.rad) for line, x in ends]
