@@ -373,6 +373,44 @@ def test_each_certificate_itself_is_accepted_and_true(certificates, name):
     assert tally["accepted"] == 1
 
 
+def is_about(content):
+    """Tell whether the statement names each target point and the hash of the mission's numbers."""
+    points = ", ".join(f"({', '.join(p)})" for p in content["mission"]["target"]["points"])
+    said = content["statement"]
+    return f"points are {points} m" in said and checker.digest(content["mission"]) in said
+
+
+def with_another_key(content):
+    """Yield copies with one key more in one of the objects, however deep, hashes made anew."""
+    for path in [(), *nodes(content)]:
+        if isinstance(at(content, path), dict):
+            mutant = copy.deepcopy(content)
+            at(mutant, path)["extra"] = "1"
+            yield path, remade(mutant)
+
+
+@pytest.mark.parametrize("name", LEAST)
+def test_each_statement_names_the_target_and_the_mission(certificates, name):
+    assert is_about(certificates[name])
+    other = put(certificates[name], ("statement",), "It is about another mission.")
+    with pytest.raises(checker.Rejected, match="not what is proved"):
+        checker.check(other | {"sha256": sealed(other)})
+
+
+def sealed(content):
+    return checker.digest({k: v for k, v in content.items() if k != "sha256"})
+
+
+@pytest.mark.parametrize("name", LEAST)
+def test_an_unknown_key_is_refused_however_deep_it_is(certificates, name):
+    found = set()
+    for path, mutant in with_another_key(certificates[name]):
+        found.add(path)
+        with pytest.raises(checker.Rejected, match="must have the keys"):
+            checker.check(mutant)
+    assert {(), ("tools",), ("mission", "start"), ("mission", "bounds")} <= found
+
+
 @pytest.mark.parametrize(
     ("worse", "name"),
     [

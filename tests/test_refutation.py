@@ -123,7 +123,8 @@ def test_the_enclosure_holds_the_motion(name, monkeypatch):
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.tuples(*[st.fractions(-50, 50, max_denominator=999)] * 2), min_size=2))
 def test_a_product_of_series_is_enclosed(pairs):
-    x, y = ([checker.Ball.over(a, a) for a in line] for line in zip(*pairs, strict=True))
+    lines = zip(*pairs, strict=True)
+    x, y = (checker.Series(*(checker.Ball.over(a, a) for a in line)) for line in lines)
     exact = sum(a[0] * b[1] for a, b in zip(pairs, reversed(pairs), strict=True))
     found = checker.product(x, y)
     assert abs(F(found.mid, 2**checker.BITS) - exact) <= F(found.rad, 2**checker.BITS)
@@ -192,7 +193,8 @@ def test_the_start_of_a_mission_is_enclosed_with_its_attitude():
         (state.turning, R @ np.cross([0.3, 0.1, 0], [0, 0, 1])),
     ):
         assert [float(a) for a, _ in sides] == pytest.approx(wanted)
-        assert all(0 <= high - low < F(1, 2**200) for low, high in sides)
+        assert all(0 <= high - low < F(1, 2**180) for low, high in sides)
+    assert checker.inhabited(list(state.axis), list(state.turning))
     packed = state.packed()
     assert packed[3:6] @ packed[3:6] == pytest.approx(0.1**2 + 1.5**2)
     assert isinstance(refuted(mission), Refuted)
@@ -203,10 +205,59 @@ def test_a_start_with_yaw_rate_is_not_refuted():
     assert isinstance(refuted(mission), Undecided)
 
 
-def test_a_start_below_the_target_is_refuted_at_once():
-    verdict = refuted(load("x4-flyer"), Start.hover(F(0), F(0), F(1)))
+@pytest.mark.parametrize("z", [F(0), F(1), F(-1, 10**6)])
+def test_only_a_start_above_the_target_is_said_to_sink_to_it(z):
+    verdict = refuted(load("x4-flyer"), Start(((F(0),) * 2, (F(0),) * 2, (z, z)), F(2)))
+    assert isinstance(verdict, Refuted) == (z < 0)
+    if z >= 0:
+        assert "not above the lowest target point" in verdict.reason
+    else:
+        assert verdict.time > 0
+
+
+def test_of_a_target_on_two_heights_the_lowest_point_counts():
+    points = "[[1, 1, 0.5], [1, -1, 0], [-1, -1, 0], [-1, 1, 0.5]]"
+    start = FALLING | {"target.points": points, "goal": "{centroid = [0, 0, 3.5]}"}
+    verdict = refuted(load("x4-flyer", start))
     assert isinstance(verdict, Refuted)
-    assert verdict.time == 0
+    assert "z >= 1/2 m" in verdict.certificate.content["statement"]
+
+
+sides = st.tuples(*[st.fractions(-2, 2, max_denominator=8)] * 2).map(sorted)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(sides, min_size=3, max_size=3), st.lists(sides, min_size=3, max_size=3))
+def test_a_start_that_is_shown_to_be_inhabited_has_a_state(axis, turning):
+    if not checker.inhabited(axis, turning):
+        return
+    near = np.array([float(min(max(a, 0), b)) for a, b in axis])
+    far = np.array([float(max(a, b, key=abs)) for a, b in axis])
+    shares = np.linspace(0, 1, 100_001)[:, None]
+    line = near + shares * (far - near)
+    b = line[np.abs((line**2).sum(axis=1) - 1).argmin()]
+    assert b @ b == pytest.approx(1, abs=1e-3)
+    ends = np.sort(np.array(turning, float).T * b, axis=0).sum(axis=1)
+    assert ends[0] <= 1e-9
+    assert ends[1] >= -1e-9
+
+
+@pytest.mark.parametrize(
+    ("axis", "turning", "found"),
+    [
+        (["0", "0", "1"], ["0", "0", "0"], True),
+        (["3/5", "0", "4/5"], ["-4", "7", "3"], True),
+        (["3/5", "0", "4/5"], ["-4", "7", "2"], False),
+        (["-1 1", "-1 1", "11/10 6/5"], ["0", "0", "0"], False),  # [-1, 1]² is [0, 1]
+        (["-1/2 1/2", "-1/2 1/2", "-1/2 1/2"], ["0", "0", "0"], False),
+        (["0 1", "0", "0"], ["1", "0", "0"], False),  # |b| = 1 here, b·w = 0 there
+        (["-1 1", "0", "0"], ["1", "0", "0"], False),
+        (["0", "-1 1", "0 1"], ["0", "-1 1", "-1 1"], True),
+    ],
+)
+def test_a_start_without_a_state_is_told(axis, turning, found):
+    read = [[[F(x) for x in (e.split() * 2)[:2]] for e in part] for part in (axis, turning)]
+    assert checker.inhabited(*read) is found
 
 
 def test_a_proved_start_settles():
@@ -241,7 +292,11 @@ def test_the_checker_alone_accepts_the_file(sinking):
     command = [sys.executable, "-I", "-S", checker.__file__, "sinking.json"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
-    assert "It is not true" in done.stdout
+    words = " ".join(done.stdout.split())
+    assert "It is not true" in words
+    assert "the vehicle stays above the lowest target point, z < 0 m" in words
+    assert "What comes after is not said." in words
+    assert "switched on" not in words
 
 
 @pytest.mark.parametrize(
@@ -250,11 +305,18 @@ def test_the_checker_alone_accepts_the_file(sinking):
         (("motion", "time"), "1/10", "not shown to sink"),
         (("motion", "velocity", 2), ["-1", "-1"], "not shown to sink"),
         (("motion", "position", 2), ["-4", "-4"], "not shown to sink"),
-        (("motion", "axis", 2), ["99/100", "99/100"], "no unit vector|not a unit vector"),
-        (("motion", "turning", 2), ["1", "1"], "not across"),
+        (("motion", "axis", 2), ["99/100", "99/100"], "no state"),
+        (("motion", "axis"), [["-1", "1"], ["-1", "1"], ["11/10", "6/5"]], "no state"),
+        (("motion", "turning", 2), ["1", "1"], "no state"),
+        (("motion", "time"), "0", "time is not above 0"),
+        (("motion", "time"), "-1", "time is not above 0"),
+        (("motion", "time"), "61", "time is not above 0 s and at most 60"),
+        (("motion", "position", 2), ["0", "0"], "not above the lowest target point"),
+        (("motion", "position", 2), ["-1/2", "1/10"], "not above the lowest target point"),
+        (("motion", "position", 2), ["1", "1"], "not above the lowest target point"),
+        (("mission", "target", "points", 0, 2), "-1/2", "not the goal|vertical|axial|height"),
         (("motion", "thrust"), ["0", "0"], "singularity"),
         (("motion", "thrust"), ["95", "94"], "not in order"),
-        (("motion", "position"), [["1", "1"], ["1", "1"], ["0", "0"]], "at a target point"),
         (("motion", "velocity", 2), [str(10**40)] * 2, "out of reach"),
     ],
 )
@@ -266,13 +328,13 @@ def test_a_motion_that_does_not_sink_as_claimed_is_rejected(sinking, path, value
 @pytest.mark.parametrize(
     ("path", "value"),
     [
-        (("motion", "time"), "900"),
+        (("motion", "time"), "60"),
         (("motion", "velocity", 2), ["-1", "3/2"]),
         (("mission", "gains", "k1"), "3"),
     ],
 )
 def test_work_without_end_is_rejected(sinking, path, value, monkeypatch):
-    monkeypatch.setattr(checker, "MAX_STEPS", 60)
+    monkeypatch.setattr(checker, "MAX_SERIES", 200)
     with pytest.raises(checker.Rejected, match=r"not followed to its end|not shown to sink"):
         checker.check(changed(sinking.certificate, path, value))
 

@@ -36,9 +36,11 @@ Q(c + δ) ⪯ Q(c) + Σ 1.155 ρ/(di - ρ)² I. A box that this does not decide 
 """
 
 import hashlib
+import io
 import itertools
 import json
 import math
+import operator
 import re
 import sys
 import textwrap
@@ -51,10 +53,12 @@ Matrix = list[list[Fraction]]
 Gains = dict[str, Fraction]
 Cell = list[tuple[int, int]]  # a box, its ends whole numbers of a unit of length
 
+# What a file may ask for, so that any file is answered within seconds.
 MAX_BYTES = 1_000_000
-MAX_WORK = 24_000  # boxes times points in a branch and bound
+MAX_DIGITS = 80  # of a numerator or denominator
 MAX_POINTS = 64
-MAX_SEARCH = 100_000  # the same for the positions of a region of attraction
+MAX_WORK = 40_000  # boxes times (points + 4), for the eigenvalues over a box
+MAX_SEARCH = 250_000  # boxes times points times 1, 3 or 4, for a region of attraction
 
 
 class Question(NamedTuple):
@@ -89,7 +93,7 @@ def positive_definite(matrix: Matrix) -> bool:
     """Tell by LDLᵀ in rational arithmetic whether a symmetric matrix is positive definite."""
     a = [list(row) for row in matrix]
     n = len(a)
-    assert all(a[i][j] == a[j][i] for i in range(n) for j in range(n))
+    require(all(a[i][j] == a[j][i] for i in range(n) for j in range(n)), "not symmetric")
     for k in range(n):
         if a[k][k] <= 0:
             return False
@@ -109,6 +113,14 @@ def square_root(s: Fraction) -> tuple[Fraction, Fraction]:
     return Fraction(r, 1 << 128), Fraction(r if exact else r + 1, 1 << 128)
 
 
+def outward(low: Fraction, high: Fraction) -> tuple[Fraction, Fraction]:
+    """Round the ends of an interval outward to multiples of 2^-160; keep a short exact number."""
+    if low == high and low.denominator < 1 << 160:
+        return low, high
+    unit = 1 << 160
+    return Fraction(math.floor(low * unit), unit), Fraction(math.ceil(high * unit), unit)
+
+
 def within(inner: Sequence[Fraction], outer: Sequence[Fraction]) -> bool:
     """Tell whether the interval `inner` lies in `outer`."""
     return outer[0] <= inner[0] <= inner[1] <= outer[1]
@@ -118,7 +130,10 @@ def within(inner: Sequence[Fraction], outer: Sequence[Fraction]) -> bool:
 
 
 def centroid_seen(points: Matrix, position: Row) -> list[tuple[Fraction, Fraction]]:
-    """Enclose q = Σ (P - ξ)/|P - ξ|; points at equal distance are added before rounding."""
+    """Enclose q = Σ (P - ξ)/|P - ξ|; points at equal distance are added before rounding.
+
+    What is not exact, or long, is rounded outward: sums of fractions grow longer and longer.
+    """
     sums: dict[Fraction, list[Fraction]] = {}
     for point in points:
         ray = [p - x for p, x in zip(point, position, strict=True)]
@@ -128,9 +143,8 @@ def centroid_seen(points: Matrix, position: Row) -> list[tuple[Fraction, Fractio
         sums[square] = [a + b for a, b in zip(old, ray, strict=True)]
     box = []
     for i in range(3):
-        ends = [sorted(ray[i] / r for r in square_root(s)) for s, ray in sums.items()]
-        low, high = (sum((e[k] for e in ends), Fraction(0)) for k in (0, 1))
-        box.append((low, high))
+        ends = [outward(*sorted(ray[i] / r for r in square_root(s))) for s, ray in sums.items()]
+        box.append(outward(*(sum((e[k] for e in ends), Fraction(0)) for k in (0, 1))))
     return box
 
 
@@ -232,7 +246,8 @@ def eigenvalues_hold(
     grid = Grid.of(points)
     low, high = low / grid.unit, high / grid.unit
     cells = [grid.cover(box)]
-    for _ in range(MAX_WORK // len(points) if most is None else most):
+    limit = MAX_WORK // (len(points) + 4)
+    for _ in range(limit if most is None else min(limit, most)):
         if not cells:
             return True
         cell = cells.pop()
@@ -286,7 +301,7 @@ def largest_below(rays: list[list[int]], near: list[int], radius: int, high: Fra
     if min(near) <= radius:
         return False
     scale = 1 << (64 + 3 * max(near).bit_length())
-    top = math.floor(scale * high)
+    top = scale * high.numerator // high.denominator
     if sum(scale // (d - radius) + 1 for d in near) < top:  # Q ⪯ Σ 1/ri is enough
         return True
     steep = sum(1155 * scale * radius // (1000 * (d - radius) ** 2) + 1 for d in near)
@@ -341,8 +356,10 @@ def require(condition: object, reason: str) -> None:
 
 def number(text: Any) -> Fraction:
     """Read an exact rational in lowest terms, written as "p" or "p/q"."""
-    good = isinstance(text, str) and re.fullmatch(r"-?[0-9]{1,300}(/[0-9]{1,300})?", text, re.A)
+    good = isinstance(text, str) and re.fullmatch(r"-?[0-9]+(/[0-9]+)?", text, re.A)
     require(good, f"not an exact number: {str(text)[:40]!r}")
+    size = max(map(len, text.lstrip("-").split("/")))
+    require(size <= MAX_DIGITS, f"a number is longer than {MAX_DIGITS} digits: {text[:40]!r}")
     top, _, bottom = text.partition("/")
     require(bottom == "" or int(bottom) > 0, "a denominator is zero")
     value = Fraction(int(top), int(bottom or 1))
@@ -351,10 +368,13 @@ def number(text: Any) -> Fraction:
 
 
 def numbers(values: Any, *shape: int | None) -> Any:
-    """Read nested lists of numbers of a shape; None stands for any length."""
+    """Read nested lists of numbers of a shape; None stands for any length up to MAX_POINTS."""
     if not shape:
         return number(values)
-    require(isinstance(values, list) and shape[0] in (None, len(values)), "a list is misshapen")
+    fits = isinstance(values, list) and (
+        len(values) <= MAX_POINTS if shape[0] is None else len(values) == shape[0]
+    )
+    require(fits, "a list is misshapen")
     return [numbers(entry, *shape[1:]) for entry in values]
 
 
@@ -363,6 +383,11 @@ def keys(value: Any, wanted: Sequence[str], where: str) -> Any:
     require(isinstance(value, dict), f"{where} is not an object")
     require(set(value) == set(wanted), f"{where} must have the keys {', '.join(wanted)}")
     return value
+
+
+def matches(text: Any, pattern: str) -> bool:
+    """Tell whether a value is a string of a form."""
+    return isinstance(text, str) and re.fullmatch(pattern, text, re.A) is not None
 
 
 def digest(value: Any) -> str:
@@ -381,7 +406,9 @@ COMMON = (
     *("format", "version", "kind", "statement", "mission", "mission_sha256", "model_sha256"),
     *("tools", "goal_position", "sha256"),
 )
+TOOLS = ("hoverproof", "casadi", "cvxpy", "clarabel")
 GAINS = ("k1", "k2", "k3", "k4", "k_yaw")
+SECTIONS = ("name", "vehicle", "target", "goal", "gains", "bounds", "start")
 
 
 class Setting(NamedTuple):
@@ -398,21 +425,26 @@ class Setting(NamedTuple):
 
 def read_setting(c: Any) -> Setting:
     """Return the numbers of vehicle, gains, target and goal."""
-    mission = c["mission"]
-    keys(mission, ("name", "vehicle", "target", "goal", "gains", "bounds", "start"), "mission")
-    named = isinstance(mission["name"], str) and re.fullmatch(
-        r"[\w.-]{1,64}", mission["name"], re.A
-    )
-    require(named, "the mission has no proper name")
+    mission = keys(c["mission"], SECTIONS, "mission")
+    require(matches(mission["name"], r"[\w.-]{1,64}"), "the mission has no proper name")
     require(c["mission_sha256"] == digest(mission), "the mission is not the one that was hashed")
     vehicle = keys(
         mission["vehicle"], ("mass", "inertia", "arm", "drag_ratio", "gravity"), "vehicle"
     )
     g = {k: number(v) for k, v in keys(mission["gains"], GAINS, "gains").items()}
     m, gravity = number(vehicle["mass"]), number(vehicle["gravity"])
-    require(min(m, gravity, *g.values()) > 0, "mass, gravity and gains must be positive")
+    rest = [*numbers(vehicle["inertia"], 3), number(vehicle["arm"]), number(vehicle["drag_ratio"])]
+    require(min(m, gravity, *g.values(), *rest) > 0, "vehicle and gains must be positive")
+    start = keys(mission["start"], ("position", "velocity", "rotation", "rates"), "start")
+    numbers(list(start.values()), 4, 3)
+    bounds = mission["bounds"]
+    require(isinstance(bounds, dict), "bounds is not an object")
+    auto = bounds.get("eigenvalues") == "auto"  # to be shown over a box, which may be named
+    named = ("box",) if auto and "box" in bounds else ()
+    keys(bounds, ("eigenvalues", *named, "thrust" if "thrust" in bounds else "level"), "bounds")
+    numbers(bounds["box"] if named else [], None, 2)
     points = numbers(keys(mission["target"], ("points",), "target")["points"], None, 3)
-    require(2 <= len(points) <= MAX_POINTS, f"a target has 2 to {MAX_POINTS} points")
+    require(len(points) >= 2, f"a target has 2 to {MAX_POINTS} points")
     goal = mission["goal"]
     require(isinstance(goal, dict), "goal is not an object")
     if "height" in goal:
@@ -437,15 +469,8 @@ def read_mission(c: Any) -> Question:
     name, m, gravity, g, points, centroid, goal = read_setting(c)
     w, bounds = numbers(c["weights"], 4), c["mission"]["bounds"]
     require(min(w) > 0, "weights must be positive")
-    require(isinstance(bounds, dict), "bounds is not an object")
     stiffness = g["k1"] ** 2 * g["k2"] / m
 
-    auto = bounds.get("eigenvalues") == "auto"  # to be shown over a box, which may be named
-    own_box = ("box",) if auto and "box" in bounds else ()
-    known = ("eigenvalues", *own_box, "thrust" if "thrust" in bounds else "level")
-    keys(bounds, known, "bounds")
-    if own_box:
-        numbers(bounds["box"], 3, 2)
     if "thrust" in bounds:
         thrust = numbers(bounds["thrust"], 2)
         require(thrust[0] <= m * gravity <= thrust[1], "the thrust interval does not hold m g")
@@ -454,7 +479,7 @@ def read_mission(c: Any) -> Question:
         require(level > 0, "the level must be positive")
         reach = stiffness * square_root(2 * level * (1 / w[1] + 1 / w[2]))[1]
         thrust = [m * gravity - reach, m * gravity + reach]
-    if not auto:
+    if bounds["eigenvalues"] != "auto":
         numbers(bounds["eigenvalues"], 2)
     region = keys(c["region"], ("box", "eigenvalues"), "region")
     eigenvalues, box = numbers(region["eigenvalues"], 2), None
@@ -687,13 +712,17 @@ class Attraction(NamedTuple):
     s: Setting
     a: list[Fraction]  # weights a2, a3, a4
     level: Fraction
-    base: tuple[Fraction, Fraction]  # holds min G, m
     q3: tuple[Fraction, Fraction]  # holds q3*
     force: Fraction  # bounds |F|, N
     sine: Fraction  # bounds sin φ
     cosine: Fraction  # below cos φ
     bottom: Fraction | None  # zb, m
     grid: Grid
+    pull: tuple[int, int]  # q3*, in units of 1/ONE, rounded outward
+    range: tuple[int, int]  # min G and level + min G, rounded outward, in units of the grid/ONE
+
+
+ONE = 1 << 64  # fractions of a cell's bounds are whole multiples of 1/ONE
 
 
 def read_attraction(c: Any) -> Attraction:
@@ -718,15 +747,18 @@ def read_attraction(c: Any) -> Attraction:
     wanted = ((Fraction(0),) * 2, (Fraction(0),) * 2, q3)
     seen = zip(centroid_seen(s.points, hover), wanted, strict=True)
     slope = sum((max(abs(x - y) for x in ends for y in want) for ends, want in seen), Fraction(0))
-    base = (low + min(pull) - slope * 2 * high / (n - q3[1]), high + max(pull))
+    base = outward(low + min(pull) - slope * 2 * high / (n - q3[1]), high + max(pull))
     stiffness, weight = s.g["k1"] ** 2 * s.g["k2"] / s.m, s.m * s.gravity
     force = stiffness * square_root(2 * level * (1 / a[0] + 1 / a[1]))[1]
     require(weight - force > stiffness * q3[1], "the thrust reaches the singularity T = c q3*")
     sine, bottom = force / weight, claim["barrier_height"]
     if bottom is not None:
         bottom = sum((p[2] for p in s.points), Fraction(0)) / n - number(bottom)
-    cosine = square_root(1 - sine**2)[0]
-    return Attraction(s, a, level, base, q3, force, sine, cosine, bottom, Grid.of(s.points))
+    cosine, grid = square_root(1 - sine**2)[0], Grid.of(s.points)
+    whole = (math.floor(ONE * q3[0]), math.ceil(ONE * q3[1]))
+    unit = grid.unit * ONE
+    span = (math.floor(unit * base[0]), math.ceil(unit * (base[1] + level)))
+    return Attraction(s, a, level, q3, force, sine, cosine, bottom, grid, whole, span)
 
 
 def length(p: Row, q: Row) -> Fraction:
@@ -793,15 +825,28 @@ def verify_attraction(c: Any, p: Attraction) -> None:
         for i in range(11):
             M[i][i] -= rate
         require(positive_definite(M), "-(m/k1) Λ' is not shown to be above rate·|Y|²")
-    starts = [*reach_starts(c), *read_starts(c)]
+    starts, work = [*reach_starts(c), *read_starts(c)], Work(MAX_SEARCH)
     if p.bottom is not None:
-        barrier_holds(p, p.bottom, starts)
-    require(positions_hold(p, high), "the largest eigenvalue of Q is not shown to be bounded")
+        barrier_holds(p, p.bottom, starts, work)
+    held = positions_hold(p, high, work)
+    require(held, "the largest eigenvalue of Q is not shown to be bounded")
     for start in starts:
-        start_holds(p, start)
+        start_holds(p, start, work)
 
 
-def positions_hold(p: Attraction, high: Fraction) -> bool:
+class Work:
+    """The work that may still be done for a certificate, in units that take about as long."""
+
+    def __init__(self, most: int) -> None:
+        self.left = most
+
+    def may(self, amount: int) -> bool:
+        """Take so much of it, and tell whether it was there."""
+        self.left -= amount
+        return self.left >= 0
+
+
+def positions_hold(p: Attraction, high: Fraction, work: Work) -> bool:
     """Tell whether Q ≺ high I is shown wherever W <= ℓ and z <= zb.
 
     Farther than n/high from every target point, Q ⪯ Σ 1/ri does not reach high.
@@ -812,16 +857,15 @@ def positions_hold(p: Attraction, high: Fraction) -> bool:
     if p.bottom is not None:
         box[2][1] = min(box[2][1], p.bottom)
     cells = [p.grid.cover(box)] if box[2][0] <= box[2][1] else []
-    for _ in range(MAX_SEARCH // len(p.s.points)):
-        if not cells:
-            return True
+    top = high / p.grid.unit
+    while cells and work.may(3 * len(p.s.points)):
         cell = cells.pop()
         center, _, radius, rays, distances = around(p.grid.points, cell)
-        if not largest_below(rays, distances, radius, high / p.grid.unit) and not above_level(
+        if not largest_below(rays, distances, radius, top) and not above_level(
             p, center, cell, rays, distances
         ):
             cells += halves(cell)
-    return False
+    return not cells
 
 
 def above_level(
@@ -830,15 +874,13 @@ def above_level(
     """Tell whether W > ℓ on a cell: convex, W is above its tangent plane at the centre."""
     if min(near) == 0:
         return False
-    low = min(end * center[2] for end in p.q3) - (p.base[1] + p.level) * p.grid.unit
-    scale = 2**64
-    value = scale * (sum(near) + math.floor(low))
+    value = ONE * sum(near) + min(end * center[2] for end in p.pull) - p.range[1]
     for i, (_, b) in enumerate(cell):
-        ends = [math.floor(scale * p.q3[0]), math.ceil(scale * p.q3[1])] if i == 2 else [0, 0]
+        low, high = p.pull if i == 2 else (0, 0)
         for ray, d in zip(rays, near, strict=True):  # -ray/distance, the distance in [d, d + 1]
-            parts = (-scale * ray[i] // d, -scale * ray[i] // (d + 1))
-            ends = [ends[0] + min(parts), ends[1] + max(parts) + 1]
-        value -= max(map(abs, ends)) * (b - center[i])
+            parts = (-ONE * ray[i] // d, -ONE * ray[i] // (d + 1))
+            low, high = low + min(parts), high + max(parts) + 1
+        value -= max(abs(low), abs(high)) * (b - center[i])
     return value > 0
 
 
@@ -883,7 +925,7 @@ def reach_starts(c: Any) -> list[Start]:
     return [Start(disc, side, *still), Start([[x, x], [y, y], [z - up, z + down]], None, *still)]
 
 
-def barrier_holds(p: Attraction, bottom: Fraction, starts: Sequence[Start]) -> None:
+def barrier_holds(p: Attraction, bottom: Fraction, starts: Sequence[Start], work: Work) -> None:
     """Verify that no motion from the starts passes below z = bottom while Λ <= ℓ."""
     s, (_, a3, a4), weight = p.s, p.a, p.s.m * p.s.gravity
     k1, k2, k3 = (s.g[k] for k in GAINS[:3])
@@ -906,49 +948,46 @@ def barrier_holds(p: Attraction, bottom: Fraction, starts: Sequence[Start]) -> N
         ahead = max(start.speed / slow, s.m / (k1 * k2) * (start.speed + second_rate / kappa))
         require(start.position[2][1] + ahead <= bottom, "a start sinks below the barrier")
     lag = first + max(second, fast_above * first / slow)
-    require(height_part_below(p, bottom - lag, limit), "the barrier is not shown to hold")
+    require(height_part_below(p, bottom - lag, limit, work), "the barrier is not shown to hold")
 
 
-def height_part_below(p: Attraction, z: Fraction, limit: Fraction) -> bool:
+def height_part_below(p: Attraction, z: Fraction, limit: Fraction, work: Work) -> bool:
     """Tell whether qz = Σ hi/ri < limit is shown for all positions at a height."""
     heights = [max(math.ceil((point[2] - z) * p.grid.unit), 0) for point in p.s.points]
     far = Fraction(sum(heights) + 1, p.grid.unit) / limit  # farther out every ri is above it
     ends = [[x[i] for x in p.s.points] for i in (0, 1)]
     cells = [p.grid.cover([[min(line) - far, max(line) + far] for line in ends])]
-    scale = 2**64
-    for _ in range(MAX_WORK // len(p.s.points)):
-        if not cells:
-            return True
+    most = math.ceil(ONE * limit)
+    while cells and work.may(len(p.s.points)):
         cell, total = cells.pop(), 0
         for point, h in zip(p.grid.points, heights, strict=True):
             gaps = (max(a - x, x - b, 0) for x, (a, b) in zip(point, cell, strict=False))
-            total += scale * h // max(math.isqrt(sum((g * g for g in gaps), h * h)), 1) + 1
-        if total >= scale * limit:
+            total += ONE * h // max(math.isqrt(sum((g * g for g in gaps), h * h)), 1) + 1
+        if total >= most:
             cells += halves(cell)
-    return False
+    return not cells
 
 
-def start_holds(p: Attraction, start: Start) -> None:
+def start_holds(p: Attraction, start: Start, work: Work) -> None:
     """Verify that Λ <= ℓ in a set of states, and that the thrust is above the singularity."""
     weight, stiffness = p.s.m * p.s.gravity, p.s.g["k1"] ** 2 * p.s.g["k2"] / p.s.m
     require(weight - start.thrust > stiffness * p.q3[1], "a thrust at the start is too low")
     require(p.bottom is None or start.position[2][1] <= p.bottom, "a start is below the barrier")
     cells = [p.grid.cover(start.position)]
-    middle = [sum(side) for side in cells[0][:2]]
-    for _ in range(MAX_WORK // len(p.s.points)):
-        if not cells:
-            return
+    middle, shares = [sum(side) for side in cells[0][:2]], shares_of(p, start)
+    rim = math.ceil((2 * p.grid.unit * (start.radius or 0) + 2) ** 2)
+    while cells and work.may(4 * len(p.s.points)):
         cell = cells.pop()
         if start.radius is not None:  # leave out what is farther from the axis
             gaps = (max(2 * a - x, x - 2 * b, 0) for (a, b), x in zip(cell, middle, strict=False))
-            if sum(gap * gap for gap in gaps) > (2 * p.grid.unit * start.radius + 2) ** 2:
+            if sum(gap * gap for gap in gaps) > rim:
                 continue
-        terms = start_terms(p, start, cell)
+        terms = start_terms(p, shares, cell)
         if terms is None or terms[0] + dot(p.a, terms[1:]) > p.level:
             widest = max(b - a for a, b in cell)
             require(widest > p.grid.unit >> 16, "a start is not shown to have Λ <= level")
             cells += halves(cell)
-    raise Rejected("a set of starts is not shown to have Λ <= level")
+    require(not cells, "a set of starts is not shown to have Λ <= level")
 
 
 def dot(x: Row, y: Row) -> Fraction:
@@ -956,66 +995,89 @@ def dot(x: Row, y: Row) -> Fraction:
     return sum((a * b for a, b in zip(x, y, strict=True)), Fraction(0))
 
 
-def start_terms(p: Attraction, start: Start, cell: Cell) -> list[Fraction] | None:
+class Shares(NamedTuple):
+    """What speed, lean, rates and thrust of a start add to |δ|, in units of 1/ONE, rounded up."""
+
+    moved: int  # by the speed
+    lean: int  # by the tilt, through the force
+    push: int  # by the thrust
+    turned: int  # by the rates
+    tilted: int  # of q3* by the tilt
+    tilted_all: int  # of q by the tilt
+
+
+def shares_of(p: Attraction, start: Start) -> Shares:
+    """Return what a start that moves adds; to lean by φ adds at most m g φ to |F|."""
+    s, weight = p.s, p.s.m * p.s.gravity
+    k1, k2, k3 = (s.g[k] for k in GAINS[:3])
+    stiffness = k1**2 * k2 / s.m
+    room = weight + start.thrust - stiffness * p.q3[0]
+    shares = [
+        s.m / k1 * start.speed,
+        weight / stiffness * start.tilt,
+        start.thrust / stiffness,
+        s.m / (stiffness * (k1 * k2 + k3)) * room * start.rate,
+        p.q3[1] * start.tilt,
+        len(s.points) * start.tilt,
+    ]
+    return Shares(*(math.ceil(ONE * x) for x in shares))
+
+
+def start_terms(p: Attraction, add: Shares, cell: Cell) -> list[Fraction] | None:
     """Bound W and half the squares of δ2, δ3, δ4 for positions in a cell; None if too near.
 
-    W is convex, so its corners bound it; q changes by at most Σ 1/ri a metre. To lean by φ turns
-    unit vectors by at most φ, and adds at most m g φ to |F|.
+    W is convex, so its corners bound it; q changes by at most Σ 1/ri a metre, and by at most φ
+    where unit vectors are turned by φ.
     """
-    s, weight, n, unit = p.s, p.s.m * p.s.gravity, len(p.s.points), p.grid.unit
-    k1, k2, k3 = (s.g[k] for k in GAINS[:3])
-    stiffness, scale = k1**2 * k2 / s.m, 2**32
     _, _, radius, rays, near = around(p.grid.points, cell)
     if min(near) <= radius:
         return None
-    W = Fraction(0)
-    for corner in itertools.product(*(sorted(set(side)) for side in cell)):
-        squares = (sum((a - b) ** 2 for a, b in zip(x, corner, strict=True)) for x in p.grid.points)
-        far = sum((Fraction(math.isqrt(square) + 1) for square in squares), Fraction(0))
-        W = max(W, (far + max(x * corner[2] for x in p.q3)) / unit - p.base[0])
-    change = Fraction(sum(scale * radius // (d - radius) + 1 for d in near), scale)
-    ends = [[Fraction(0)] * 2, [Fraction(0)] * 2, [-p.q3[1], -p.q3[0]]]  # of q - q* at the centre
-    for ray, d in zip(rays, near, strict=True):
-        for i, x in enumerate(ray):
-            parts = (scale * x // d, scale * x // (d + 1))
-            ends[i][0] += Fraction(min(parts), scale)
-            ends[i][1] += Fraction(max(parts) + 1, scale)
-    across, ahead, up = (max(map(abs, pair)) for pair in ends)
-    flat = square_root(across**2 + ahead**2)[1] + change
-    d1 = square_root(across**2 + ahead**2 + up**2)[1] + change + p.q3[1] * start.tilt
-    moved, lean = s.m / k1 * start.speed, weight / stiffness * start.tilt
-    room = weight + start.thrust - stiffness * p.q3[0]
-    turned = s.m / (stiffness * (k1 * k2 + k3)) * room * start.rate
-    d2 = moved + d1
-    d3 = start.thrust / stiffness + lean + d2
-    d4 = turned + lean + moved + flat + n * start.tilt
-    return [W, d2**2 / 2, d3**2 / 2, d4**2 / 2]
+    highest = p.range[0]
+    for a, b, c in itertools.product(*(sorted(set(side)) for side in cell)):
+        squares = ((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2 for x, y, z in p.grid.points)
+        far = sum(math.isqrt(square) + 1 for square in squares)
+        highest = max(highest, ONE * far + max(end * c for end in p.pull))
+    change = sum(ONE * radius // (d - radius) + 1 for d in near)
+    sizes = []  # of q - q* at the centre
+    for i, (low, high) in enumerate(((0, 0), (0, 0), (-p.pull[1], -p.pull[0]))):
+        for ray, d in zip(rays, near, strict=True):
+            parts = (ONE * ray[i] // d, ONE * ray[i] // (d + 1))
+            low, high = low + min(parts), high + max(parts) + 1
+        sizes.append(max(abs(low), abs(high)))
+    flat = math.isqrt(sizes[0] ** 2 + sizes[1] ** 2) + 1 + change
+    d1 = math.isqrt(sum(x * x for x in sizes)) + 1 + change + add.tilted
+    d2 = add.moved + d1
+    d3 = add.push + add.lean + d2
+    d4 = add.turned + add.lean + add.moved + flat + add.tilted_all
+    W = Fraction(highest - p.range[0], p.grid.unit * ONE)
+    return [W, *(Fraction(d * d, 2 * ONE * ONE) for d in (d2, d3, d4))]
 
 
 def theorem_of_attraction(c: Any, p: Attraction) -> str:
     """Say in words what is proved."""
     s, claim = p.s, c["claim"]
     gains = ", ".join(f"{k} = {s.g[k]}" for k in GAINS[:4])
-    height = (
-        "" if p.bottom is None else f" and height >= {about(number(claim['barrier_height']))} m"
-    )
-    states, above = "state of the set {Λ <= level, T > 0}", ""
-    if height:
-        states = f"level hover at rest with Λ <= level{height}"
-        above = f"; their motions stay in {{Λ <= level, T > 0}} at{height[4:]}"
+    if p.bottom is None:
+        states = "state of the set {Λ <= level, T > 0}"
+        stays = ". This knows no ground: on its way the motion may pass below the target points"
+    else:
+        height = f", at least {about(number(claim['barrier_height']))} m above the mean height"
+        states = f"level hover at rest with Λ <= level{height} of the target points"
+        stays = "; it stays in {Λ <= level, T > 0} and at that height or above it"
     side, up, down = map(about, reach_of(c))
     hover = ", ".join(map(about, numbers(c["hover"], 3)))
-    others = "".join(f", and from every {state_of(start)}" for start in read_starts(c))
+    others = "".join(f", and in every {state_of(start)}" for start in read_starts(c))
     return (
         f"For the mission {s.name} (m = {s.m} kg, g = {s.gravity} m/s², {gains}, goal straight "
         f"below with q3* = {float(sum(p.q3) / 2):.12g} to 12 digits) let Λ = W + ½(a2|δ2|² + "
         f"a3|δ3|² + a4|δ4|²), W = Σ|P'i - ξ| + q3* z less its minimum, (a2, a3, a4) = "
         f"({', '.join(map(about, p.a))}), level = {about(p.level)}. With the exact model and "
-        f"controller in continuous time, all target points seen, from every {states}, with any "
-        f"heading and yaw rate, the motion converges to the hover at the goal{above}. On the way "
-        f"Λ <= level and Λ' <= -(k1/m) {about(number(claim['rate']))} (|q - q3* ρ|² + |δ2|² + |δ3|²"
-        f" + |δ4|²). This holds from every level hover at rest up to {side} m sideways of the "
-        f"point ({hover}) m at its height, up to {up} m above it and {down} m below it{others}."
+        f"controller in continuous time and all target points seen, the controller may be switched "
+        f"on, with any heading and yaw rate, in every {states}: the motion converges to the hover "
+        f"at the goal{stays}. On the way Λ <= level and Λ' <= -(k1/m) "
+        f"{about(number(claim['rate']))} (|q - q3* ρ|² + |δ2|² + |δ3|² + |δ4|²). This holds in "
+        f"every level hover at rest up to {side} m sideways of the point ({hover}) m at its "
+        f"height, up to {up} m above it and {down} m below it{others}."
     )
 
 
@@ -1041,12 +1103,13 @@ def state_of(start: Start) -> str:
 #
 # With 1/D and 1/ri as unknowns of their own, (1/D)' = -T'/D², (1/ri)' = (P'i - ξ)ᵀξ'/ri³, the right
 # sides are polynomials. For a step s let ci hold the Taylor coefficients z⁽ⁱ⁾(0) sⁱ/i! of all
-# motions that start in a box Z, and d those of order p in Z + 2r, r = |c1| + ... + |c(p-1)|. Until
-# a motion from Z leaves Z + 2r it is within r + |d| of its start. So if |d| <= r, it does not leave
-# within the step, hence exists, and ends in c0 + ... + c(p-1) + d.
+# motions that start in a box Z, and d those of order p in Z + 2r, r = |c1| + ... + |c(p-1)| + 2^-50.
+# Until a motion from Z leaves Z + 2r it is within r + |d| of its start. So if |d| <= 2^-50, it does
+# not leave within the step, hence exists, and ends in c0 + ... + c(p-1) + d.
 
-BITS, ORDER, ACCURACY = 192, 24, 80  # numbers are multiples of 2^-BITS; |d| < 2^-ACCURACY
-MAX_STEPS = 2400  # steps tried times points
+BITS, ORDER, ACCURACY = 192, 20, 50  # numbers are multiples of 2^-BITS; |d| <= 2^-ACCURACY
+MAX_SERIES = 800  # expansions times (points + 3)
+MAX_TIME = 60  # s
 
 
 class Ball:
@@ -1070,33 +1133,56 @@ class Ball:
         return Ball(self.mid - other.mid, self.rad + other.rad)
 
     def __mul__(self, other: "Ball") -> "Ball":
-        return product([self], [other])
+        rad = self.size() * other.rad + self.rad * other.size()
+        return Ball(self.mid * other.mid >> BITS, (rad >> BITS) + 2)
 
     def size(self) -> int:
         """Bound the absolute value."""
         return abs(self.mid) + self.rad
 
 
-Series = list[Ball]  # Taylor coefficients
+class Series:
+    """Taylor coefficients: their middles, radii and sizes."""
+
+    __slots__ = ("mid", "rad", "size")
+
+    def __init__(self, *balls: Ball) -> None:
+        self.mid: list[int] = []
+        self.rad: list[int] = []
+        self.size: list[int] = []
+        for ball in balls:
+            self.append(ball)
+
+    def append(self, ball: Ball) -> None:
+        """Add a coefficient."""
+        self.mid.append(ball.mid)
+        self.rad.append(ball.rad)
+        self.size.append(ball.size())
+
+    def __getitem__(self, i: int) -> Ball:
+        return Ball(self.mid[i], self.rad[i])
+
+
 NOUGHT = Ball(0)
 
 
 def product(x: Series, y: Series) -> Ball:
     """Return the last coefficient of the product of two series."""
-    mid = rad = 0
-    for a, b in zip(x, reversed(y), strict=True):
-        mid += a.mid * b.mid
-        rad += abs(a.mid) * b.rad + a.rad * (abs(b.mid) + b.rad)
-    return Ball(mid >> BITS, (rad >> BITS) + 2)
+    return inner([x], [y])
 
 
 def inner(x: Sequence[Series], y: Sequence[Series]) -> Ball:
     """Return the last coefficient of xᵀy."""
-    return sum((product(a, b) for a, b in zip(x, y, strict=True)), NOUGHT)
+    mid = rad = 0
+    for a, b in zip(x, y, strict=True):
+        mid += sum(map(operator.mul, a.mid, b.mid[::-1]))
+        rad += sum(map(operator.mul, a.size, b.rad[::-1]))
+        rad += sum(map(operator.mul, a.rad, b.size[::-1]))
+    return Ball(mid >> BITS, (rad >> BITS) + 2)
 
 
 class Motion(NamedTuple):
-    """A motion that is claimed to sink to the height of the lowest target point."""
+    """A motion that is claimed to sink, from above, to the height of the lowest target point."""
 
     s: Setting
     start: list[list[Fraction]]  # intervals of ξ, ξ', b, w in world axes, and of T
@@ -1111,19 +1197,34 @@ def read_motion(c: Any) -> Motion:
     start = [side for name in STATE for side in numbers(given[name], 3, 2)]
     start.append(numbers(given["thrust"], 2))
     require(all(low <= high for low, high in start), "the start is not in order")
-    for x, value in ((start[6:9], 1), (start[9:12], 0)):  # bᵀb and bᵀw
-        ends = [[a * b for a in p for b in q] for p, q in zip(start[6:9], x, strict=True)]
-        held = sum(map(min, ends)) <= value <= sum(map(max, ends))
-        require(held, "b is not a unit vector, or w not across it")
-    time = number(given["time"])
-    require(0 <= time <= 1000, "the time is not between 0 and 1000 s")
-    return Motion(s, start, time, max(point[2] for point in s.points))
+    require(inhabited(start[6:9], start[9:12]), "no state is shown to be in the start")
+    time, depth = number(given["time"]), max(point[2] for point in s.points)
+    require(0 < time <= MAX_TIME, f"the time is not above 0 s and at most {MAX_TIME} s")
+    require(start[2][1] < depth, "the start is not above the lowest target point")
+    return Motion(s, start, time, depth)
+
+
+def inhabited(axis: Matrix, turning: Matrix) -> bool:
+    """Show that intervals hold a unit vector b and a w across it, bᵀw = 0.
+
+    |b|² takes every value between its least and its greatest in the box, so 1 too. If for each b
+    of the box, bᵀw is nowhere above 0 for the w that make it least, nor below for the w that make
+    it greatest, then it is 0 for some w.
+    """
+    squares = [[max(a, -b, Fraction(0)) ** 2, max(-a, b) ** 2] for a, b in axis]
+    least = greatest = Fraction(0)
+    for (a, b), (u, v) in zip(axis, turning, strict=True):
+        ends = [a, b, Fraction(0)] if a < 0 < b else [a, b]
+        least += max(min(x * u, x * v) for x in ends)  # concave in x, with a corner at 0
+        greatest += min(max(x * u, x * v) for x in ends)
+    low, high = (sum((pair[k] for pair in squares), Fraction(0)) for k in (0, 1))
+    return low <= 1 <= high and least <= 0 <= greatest
 
 
 STATE = ("position", "velocity", "axis", "turning")
 
 
-def unknowns(p: Motion) -> Series:
+def unknowns(p: Motion) -> list[Ball]:
     """Enclose ξ, ξ', b, w, T, 1/D and every 1/ri at the start."""
     c = p.s.g["k1"] ** 2 * p.s.g["k2"] / p.s.m
     ends = [p.start[12][0] - c * p.s.centroid[2][1], p.start[12][1] - c * p.s.centroid[2][0]]
@@ -1138,7 +1239,7 @@ def unknowns(p: Motion) -> Series:
     return [Ball.over(*box) for box in boxes]
 
 
-def taylor(p: Motion, z: Series, step: Fraction, order: int) -> list[Series]:
+def taylor(p: Motion, z: Sequence[Ball], step: Fraction, order: int) -> list[Series]:
     """Return the coefficients up to an order, times stepⁱ, of all motions from a box."""
     m, g, (k1, k2, k3, k4) = p.s.m, p.s.gravity, (p.s.g[k] for k in GAINS[:4])
     c, kappa = k1**2 * k2 / m, (k1 * k2 + k3) / m
@@ -1148,41 +1249,46 @@ def taylor(p: Motion, z: Series, step: Fraction, order: int) -> list[Series]:
     singular = Ball.over(*(c * q3 for q3 in p.s.centroid[2]))
     largest = max(x.size() for x in (*fixed, *z, *itertools.chain(*points)))
     require(largest < 10**12 << BITS, "a number is out of reach")
-    series, n = [[x] for x in z], len(points)
+    series, n = [Series(x) for x in z], len(points)
     xi, v, b, w = (series[i : i + 3] for i in (0, 3, 6, 9))
     T, x, u = series[12], series[13], series[14:]
     rays, (y, a) = [empty(3) for _ in points], (empty(3), empty(3))
     closing, u2, u3 = empty(n), empty(n), empty(n)
     by, ba, rise, swing, gain, x2, inward, brake = empty(8)
     for i in range(order):
-        one = Ball(int(i == 0) << BITS)  # the coefficient of 1
+        first = i == 0  # then constants count
         for j in range(n):
             for k in range(3):
-                rays[j][k].append(points[j][k] * one - xi[k][i])
+                rays[j][k].append((points[j][k] if first else NOUGHT) - xi[k][i])
             closing[j].append(inner(rays[j], v))
             u2[j].append(product(u[j], u[j]))
             u3[j].append(product(u2[j], u[j]))
-        ups = (NOUGHT, NOUGHT, one)
-        for k, up in enumerate(ups):
-            y[k].append(far * up + slow * v[k][i] - inner([ray[k] for ray in rays], u))
-            a[k].append(pull * up + quick * y[k][i])
+        for k in range(3):
+            up = first and k == 2
+            bent = slow * v[k][i] - inner([ray[k] for ray in rays], u)
+            y[k].append(bent + far if up else bent)
+            quicker = quick * y[k][i]
+            a[k].append(quicker + pull if up else quicker)
         by.append(inner(b, y))
         ba.append(inner(b, a))
-        rise.append(K * (C * by[i] + singular * one - T[i]))
+        lift = C * by[i] - T[i]
+        rise.append(K * (lift + singular if first else lift))
         swing.append(rise[i] + CK * by[i])
         gain.append(CK * x[i])
         x2.append(product(x, x))
         inward.append(product(gain, ba) + inner(w, w))
-        brake.append(product(swing, x) + H * one)
+        braked = product(swing, x)
+        brake.append(braked + H if first else braked)
         rates = [
             *(side[i] for side in v),
-            *(G * up - light * product(T, side) for up, side in zip(ups, b, strict=True)),
+            *(NOUGHT - light * product(T, side) for side in b),
             *(side[i] for side in w),
             *(product(gain, a[k]) - product(inward, b[k]) - product(brake, w[k]) for k in range(3)),
             rise[i],
             NOUGHT - product(x2, rise),
             *(product(u3[j], closing[j]) for j in range(n)),
         ]
+        rates[5] += G if first else NOUGHT
         part = Ball.over(step / (i + 1), step / (i + 1))
         for line, rate in zip(series, rates, strict=True):
             line.append(part * rate)
@@ -1191,35 +1297,35 @@ def taylor(p: Motion, z: Series, step: Fraction, order: int) -> list[Series]:
 
 def empty(count: int) -> list[Series]:
     """Return series without coefficients."""
-    return [[] for _ in range(count)]
+    return [Series() for _ in range(count)]
 
 
-def advance(p: Motion, z: Series, step: Fraction) -> Series | None:
+def advance(p: Motion, z: Sequence[Ball], step: Fraction) -> list[Ball] | None:
     """Enclose where all motions from a box are after a step; None if that is not shown."""
-    series = taylor(p, z, step, ORDER - 1)
-    reach = [sum(x.size() for x in line[1:]) for line in series]
-    hull = [Ball(x.mid, x.rad + 2 * r + 1) for x, r in zip(z, reach, strict=True)]
-    if max(reach) >> (BITS + 20):
+    series, most = taylor(p, z, step, ORDER - 1), 1 << (BITS - ACCURACY)
+    reach = [sum(line.size[1:]) + most for line in series]
+    if max(reach) >> (BITS + 20) or max(line.size[-1] for line in series) > 256 * most:
         return None
+    hull = [Ball(x.mid, x.rad + 2 * r + 1) for x, r in zip(z, reach, strict=True)]
     rest = [line[ORDER] for line in taylor(p, hull, step, ORDER)]
-    for x, r in zip(rest, reach, strict=True):
-        if x.size() > min(r, 1 << (BITS - ACCURACY)):
-            return None
-    return [sum(line, x) for line, x in zip(series, rest, strict=True)]
+    if any(x.size() > most for x in rest):
+        return None
+    ends = zip(series, rest, strict=True)
+    return [Ball(sum(line.mid) + x.mid, sum(line.rad) + x.rad) for line, x in ends]
 
 
 def verify_motion(c: Any, p: Motion) -> None:
     """Verify that the motion exists for the time, and where it ends."""
-    z, left, step = unknowns(p), p.time, Fraction(1, 8)
-    for _ in range(MAX_STEPS // len(p.s.points)):
-        if not left:
-            break
+    z, left, step, work = unknowns(p), p.time, Fraction(1, 8), Work(MAX_SERIES)
+    wait = 0  # steps until a longer one is tried again
+    while left and work.may(2 * (len(p.s.points) + 3)):
         step = min(step, left)
         new = advance(p, z, step)
         if new is None:
-            step /= 2
+            step, wait = step / 2, 4
         else:
-            z, left, step = new, left - step, 2 * step
+            z, left, wait = new, left - step, wait - 1
+            step *= 2 if wait < 0 else 1
     require(not left, "the motion is not followed to its end")
     sunk = z[2].mid - z[2].rad >= p.depth * (1 << BITS)
     require(sunk, "the motion is not shown to sink to the lowest target point")
@@ -1233,12 +1339,14 @@ def theorem_of_motion(c: Any, p: Motion) -> str:
     return (
         f"It is not true that, for the mission {p.s.name} (m = {p.s.m} kg, g = {p.s.gravity} m/s², "
         f"{gains}, goal straight below with q3* = {float(sum(p.s.centroid[2]) / 2):.12g} to 12 "
-        f"digits), the controller may be switched on in every state with position ({place}) m, "
-        f"velocity ({speed}) m/s and thrust {sides[12]} N whose body axis e3 is ({axis}) and turns "
-        f"at ({turning}) 1/s, all in world axes. With the exact model and controller in "
-        f"continuous time, all target points seen, any heading and yaw rate zero, the motion from "
-        f"every such state exists for {about(p.time)} s, T > c q3* on the way, and then the "
-        f"vehicle is as low as the lowest target point or lower: z >= {about(p.depth)} m."
+        f"digits), the vehicle stays above the lowest target point, z < {about(p.depth)} m, for "
+        f"{about(p.time)} s from a state with position ({place}) m, velocity ({speed}) m/s and "
+        f"thrust {sides[12]} N whose body axis e3 is ({axis}) and turns at ({turning}) 1/s, all in "
+        f"world axes, with yaw rate zero. There is such a state. With the exact model and "
+        f"controller in continuous time, all target points seen and any heading, the motion from "
+        f"every such state, which is above that height, exists for {about(p.time)} s, T > c q3* "
+        f"on the way, and at their end the vehicle is at that height or lower: z >= "
+        f"{about(p.depth)} m. What comes after is not said."
     )
 
 
@@ -1278,7 +1386,18 @@ def statement(certificate: Any) -> str:
         The JSON object.
     """
     kind = KINDS[certificate["kind"]]
-    return kind.theorem(certificate, kind.read(certificate))
+    return stated(certificate, kind.read(certificate))
+
+
+def stated(c: Any, question: Any) -> str:
+    """Say in words what is claimed, and of which mission, whose numbers and hash were verified."""
+    mission = c["mission"]
+    points = ", ".join(f"({', '.join(point)})" for point in mission["target"]["points"])
+    return (
+        f"{KINDS[c['kind']].theorem(c, question)} The mission {mission['name']} is the one whose "
+        f"numbers have the SHA-256 {c['mission_sha256']}; its target points are {points} m, in "
+        "world axes, z down."
+    )
 
 
 def check(certificate: Any) -> str:
@@ -1303,12 +1422,16 @@ def checked(certificate: Any) -> str:
     kind = certificate.get("kind")
     require(isinstance(kind, str) and kind in KINDS, "unknown kind of certificate")
     keys(certificate, COMMON + KINDS[kind].keys, "certificate")
-    head = (certificate["format"], certificate["version"])
-    require(head == ("hoverproof certificate", 1), "not version 1 of the format")
+    head, version = certificate["format"], certificate["version"]
+    known = head == "hoverproof certificate" and type(version) is int and version == 1
+    require(known, "not version 1 of the format")
+    require(matches(certificate["model_sha256"], "[0-9a-f]{64}"), "model_sha256 is no SHA-256")
+    tools = keys(certificate["tools"], TOOLS, "tools").values()
+    require(all(matches(v, r"[\w.+-]{1,64}") for v in tools), "a tool has no proper version")
     rest = {k: v for k, v in certificate.items() if k != "sha256"}
     require(certificate["sha256"] == digest(rest), "the file was changed after it was written")
     question = KINDS[kind].read(certificate)
-    theorem = KINDS[kind].theorem(certificate, question)
+    theorem = stated(certificate, question)
     require(certificate["statement"] == theorem, f"the statement is not what is proved: {theorem}")
     KINDS[kind].verify(certificate, question)
     return theorem
@@ -1367,15 +1490,33 @@ def main(arguments: list[str]) -> int:
     if len(arguments) != 1:
         print("usage: checker.py FILE", file=sys.stderr)
         return 2
+    for stream in (sys.stdout, sys.stderr):  # a terminal may know few letters
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
-        theorem = check_file(arguments[0])
+        certificate = read(arguments[0])
     except Unreadable as error:
         print(f"{arguments[0]}: {error}", file=sys.stderr)
         return 2
+    return tell(arguments[0], certificate)
+
+
+def tell(name: str, certificate: Any) -> int:
+    """Print whether a certificate is accepted; return the exit status.
+
+    Parameters
+    ----------
+    name : str
+        Of the file.
+    certificate : mapping
+        The JSON object.
+    """
+    try:
+        theorem = check(certificate)
     except Rejected as error:
-        print(f"{arguments[0]}: rejected: {error}")
+        print(f"{name}: rejected: {error}")
         return 1
-    print(f"{arguments[0]}: accepted")
+    print(f"{name}: accepted")
     print(
         textwrap.fill(f"Proved: {theorem}", width=80, initial_indent="  ", subsequent_indent="  ")
     )

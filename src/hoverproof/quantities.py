@@ -9,6 +9,9 @@ from fractions import Fraction
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 from pydantic_core import PydanticCustomError
 
+MAX_DIGITS = 32
+"""Of numerator and denominator; what follows from them must be short enough for the checker."""
+
 
 def reject(reason: str, *, key: str = "") -> PydanticCustomError:
     """Make the refusal of a value, or of the `key` below it.
@@ -66,6 +69,8 @@ def quantity(unit: str, low: str, high: str, *, open_low: bool = False) -> Befor
         number = Fraction(value)
         if not lowest <= number <= highest or (open_low and number == lowest):
             raise reject(f"must be {span}{suffix}, not {shown(value)}")
+        if max(abs(number.numerator), number.denominator) >= 10**MAX_DIGITS:
+            raise reject(f"must be given in at most {MAX_DIGITS} digits, not {shown(value)}")
         return number
 
     return BeforeValidator(exact)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -14,6 +14,7 @@ from typing import Any
 from hoverproof import checker
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.problem import GainProblem, sigma_function
+from hoverproof.errors import InputError
 from hoverproof.files import write_text
 from hoverproof.mission import Mission
 from hoverproof.plant.goal import hover_goal
@@ -71,7 +72,11 @@ def seal(problem: GainProblem, kind: str, parts: dict[str, Any]) -> Certificate:
         "region": {"box": problem.box, "eigenvalues": problem.eigenvalues},
         **parts,
     }
-    return seal_content(problem.mission, kind, own, model_fingerprint())
+    try:
+        return seal_content(problem.mission, kind, own, model_fingerprint())
+    except checker.Rejected as rejected:  # numbers that grew too long, for one
+        where = problem.mission.source
+        raise InputError(where, "", f"makes no certificate: {rejected}") from None
 
 
 def seal_content(mission: Mission, kind: str, parts: dict[str, Any], model: str) -> Certificate:
@@ -102,6 +107,37 @@ def seal_content(mission: Mission, kind: str, parts: dict[str, Any], model: str)
     content["statement"] = checker.statement(content)
     content["sha256"] = checker.digest(content)
     return Certificate(content)
+
+
+def differences(content: Mapping[str, Any], mission: Mission) -> list[str]:
+    """Say where the mission of a certificate differs from another one; nothing if it is the same.
+
+    Parameters
+    ----------
+    content : mapping
+        A certificate that the checker accepts.
+    mission : Mission
+        Of its keys, those that go into certificates.
+    """
+    theirs, ours = (dict(_leaves(numbers)) for numbers in (content["mission"], mission.exact()))
+    return [
+        f"{key} is {theirs.get(key, 'missing')} in the certificate "
+        f"and {ours.get(key, 'missing')} in the mission"
+        for key in {**ours, **theirs}
+        if theirs.get(key) != ours.get(key)
+    ]
+
+
+def _leaves(value: Any, key: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the dotted key of each number, its places in lists counted from 1."""
+    if isinstance(value, dict):
+        for name, entry in value.items():
+            yield from _leaves(entry, f"{key}.{name}".removeprefix("."))
+    elif isinstance(value, list):
+        for place, entry in enumerate(value, 1):
+            yield from _leaves(entry, f"{key}[{place}]")
+    else:
+        yield key, str(value)
 
 
 @cache

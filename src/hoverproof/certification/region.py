@@ -61,6 +61,8 @@ def parse_box(text: str) -> Box:
     box = ((x0, x1), (y0, y1), (z0, z1))
     if any(a > b or max(abs(a), abs(b)) > 10**6 for a, b in box):
         raise InputError("--box", "", f"the ends must be in order and within 1e6 m, not {text!r}")
+    if any(x.denominator > 10**18 for side in box for x in side):
+        raise InputError("--box", "", f"the ends must have at most 18 decimals, not {text!r}")
     return box
 
 
@@ -153,9 +155,7 @@ def holds_over(mission: Mission, box: Box, bounds: Interval, most: int | None = 
         Most boxes, see `enclose`.
     """
     points = [list(p) for p in mission.target.points]
-    limit = checker.MAX_WORK // len(points)
-    limit = limit if most is None else min(limit, most)
-    return checker.eigenvalues_hold(points, [list(side) for side in box], *bounds, limit)
+    return checker.eigenvalues_hold(points, [list(side) for side in box], *bounds, most)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ Exit status: 0 done or proved, 1 refuted, rejected or a flight cut short, 2 bad 
 
 from __future__ import annotations
 
+import io
 import sys
 from typing import NoReturn
 
@@ -29,6 +30,9 @@ from hoverproof.errors import InputError
 
 def main(arguments: list[str] | None = None) -> NoReturn:
     """Run a command and exit with its status."""
+    for stream in (sys.stdout, sys.stderr):  # a terminal may know few letters
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
         status = app(arguments, console=plain_console(), exit_on_error=False, print_error=False)
         sys.stdout.flush()

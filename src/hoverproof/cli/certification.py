@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
+from hoverproof.cli.completion import mission_names
 from hoverproof.cli.console import (
     EXIT,
     Box,
@@ -218,32 +219,62 @@ def region(
 
 @app.command
 def check(
-    certificate: Annotated[Path, Parameter(help="Certificate file.")], *, json_: Json = False
+    certificate: Annotated[Path, Parameter(help="Certificate file.")],
+    *,
+    mission: Annotated[
+        str | None,
+        Parameter(
+            help="Preset or mission file: is the certificate about it?", completer=mission_names
+        ),
+    ] = None,
+    set_: Set = None,
+    json_: Json = False,
 ) -> int:
     """Verify a certificate in exact arithmetic, with the standard library alone.
 
     The same as `python -I -S checker.py FILE`, which needs no installation. Takes certificates and
-    refutations of `certify` and `region`, and certificates of `attraction`. Status 0 if it is
-    accepted, with the theorem in words; 1 if it is rejected, with the reason; 2 if it cannot be
-    read.
+    refutations of `certify`, `region` and `attraction`. Status 0 if it is accepted, with the
+    theorem in words; 1 if it is rejected, with the reason; 2 if it cannot be read.
+
+    The theorem names the target points and the SHA-256 of the mission's numbers. With --mission,
+    status 1 also if the certificate is about another mission, with what differs.
 
     Example: `hoverproof check x4-flyer.cert.json`
+
+    Example: `hoverproof check x4-flyer.cert.json --mission x4-flyer`
 
     Example: `hoverproof check x4-flyer.cert.json --json`
     """
     from hoverproof import checker
+    from hoverproof.certification.certificate import differences
 
-    if not json_:
-        return checker.main([str(certificate)])
+    if set_ and mission is None:
+        raise InputError("--set", "", "needs --mission")
+    wanted = None if mission is None else load_mission(mission, set_)
     try:
-        theorem = checker.check_file(certificate)
+        content = checker.read(certificate)
     except checker.Unreadable as error:
         raise InputError(str(certificate), "", str(error)) from None
-    except checker.Rejected as error:
-        print_json({"certificate": str(certificate), "accepted": False, "reason": str(error)})
-        return 1
-    print_json({"certificate": str(certificate), "accepted": True, "statement": theorem})
-    return 0
+    answer: dict[str, Any] = {"certificate": str(certificate)}
+    if not json_:
+        status = checker.tell(str(certificate), content)
+    else:
+        try:
+            answer |= {"accepted": True, "statement": checker.check(content)}
+        except checker.Rejected as error:
+            answer |= {"accepted": False, "reason": str(error)}
+        status = 0 if answer["accepted"] else 1
+    if wanted is not None:
+        differing = differences(content, wanted) if status == 0 else []
+        if not json_ and status == 0:
+            some = [*differing[:3], *(["..."] if len(differing) > 3 else [])]
+            other = f"is about another mission than {mission}: {'; '.join(some)}"
+            print(f"{certificate}: {other if differing else f'is about the mission {mission}'}")
+        status = 1 if differing else status
+        answer |= {"mission": mission, "about_mission": status == 0, "differences": differing}
+    if json_:
+        print_json(answer)
+    return status
 
 
 def parse_weights(mission: Mission, text: str | None, region: Any) -> tuple[Fraction, ...]:
@@ -259,9 +290,12 @@ def parse_weights(mission: Mission, text: str | None, region: Any) -> tuple[Frac
         weights = tuple(Fraction(part.strip()) for part in text[:400].split(","))
     except (ValueError, ZeroDivisionError):
         weights = ()
-    if len(weights) != 4 or not all(0 < w <= 10**9 for w in weights):
+    if len(weights) != 4 or not all(0 < w <= 10**9 and w.denominator <= 10**18 for w in weights):
         raise InputError(
-            "--weights", "", f"must be `search` or four positive numbers w1,w2,w3,w4, not {text!r}"
+            "--weights",
+            "",
+            "must be `search` or four positive numbers w1,w2,w3,w4 of at most 18 decimals, "
+            f"not {text!r}",
         )
     return weights
 

@@ -171,7 +171,8 @@ def progress(title: str) -> Iterator[Callable[[int, int], None]]:
 
 def print_json(value: dict[str, Any]) -> None:
     """Print one JSON object."""
-    print(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
+    plain = "utf" not in (sys.stdout.encoding or "utf").lower()
+    print(json.dumps(value, indent=2, ensure_ascii=plain, allow_nan=False))
 
 
 def number(value: Any) -> str:

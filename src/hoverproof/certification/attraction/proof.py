@@ -396,10 +396,12 @@ def _start_terms(
     p = bounds_of(mission, draft)
     rows = []
     for start in starts:
+        shares = checker.shares_of(p, start.for_checker())
         for corner in np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3):
             place = [[side[k]] * 2 for side, k in zip(start.position, corner, strict=True)]
-            terms = checker.start_terms(p, start.for_checker(), p.grid.cover(place))
-            assert terms is not None  # the starts are clear of the target points
+            terms = checker.start_terms(p, shares, p.grid.cover(place))
+            if terms is None:
+                raise InputError("--start", "", "is at a target point, or a hair's breadth from it")
             rows.append([float(x) * 1.001 for x in terms])
     return np.unique(np.array(rows), axis=0)
 

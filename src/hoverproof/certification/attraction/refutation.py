@@ -109,8 +109,6 @@ def simulate(mission: Mission, start: Array, most: float) -> tuple[Ending, float
     read, weight = flight_rate(len(points)), float(mission.vehicle.weight)
     gains = mission.gains
     singular = float(gains.k1**2 * gains.k2 / mission.vehicle.mass) * design[-1]
-    if start[2] >= lowest:
-        return "sinks to the target", 0.0
     if start[18] <= singular:
         return "breaks off", 0.0
 
@@ -147,6 +145,8 @@ def refute(
 ) -> Refuted | Undecided:
     """Show that a wanted start sinks to the target; else tell what a simulation does.
 
+    To sink is to come from above the lowest target point to its height or below.
+
     Parameters
     ----------
     mission : Mission
@@ -164,7 +164,11 @@ def refute(
         states = [] if own is None else [own]
     else:
         states = [state for start in starts for state in worst_states(mission, start)]
-    sinking = []
+    lowest = max(z for _, _, z in mission.target.points)
+    above = [state for state in states if state.position[2][1] < lowest]
+    if states and not above:
+        return undecided.because("the start is not above the lowest target point, to sink to it")
+    states, sinking = above, []
     for state in states:
         ending, time = simulate(mission, state.packed(), SOON)
         if ending == "sinks to the target":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
@@ -22,6 +23,10 @@ from hoverproof.plant.rigid_body import rotation_rows
 
 Interval = tuple[Fraction, Fraction]
 BITS = 256
+GRID = 1 << 204
+"""Enclosures end at multiples of 1/GRID."""
+TURNING_GRID = 1 << 188
+"""Coarser for the derivative of the axis, so that the checker sees that one is across the axis."""
 ZERO = Fraction(0)
 
 
@@ -162,11 +167,12 @@ class State:
         angles = [enclosed(x) for x in start.rotation]
         R = rotation_rows([iv.cos(x) for x in angles], [iv.sin(x) for x in angles])
 
-        def turned(v: Sequence[Fraction]) -> tuple[Interval, ...]:
+        def turned(v: Sequence[Fraction], grid: int = GRID) -> tuple[Interval, ...]:
             rows = (sum(r * enclosed(x) for r, x in zip(row, v, strict=True))._mpi_ for row in R)
-            return tuple((Fraction(*to_rational(a)), Fraction(*to_rational(b))) for a, b in rows)
+            ends = [[Fraction(*to_rational(x)) for x in row] for row in rows]
+            return tuple(_outward(low, high, grid) for low, high in ends)
 
-        velocity, axis, turn = map(turned, (start.velocity, e3, turning))
+        velocity, axis, turn = turned(start.velocity), turned(e3), turned(turning, TURNING_GRID)
         return cls(_exactly(start.position), velocity, axis, turn, (thrust, thrust))
 
     def packed(self) -> NDArray[np.float64]:
@@ -182,6 +188,13 @@ class State:
         turn = R.T @ w  # Ω × e3
         rates = [-turn[1], turn[0], 0.0]
         return np.concatenate([x, R.T @ v, R.T.ravel(), rates, middle((self.thrust,))])
+
+
+def _outward(low: Fraction, high: Fraction, grid: int) -> Interval:
+    """Round the ends to a grid, and one step further out; keep a zero."""
+    if low == high == 0:
+        return ZERO, ZERO
+    return Fraction(math.floor(low * grid) - 1, grid), Fraction(math.ceil(high * grid) + 1, grid)
 
 
 def _exactly(v: Sequence[Fraction]) -> tuple[Interval, ...]:

@@ -15,7 +15,7 @@ NOT_COVERED = (
     "sampling, delay and noise of measurements",
     "errors of the model: mass, inertia, wind, drag, limits of the rotors",
     "a camera that loses the target: every point is taken to be seen at all times",
-    "without a barrier the ground: a motion may pass between the target points",
+    "without a barrier the ground: on its way a motion may pass below the target points",
 )
 """What the theorem does not say, in words."""
 
@@ -106,14 +106,16 @@ class Undecided:
 
 @dataclass(frozen=True)
 class Refuted:
-    """A start that was asked for sinks to the target.
+    """A start that was asked for sinks: from above the lowest target point to its height.
+
+    What the motion does after that is not said.
 
     Attributes
     ----------
     state : State
         Where the motion starts.
     time : Fraction
-        By then it is as low as the lowest target point, or lower, s.
+        At that time, s, it is as low as the lowest target point, or lower.
     mission : Mission
     certificate : Certificate
     """
