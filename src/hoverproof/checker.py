@@ -1103,7 +1103,7 @@ def state_of(start: Start) -> str:
 #
 # With 1/D and 1/ri as unknowns of their own, (1/D)' = -T'/D², (1/ri)' = (P'i - ξ)ᵀξ'/ri³, the right
 # sides are polynomials. For a step s let ci hold the Taylor coefficients z⁽ⁱ⁾(0) sⁱ/i! of all
-# motions that start in a box Z, and d those of order p in Z + 2r, r = |c1| + ... + |c(p-1)| + 2^-50.
+# motions that start in a box Z, and d those of order p in Z + 2r, r = |c1| + … + |c(p-1)| + 2^-50.
 # Until a motion from Z leaves Z + 2r it is within r + |d| of its start. So if |d| <= 2^-50, it does
 # not leave within the step, hence exists, and ends in c0 + ... + c(p-1) + d.
 
