@@ -217,7 +217,7 @@ class Grid(NamedTuple):
     def of(cls, points: Matrix) -> "Grid":
         """Lay the grid of a target."""
         unit = 2**20 * math.lcm(*(c.denominator for point in points for c in point))
-        require(unit < 10**50, "the coordinates of the target are too long")
+        require(unit < 10**40, "the coordinates of the target are too long")
         return cls(unit, [[int(c * unit) for c in point] for point in points])
 
     def cover(self, box: Matrix) -> Cell:
@@ -861,27 +861,41 @@ def positions_hold(p: Attraction, high: Fraction, work: Work) -> bool:
     while cells and work.may(3 * len(p.s.points)):
         cell = cells.pop()
         center, _, radius, rays, distances = around(p.grid.points, cell)
-        if not largest_below(rays, distances, radius, top) and not above_level(
-            p, center, cell, rays, distances
-        ):
-            cells += halves(cell)
+        if not largest_below(rays, distances, radius, top):
+            part = below_level(p, center, cell, rays, distances)
+            cells += [] if part is None else halves(part)
     return not cells
 
 
-def above_level(
+def below_level(
     p: Attraction, center: list[int], cell: Cell, rays: list[list[int]], near: list[int]
-) -> bool:
-    """Tell whether W > ℓ on a cell: convex, W is above its tangent plane at the centre."""
+) -> Cell | None:
+    """Return the part of a cell where W <= ℓ may be; None if it is nowhere.
+
+    W is convex, so it is above its tangent plane at the centre.
+    """
     if min(near) == 0:
-        return False
+        return cell
     value = ONE * sum(near) + min(end * center[2] for end in p.pull) - p.range[1]
+    slopes, falls = [], []
     for i, (_, b) in enumerate(cell):
         low, high = p.pull if i == 2 else (0, 0)
         for ray, d in zip(rays, near, strict=True):  # -ray/distance, the distance in [d, d + 1]
             parts = (-ONE * ray[i] // d, -ONE * ray[i] // (d + 1))
             low, high = low + min(parts), high + max(parts) + 1
-        value -= max(abs(low), abs(high)) * (b - center[i])
-    return value > 0
+        slopes.append((low, high))
+        falls.append(max(abs(low), abs(high)) * (b - center[i]))
+    if value > sum(falls):
+        return None
+    part = []
+    for (a, b), x, (low, high), fall in zip(cell, center, slopes, falls, strict=True):
+        room = sum(falls) - fall - value  # what the slope along this axis may take
+        if low > 0 and room >= 0:
+            b = min(b, x + room // low + 1)
+        elif high < 0 and room >= 0:
+            a = max(a, x - room // -high - 1)
+        part.append((a, b))
+    return part
 
 
 class Start(NamedTuple):

@@ -57,11 +57,11 @@ def attraction(
     set_: Set = None,
     json_: Json = False,
 ) -> int:
-    """Prove from where the vehicle converges to its goal: a region of attraction.
+    """Prove from where the vehicle converges to its goal: where it may be switched on.
 
     Writes NAME.attraction.cert.json, which `check` verifies without trusting this program. A start
-    from which the vehicle is shown to sink to the target is refuted (status 1) in
-    NAME.attraction.refutation.json.
+    above the target from which the vehicle is shown to sink to the height of its lowest point is
+    refuted (status 1) in NAME.attraction.refutation.json.
 
     Example: `hoverproof attraction x4-flyer --start 20,0,-20`
 
@@ -122,7 +122,8 @@ def attraction(
 def _print_region(verdict: Proved) -> None:
     reach, height = verdict.reach, verdict.barrier_height
     at = "" if height is None else f" at least {number(height)} m above the target"
-    print("  the controller may be switched on, with any heading and yaw rate, in every")
+    print("  the motion converges to the goal: the controller may be switched on, with any")
+    print("  heading and yaw rate, in every")
     if height is None:
         print(f"  state with Λ <= {number(verdict.level)} and T > 0; from hover, about the goal:")
     else:
