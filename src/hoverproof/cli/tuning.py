@@ -189,6 +189,7 @@ def as_json(found: Tuned | Infeasible) -> dict[str, Any]:
         "weights": [float(w) for w in found.verdict.problem.weights],
         "limits": limits_as_json(found.uses),
         "binds": [u.name for u in found.uses if u.binds],
+        "hover_error": hover_error_as_json(found.mission),
         "units": {
             **GAIN_UNITS,
             "decay_rate": "1/s",
@@ -223,6 +224,33 @@ def print_limits(uses: list[Use]) -> None:
         print(f"  {use.name}: {number(use.value)}, {what} {number(use.limit)} {use.unit}: {binds}")
 
 
+def print_hover_error(mission: Mission) -> None:
+    """Print what an error of thrust or mass does to the hover, which no integral action mends.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    from hoverproof.servo.hover_error import hover_error
+
+    for name, value in hover_error(mission).rows():
+        print(f"  {name:22}  {value}")
+
+
+def hover_error_as_json(mission: Mission) -> dict[str, float | None]:
+    """Return what an error of thrust or mass does to the hover: heights in m, loads as shares.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    from dataclasses import asdict
+
+    from hoverproof.servo.hover_error import hover_error
+
+    return asdict(hover_error(mission))
+
+
 def _print_tuned(found: Tuned | Infeasible, written: str | None) -> None:
     from hoverproof.certification.problem import ONES
     from hoverproof.certification.wishes import Infeasible
@@ -249,6 +277,7 @@ def _print_tuned(found: Tuned | Infeasible, written: str | None) -> None:
         print(f"  weights of L            {', '.join(map(number, verdict.problem.weights))}")
     slow = found.slowest_rate
     print(f"  slowest motion at goal  {number(slow)} 1/s (linearised, floating point)")
+    print_hover_error(found.mission)
     print_limits(found.uses)
     if not any(use.binds for use in found.uses):
         print("  what binds: the bounds of Q and of the thrust")

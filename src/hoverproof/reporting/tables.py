@@ -14,6 +14,7 @@ from hoverproof.certification.gains import Proved, Verdict
 from hoverproof.certification.over_box import RegionVerdict
 from hoverproof.mission import Mission
 from hoverproof.reporting.parts import Firmware, Flown, Missing
+from hoverproof.servo.hover_error import hover_error
 
 DIGITS = 4
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -170,6 +171,17 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
         ]
         tables.append(Table("Added to the model in flight (nothing is proved of it)", rows))
     return tables
+
+
+def hover_error_table(mission: Mission) -> Table:
+    """Return what an error of thrust or mass does to the hover.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    title = "What an error of thrust or mass does to the hover (no integral action mends it)"
+    return Table(title, hover_error(mission).rows())
 
 
 def _moving(mission: Mission) -> list[tuple[str, str]]:
