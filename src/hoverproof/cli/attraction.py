@@ -95,7 +95,7 @@ def attraction(
             picture = _draw(verdict, path)
     if json_:
         answer = as_json(verdict, None if path is None else str(path))
-        print_json({**answer, "figure": picture})
+        print_json({**answer, "figure": picture}, loaded)
         return EXIT[verdict.status]
     print(f"{loaded.name}: {verdict.status}")
     if isinstance(verdict, Undecided):

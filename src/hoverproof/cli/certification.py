@@ -91,7 +91,7 @@ def certify(
     if json_:
         paper = [{"condition": d.text(), "met": d.met} for d in demands]
         answer = as_json(verdict, None if path is None else str(path))
-        print_json({**answer, "paper_conditions": paper})
+        print_json({**answer, "paper_conditions": paper}, loaded)
         return EXIT[verdict.status]
 
     problem = verdict.problem
@@ -188,7 +188,8 @@ def region(
                 "certificate": str(path) if verdict.certificate else None,
                 "figure": str(picture) if figure else None,
                 "units": {"box": "m", "bounds": "1/m", "enclosure": "1/m", "attained": "1/m"},
-            }
+            },
+            loaded,
         )
         return EXIT[verdict.status]
     print(f"{loaded.name}: {verdict.status}")

@@ -59,7 +59,7 @@ def fly_many(
     }
     status = 130 if flown.interrupted else int(result["outcomes"]["flown"] < runs)
     if json_:
-        print_json(result)
+        print_json(result, mission)
         return status
 
     complete = result["runs_complete"]

@@ -54,7 +54,7 @@ def print_tuned(found: RegionTuned, written: str | None, json_: bool) -> int:
 
     certificate = None if written is None else str(certificate_path(written))
     if json_:
-        print_json(as_json(found) | {"out": written, "certificate": certificate})
+        print_json(as_json(found) | {"out": written, "certificate": certificate}, found.mission)
         return 0
     print(f"{found.mission.name}: tuned for the region of attraction, and proved")
     for key, value in found.mission.gains:
@@ -166,7 +166,7 @@ def print_curve(
             for rate, t in points
         ]
         figure = str(path) if tuned else None
-        print_json({"mission": mission.name, "points": rows, "figure": figure})
+        print_json({"mission": mission.name, "points": rows, "figure": figure}, mission)
         return status
     print(f"{mission.name}: certified hovers against the slowest motion at the goal")
     heads = ("1/s", "sideways m", "up m", "down m", "k1", "k2", "k3", "k4")

@@ -13,7 +13,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from hoverproof.cli.certification import parse_weights
-from hoverproof.cli.console import Json, MissionName, Set, app, load_mission, number, print_json
+from hoverproof.cli.console import (
+    Json,
+    MissionName,
+    Set,
+    app,
+    load_mission,
+    number,
+    print_json,
+    warn,
+)
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
@@ -125,6 +134,7 @@ def tune(
         loaded = loaded.model_copy(update={"name": stem(out)})
     with progress("tune"):
         found = design(loaded, **options)
+    warn(found.mission, known=loaded)
     written = None
     if out is not None and not isinstance(found, Infeasible):
         if isinstance(found, Tuned):
@@ -138,7 +148,7 @@ def tune(
     if isinstance(found, RegionTuned):
         return region_gains.print_tuned(found, written, json_)
     if json_:
-        print_json(as_json(found) | {"out": written})
+        print_json(as_json(found) | {"out": written}, found.mission)
     else:
         _print_tuned(found, written)
     return 0 if found.status == "tuned" else 1
@@ -300,7 +310,7 @@ def _print_curve(
     status = 0 if len(tuned) == len(points) else 1
     if json_:
         rows = [{"bandwidth_limit": b, **as_json(t)} for b, t in points]
-        print_json({"mission": mission.name, "points": rows, "figure": str(path)})
+        print_json({"mission": mission.name, "points": rows, "figure": str(path)}, mission)
         return status
     print(f"{mission.name}: certified decay rate of L against attitude bandwidth")
     print(f"  {'rad/s':>8}  {'1/s':>11}  {'k1':>9}  {'k2':>9}  {'k3':>9}  {'k4':>9}")

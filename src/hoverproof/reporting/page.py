@@ -174,6 +174,7 @@ def _tables(parts: Parts) -> dict[str, Any]:
         "tables": [
             *tables.mission_tables(parts.mission, goal.centroid_midpoint),
             tables.hover_error_table(parts.mission),
+            *tables.strange_tables(parts.mission),
         ],
         "margins": tables.margins_table(parts.verdict),
         "demands": parts.demands,

@@ -13,6 +13,7 @@ from hoverproof.certification.attraction.verdict import Proved as Attraction
 from hoverproof.certification.gains import Proved, Verdict
 from hoverproof.certification.over_box import RegionVerdict
 from hoverproof.mission import Mission
+from hoverproof.plausibility import warnings
 from hoverproof.reporting.parts import Firmware, Flown, Missing
 from hoverproof.servo.hover_error import hover_error
 
@@ -182,6 +183,17 @@ def hover_error_table(mission: Mission) -> Table:
     """
     title = "What an error of thrust or mass does to the hover (no integral action mends it)"
     return Table(title, hover_error(mission).rows())
+
+
+def strange_tables(mission: Mission) -> list[Table]:
+    """Return what is strange about a mission, if anything is.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    rows = [(finding.key, finding.reason) for finding in warnings(mission)]
+    return [Table("Not as in any vehicle: check the units", rows)] if rows else []
 
 
 def _moving(mission: Mission) -> list[tuple[str, str]]:

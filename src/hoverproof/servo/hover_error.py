@@ -37,13 +37,13 @@ class HoverError:
     Attributes
     ----------
     height : float
-        Of the goal.
+        Of the goal, m.
     less_thrust, more_thrust : float or None
-        Heights with 1 % less and with 1 % more thrust than is commanded.
+        Heights with 1 % less and with 1 % more thrust than is commanded, m.
     heavier, lighter : float or None
-        Heights with 1 % more and with 1 % less mass than is modelled.
+        Heights with 1 % more and with 1 % less mass than is modelled, m.
     target_load, leaving_load : float
-        Weight over thrust, as a share of the modelled one, from which on (above 1) the vehicle
+        Weight over thrust, a share of the modelled one (a bare number), from which on (above 1) the vehicle
         reaches the target at the latest, and below which (below 1) it leaves; not above 0 if it
         never does.
     """
