@@ -30,6 +30,12 @@ from hoverproof.errors import InputError
 if TYPE_CHECKING:
     from hoverproof.mission import Mission
 
+CLAIM = {
+    "proved": "Σ(Q, T) ≻ 0 for",
+    "refuted": "not Σ(Q, T) ≻ 0 for",
+    "undecided": "not known: whether Σ(Q, T) ≻ 0 for",
+}
+
 
 @app.command
 def certify(
@@ -96,9 +102,9 @@ def certify(
 
     problem = verdict.problem
     print(f"{loaded.name}: {verdict.status}")
-    print("  Σ(Q, T) ≻ 0 for every symmetric Q with eigenvalues in")
+    print(f"  {CLAIM[verdict.status]} every symmetric Q with eigenvalues in")
     print(
-        f"  {interval(problem.eigenvalues)} 1/m and every thrust T in {interval(problem.thrust)} N?"
+        f"  {interval(problem.eigenvalues)} 1/m and every thrust T in {interval(problem.thrust)} N"
     )
     if problem.box is not None:
         print("  (bounds of the eigenvalues proved over the box")

@@ -310,7 +310,10 @@ def _print_curve(
     status = 0 if len(tuned) == len(points) else 1
     if json_:
         rows = [{"bandwidth_limit": b, **as_json(t)} for b, t in points]
-        print_json({"mission": mission.name, "points": rows, "figure": str(path)}, mission)
+        print_json(
+            {"mission": mission.name, "points": rows, "figure": str(path) if tuned else None},
+            mission,
+        )
         return status
     print(f"{mission.name}: certified decay rate of L against attitude bandwidth")
     print(f"  {'rad/s':>8}  {'1/s':>11}  {'k1':>9}  {'k2':>9}  {'k3':>9}  {'k4':>9}")

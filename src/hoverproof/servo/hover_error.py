@@ -43,9 +43,9 @@ class HoverError:
     heavier, lighter : float or None
         Heights with 1 % more and with 1 % less mass than is modelled, m.
     target_load, leaving_load : float
-        Weight over thrust, a share of the modelled one (a bare number), from which on (above 1) the vehicle
-        reaches the target at the latest, and below which (below 1) it leaves; not above 0 if it
-        never does.
+        Weight over thrust as a share of the modelled one, bare numbers: from the first on (above
+        1) the vehicle reaches the target at the latest, below the second (below 1) it leaves; not
+        above 0 if it never does.
     """
 
     height: float

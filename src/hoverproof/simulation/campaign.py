@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from hoverproof.errors import InputError
+from hoverproof.files import locked
 from hoverproof.mission import Mission
 from hoverproof.simulation import kernel
 from hoverproof.simulation.batch import OUTCOMES, fly_block
@@ -104,7 +105,8 @@ def simulate_batch(
     Raises
     ------
     InputError
-        If anything asked for is not possible, or the file cannot be written.
+        If anything asked for is not possible, or the file cannot be written, or is being written by
+        another process.
     """
     steps, every = steps_and_interval(mission, duration, step, every, SAMPLES)
     check_seed(seed)
@@ -120,7 +122,7 @@ def simulate_batch(
     begin, path = time.perf_counter(), Path(path)
     opening = reopen if resume else create
     stop, interrupted = kernel.Stop(), False
-    with opening(path, plan, runs, precision) as file:
+    with locked(path), opening(path, plan, runs, precision) as file:
         earlier = file.runs_complete
         parts = [(a, min(plan.block, runs - a)) for a in range(earlier, runs, plan.block)]
         fly = partial(fly_block, plan) if scheduler else partial(fly_block, plan, stop=stop)
