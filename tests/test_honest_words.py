@@ -11,7 +11,7 @@ import pytest
 from hoverproof import cli
 from hoverproof.errors import InputError
 from hoverproof.files import locked
-from hoverproof.mission import load
+from hoverproof.mission import load, preset_text
 from hoverproof.paper.conditions import printed_demands
 from hoverproof.reporting.document import report
 
@@ -95,6 +95,38 @@ def test_certify_states_its_verdict_and_asks_nothing(k4, claim, capsys):
     _, out, _ = run(capsys, "certify", "x4-flyer", "--set", f"gains.k4={k4}")
     assert "?" not in out
     assert claim in out
+
+
+def test_no_option_replaces_the_plain_certificate(capsys):
+    run(capsys, "certify", "x4-flyer")
+    plain = Path("x4-flyer.cert.json").read_bytes()
+    names = set()
+    for options in (
+        ("--box=4.9,5,2.4,2.5,-4.1,-4",),
+        ("--weights", "2,2,2,2"),
+        ("--set", "gains.k4=4"),
+        ("--set", "gains.k4=5"),
+    ):
+        status, out, _ = run(capsys, "certify", "x4-flyer", *options, "--json")
+        assert status == 0
+        names.add(json.loads(out)["certificate"])
+    assert len(names) == 4
+    assert {"x4-flyer.over-box.cert.json", "x4-flyer.weighted.cert.json"} < names
+    assert Path("x4-flyer.cert.json").read_bytes() == plain
+
+
+def test_settings_that_change_nothing_that_is_proved_keep_the_name(capsys):
+    for setting in ("gains.k4=3", "sensors.latency=0.1", "name=other"):
+        _, out, _ = run(capsys, "certify", "x4-flyer", "--set", setting, "--json")
+        assert json.loads(out)["certificate"] in ("x4-flyer.cert.json", "other.cert.json")
+
+
+def test_a_mission_changed_in_its_file_replaces_its_own_certificate(capsys):
+    text = preset_text("x4-flyer")
+    for k4 in ("3 ", "4 "):
+        Path("my.toml").write_text(text.replace("k4 = 3 ", f"k4 = {k4}"))
+        assert run(capsys, "certify", "my.toml")[0] == 0
+    assert [p.name for p in Path.cwd().glob("*.json")] == ["x4-flyer.cert.json"]
 
 
 def test_a_condition_that_nothing_meets_is_said_so_and_not_by_infinity(capsys):

@@ -18,6 +18,7 @@ from hoverproof.cli.console import (
     Set,
     app,
     box_sides,
+    certificate_stem,
     interval,
     load_mission,
     number,
@@ -60,8 +61,9 @@ def certify(
     """Prove or refute that the gains work for every Q and thrust in the mission's bounds.
 
     Writes a certificate (NAME.cert.json), or a counterexample (NAME.refutation.json), that `check`
-    verifies without trusting this program; NAME is the name in the mission. If it is undecided,
-    status 3, nothing is written.
+    verifies without trusting this program; NAME is the name in the mission, with eight digits of
+    its hash if --set makes another mission of it. With --over-box it is NAME.over-box.cert.json,
+    with --weights NAME.weighted.cert.json. If it is undecided, status 3, nothing is written.
 
     What it assumes: the eigenvalues of Q and the thrust stay in the mission's bounds, and the
     vehicle does not turn about its vertical axis. See `region` for the first, `attraction` for a
@@ -80,6 +82,7 @@ def certify(
     from hoverproof.paper.conditions import printed_demands
 
     loaded = load_mission(mission, set_)
+    stem = certificate_stem(loaded, mission, set_)
     over_box = over_box or box is not None
     region = enclose(loaded, box_sides(loaded, box), boxes) if over_box else None
     verdict: Verdict
@@ -91,7 +94,9 @@ def certify(
     path = None
     if not isinstance(verdict, Undecided):
         ending = "cert" if isinstance(verdict, Proved) else "refutation"
-        path = out or Path(f"{loaded.name}.{ending}.json")
+        kind = [stem, "over-box"] if over_box else [stem]
+        kind += [] if weights is None else ["weighted"]
+        path = out or Path(".".join([*kind, ending, "json"]))
         verdict.certificate.save(path)
     demands = printed_demands(loaded)
     if json_:
@@ -155,7 +160,7 @@ def region(
 
     Encloses the eigenvalues over the box, and draws where the bounds hold in a cross-section.
     Writes a certificate (NAME.region.cert.json), or a position where a bound breaks
-    (NAME.region.refutation.json), and the figure NAME.region.png.
+    (NAME.region.refutation.json), and the figure NAME.region.png; NAME is as for `certify`.
 
     Example: `hoverproof region x4-flyer`
 
@@ -169,7 +174,7 @@ def region(
     verdict = certify_region(loaded, sides, boxes)
     found, spot, wanted = verdict.enclosure, verdict.outside, loaded.bounds.eigenvalues
     ending = "refutation" if spot else "cert"
-    path = out or Path(f"{loaded.name}.region.{ending}.json")
+    path = out or Path(f"{certificate_stem(loaded, mission, set_)}.region.{ending}.json")
     picture = path.with_name(f"{path.name.removesuffix('.json').removesuffix(f'.{ending}')}.png")
     if verdict.certificate is not None:
         verdict.certificate.save(path)

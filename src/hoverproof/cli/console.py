@@ -163,6 +163,24 @@ def warn(mission: Mission, known: Mission | None = None) -> None:
             print(f"hoverproof: warning: {mission.source}: {finding}", file=sys.stderr)
 
 
+def certificate_stem(mission: Mission, source: str, settings: list[str] | None) -> str:
+    """Return how the names of certificates begin: with the mission's name.
+
+    Where --set makes another mission of it, eight digits of its hash follow, so that it does not
+    replace a certificate of the mission itself.
+    """
+    from hoverproof.checker import digest
+    from hoverproof.mission import load
+
+    if not settings:
+        return mission.name
+    with contextlib.suppress(InputError):  # it may be of use with --set alone
+        plain = load(source)
+        if plain.name != mission.name or plain.exact() == mission.exact():
+            return mission.name
+    return f"{mission.name}.{digest(mission.exact())[:8]}"
+
+
 def box_sides(mission: Mission, text: str | None) -> Any:
     """Read --box; by default the box around start and goal."""
     from hoverproof.certification.region import default_box, parse_box
