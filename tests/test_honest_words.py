@@ -138,6 +138,15 @@ def test_a_condition_that_nothing_meets_is_said_so_and_not_by_infinity(capsys):
     assert not (k3.possible or k3.met)
 
 
+def test_a_wish_that_is_not_met_names_the_mission_and_not_a_file_that_is_not_there(capsys):
+    wish = ("--objective", "region", "--minimum-decay", 1000, "--out", "wide.toml")
+    status, out, _ = run(capsys, "tune", "x4-flyer", *wish)
+    assert status == 1
+    assert out.startswith("x4-flyer: infeasible")
+    assert "wide" not in out
+    assert not list(Path.cwd().iterdir())
+
+
 def test_a_curve_without_a_point_names_no_figure(capsys):
     wish = ("--pareto", 2, "--rotor-thrust", 1, "--out", "curve.png")
     status, out, _ = run(capsys, "tune", "x4-flyer", *wish, "--json")

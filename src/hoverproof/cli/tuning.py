@@ -7,6 +7,7 @@ import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -130,11 +131,14 @@ def tune(
         rates = [(b, t) for b, t in points if not isinstance(t, RegionTuned)]
         return _print_curve(loaded, rates, picture, json_)
 
+    asked = loaded
     if objective == "region" and out is not None:  # the certificate is about the mission in `out`
         loaded = loaded.model_copy(update={"name": stem(out)})
     with progress("tune"):
         found = design(loaded, **options)
-    warn(found.mission, known=loaded)
+    if isinstance(found, Infeasible):  # nothing is written, so nothing bears the name of `out`
+        found = replace(found, mission=asked)
+    warn(found.mission, known=asked)
     written = None
     if out is not None and not isinstance(found, Infeasible):
         if isinstance(found, Tuned):

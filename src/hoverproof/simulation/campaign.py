@@ -19,8 +19,9 @@ from hoverproof.errors import InputError
 from hoverproof.files import locked
 from hoverproof.mission import Mission
 from hoverproof.simulation import kernel
-from hoverproof.simulation.batch import OUTCOMES, fly_block
+from hoverproof.simulation.batch import fly_block
 from hoverproof.simulation.flight import STEP, steps_and_interval
+from hoverproof.simulation.flight_log import OUTCOMES
 from hoverproof.simulation.plan import Plan, check_seed
 from hoverproof.simulation.results import Precision, create, reopen
 from hoverproof.spread import spread
