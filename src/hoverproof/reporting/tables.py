@@ -181,7 +181,7 @@ def hover_error_table(mission: Mission) -> Table:
     ----------
     mission : Mission
     """
-    title = "What an error of thrust or mass does to the hover (no integral action mends it)"
+    title = "What an error of thrust or mass does to the height above the target at rest"
     return Table(title, hover_error(mission).rows())
 
 

@@ -57,11 +57,12 @@ class HoverError:
     leaving_load: float
 
     def rows(self) -> list[tuple[str, str]]:
-        """Return it in words: (name, value)."""
-        goal = f"above the target, not {self.height:.3g} m"
+        """Return it in words: (name, value), heights above the mean of the target."""
 
         def hover(height: float | None, end: str) -> str:
-            return f"none: it {end}" if height is None else f"{height:.3g} m {goal}"
+            return (
+                f"none: it {end}" if height is None else f"{height:.3g} m, not {self.height:.3g} m"
+            )
 
         def other(height: float | None) -> str:
             return "none" if height is None else f"{height:.3g} m"
@@ -82,7 +83,7 @@ class HoverError:
             ),
             (
                 sinks,
-                f"at the latest from {percent(1 / target - 1)} less thrust, or "
+                f"at latest from {percent(1 / target - 1)} less thrust, or "
                 f"{percent(target - 1)} heavier",
             ),
             (

@@ -40,7 +40,11 @@ vehicle is low (m); steps taken; the last step with a larger error; the first st
 low, tipped over, had a target point not before the camera, and no thrust above the singularity."""
 
 LOG_SIZE = sum(LOG.values())
-NEVER = 1e300
+HUGE = 1e300
+"""Makes of what is above 0 a number beyond all steps, and of what is below 0 one below them."""
+
+NEVER = 1e250
+"""What no step reaches."""
 
 OUTCOMES = (
     "flown",
@@ -70,7 +74,7 @@ def begin(goal: Array, points: Array, positions: Array) -> Array:
     allowed = SETTLED**2 * ((positions - goal) ** 2).sum(axis=1)
     low = top - LOW * (top - goal[2])
     held = [np.tile(goal, (count, 1)), allowed[:, None], np.full((count, 1), low)]
-    return np.hstack([*held, np.zeros((count, 2)), np.full((count, 4), NEVER)])
+    return np.hstack([*held, np.zeros((count, 2)), np.full((count, 4), HUGE)])
 
 
 def noted(
@@ -93,12 +97,12 @@ def noted(
     step, next_step = part["steps"], part["steps"] + 1
 
     def first(name: str, good: ca.SX) -> ca.SX:
-        return ca.fmin(part[name], step + NEVER * _is_above(good))
+        return ca.fmin(part[name], ca.fmax(step, good * HUGE))
 
     error = ca.sumsqr(after - part["goal"])
     changes = {
         "steps": next_step,
-        "outside": ca.fmax(part["outside"], next_step * _is_above(error - part["allowed"])),
+        "outside": ca.fmax(part["outside"], ca.fmin(next_step, (error - part["allowed"]) * HUGE)),
         "low_at": first("low_at", part["low"] - before.position[2]),
         "tipped_at": first("tipped_at", before.rotation[2, 2] - TIPPED),
         "unseen_at": first("unseen_at", depth),
@@ -109,11 +113,6 @@ def noted(
 
 def _ends() -> list[int]:
     return [0, *np.cumsum(list(LOG.values())).tolist()]
-
-
-def _is_above(value: ca.SX) -> ca.SX:
-    """Return 1 where a value is above 0, else 0, for not a number too."""
-    return ca.fmin(1, ca.fmax(0, value * NEVER))
 
 
 def read(log: Array, name: str) -> Any:
