@@ -22,7 +22,7 @@ from hoverproof.certification.attraction.verdict import Proved
 from hoverproof.mission import load
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.error_chain import Design
-from hoverproof.simulation.closed_loop import GUARDS, loop_rate
+from hoverproof.simulation.closed_loop import flight_states, loop_rate
 from hoverproof.simulation.compiled import runner
 from hoverproof.simulation.flight import slowest_rate
 
@@ -142,7 +142,7 @@ def fly(case, machine, energy, start, duration):
     Return whether it is, whether the camera lost the target, the largest rise of Λ, the largest
     Λ/ℓ, and how far below the barrier it came, m.
     """
-    state = np.concatenate([start, np.full(len(GUARDS), np.finfo(float).max)])
+    (state,) = flight_states(start[None], case.goal, case.points)
     every = max(1, int(duration / STEP / SAMPLES))
     for _ in range(12):
         states, good = machine.run(state, case.design, case.points, STEP, SAMPLES, every)

@@ -21,6 +21,7 @@ from closed_loop import DT, TILTED, N, hand_written, numpy_run, plain_rate, plai
 from hoverproof.mission import load
 from hoverproof.simulation import compiled, kernel
 from hoverproof.simulation.batch import fly_raw
+from hoverproof.simulation.closed_loop import flight_states
 from hoverproof.simulation.numbers import FlightNumbers
 from hoverproof.simulation.plan import Plan
 from hoverproof.spread import processors, spread
@@ -83,7 +84,7 @@ def batch(threads: int) -> Peer:
 
 def one_vehicle(run: Callable, numbers: FlightNumbers, steps: int) -> Peer:
     """Return a runner as a peer."""
-    start = np.r_[numbers.start, np.full(2, np.finfo(float).max)]
+    (start,) = flight_states(numbers.start[None], numbers.goal, numbers.points)
 
     def fly() -> np.ndarray:
         states, good = run(start, numbers.design, numbers.points, DT, 1, steps)
@@ -130,7 +131,7 @@ def jax_peer(numbers: FlightNumbers, vehicles: int, steps: int) -> Peer:
     def fly(flights: jax.Array) -> jax.Array:
         return jax.lax.fori_loop(0, steps, lambda _, x: jax.vmap(step)(x), flights)
 
-    start = np.r_[numbers.start, np.full(2, np.finfo(float).max)]
+    (start,) = flight_states(numbers.start[None], numbers.goal, numbers.points)
     starts = jnp.array(np.tile(start, (vehicles, 1)))
     fly(starts).block_until_ready()  # compiled
     return Peer(lambda: np.array(fly(starts))[0, :3], vehicles * steps, steps)

@@ -1,11 +1,12 @@
 /* The closed loop written by hand: what an engineer would write who wants it fast and readable.
  * It has the layout, the duties and the entry point of the generated loop and its driver (loop.c).
  * State: position, velocity, rotation column by column, rate, thrust; then the lowest guards.
- * The command line defines HP_DIVERGED, the size at which a flight has diverged. */
+ * The command line defines HP_DIVERGED, the size at which a flight has diverged, and HP_FLIGHT,
+ * that of a flight state. */
 
 #include <math.h>
 
-enum { TARGET = 4, STATE = 19, FLIGHT = 21 };
+enum { TARGET = 4, STATE = 19, FLIGHT = HP_FLIGHT }; /* the log at its end is not kept */
 
 typedef struct { double x, y, z; } Vec;
 typedef struct { Vec position, velocity, column[3], rate; double thrust; } State;

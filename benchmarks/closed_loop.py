@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from hoverproof.mission import load
 from hoverproof.simulation import compiled
+from hoverproof.simulation.closed_loop import FLIGHT_SIZE, flight_states
 from hoverproof.simulation.flight import FlightNumbers
 from tables import report
 
@@ -69,7 +70,8 @@ def hand_written(flags: Iterable[str], folder: Path) -> Run:
     """Compile closed_loop.c and load it the way the project loads its own."""
     library = Path(tempfile.mkstemp(suffix=".so", dir=folder)[1])
     compiler = shlex.split(compiled.find_compiler())
-    inputs = (f"-DHP_DIVERGED={compiled.DIVERGED}", str(HERE / "closed_loop.c"))
+    sizes = (f"-DHP_DIVERGED={compiled.DIVERGED}", f"-DHP_FLIGHT={FLIGHT_SIZE}")
+    inputs = (*sizes, str(HERE / "closed_loop.c"))
     subprocess.run([*compiler, *flags, *inputs, "-o", str(library), "-lm"], check=True)
     return compiled._machine_code(N, library).run
 
@@ -126,8 +128,8 @@ def plain_rate(xp: ModuleType, x: Array, design: Array, points: Array) -> Array:
 
 
 def plain_step(xp: ModuleType, flight: Array, design: Array, points: Array, dt: float) -> Array:
-    """Return a flight state, (21,), after one step, as one would write it with numpy."""
-    x, (depth, margin) = flight[:19], flight[19:]
+    """Return a flight state after one step, its log as it was, as one would write it with numpy."""
+    x, (depth, margin), log = flight[:19], flight[19:21], flight[21:]
     depths = x[6:15].reshape(3, 3)[2] @ (points - x[:3, None])
     depth = xp.minimum(depth, depths.min())
     margin = xp.minimum(margin, x[18] - design[5] ** 2 * design[6] / design[0] * design[12])
@@ -138,7 +140,7 @@ def plain_step(xp: ModuleType, flight: Array, design: Array, points: Array, dt: 
     x = x + dt / 6 * (a + 2 * b + 2 * c + d)
     rotation = x[6:15].reshape(3, 3).T
     rotation = (rotation @ (3 * xp.eye(3) - rotation.T @ rotation) / 2).T.ravel()
-    return xp.concatenate([x[:6], rotation, x[15:], xp.array([depth, margin])])
+    return xp.concatenate([x[:6], rotation, x[15:], xp.array([depth, margin]), log])
 
 
 def numpy_run(
@@ -150,7 +152,7 @@ def numpy_run(
         for _ in range(every):
             flight = plain_step(np, flight, design, points, dt)
         taken.append(flight)
-        if compiled.has_diverged(flight) or not (flight[19:] > 0).all():
+        if compiled.has_diverged(flight) or not (flight[19:21] > 0).all():
             return np.array(taken), False
     return np.array(taken), True
 
@@ -158,7 +160,7 @@ def numpy_run(
 def measure(peers: list[Peer], reference: Peer) -> None:
     """Time the peers in turn, several times over, and assert that they agree."""
     numbers = FlightNumbers.of(load("x4-flyer", TILTED))
-    start = np.concatenate([numbers.start, np.full(2, np.finfo(float).max)])
+    (start,) = flight_states(numbers.start[None], numbers.goal, numbers.points)
 
     def fly(run: Run, peer: Peer) -> Array:
         states, good = run(start, numbers.design, numbers.points, DT, peer.samples, peer.every)

@@ -7,9 +7,11 @@ Everything in it is computed here: the map of gains, the region, the flight, the
 
 from __future__ import annotations
 
+import json
 import re
 import sys
 import tempfile
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +33,7 @@ from hoverproof.show.style import COLOURS
 PRESET = "x4-flyer"
 DURATION = 1500.0  # s
 FILE = Path(__file__).with_name("front-page.png")
+SHIPPED = Path(__file__).parents[1] / "proofs" / f"{PRESET}.attraction.cert.json"
 WIDTH, HEIGHT, DPI = 12.4, 8.2, 150  # inches, and pixels per inch
 ROWS, HIGH = (0.57, 0.065), 0.345  # lower edges and height of the panels, in parts of the figure
 CODE = {"family": "monospace", "fontsize": 8.5, "va": "top", "linespacing": 1.13}
@@ -44,6 +47,7 @@ def front_page() -> Figure:
     mission = hp.load(PRESET)
     verdict, region = hp.certify(mission), hp.attraction(mission)
     assert isinstance(verdict, Proved) and isinstance(region, Region)
+    same_as_shipped(region)
     flight = hp.simulate(mission, duration=DURATION)
     rate = float(decimal_below(verdict.decay_rate, 3))
     figure = Figure(figsize=(WIDTH, HEIGHT), dpi=DPI)
@@ -74,6 +78,18 @@ def front_page() -> Figure:
     box = panel(1, 0.618, 0.988, "6  It is C that you can fly", below)
     draw_text(figure.add_axes(lower(box)), code(mission), longest=56)
     return figure
+
+
+def same_as_shipped(region: Region) -> None:
+    """Stop if the picture would tell another region than the certificate in proofs/."""
+    claim = json.loads(SHIPPED.read_text(encoding="utf-8"))["claim"]
+    if far(region.reach.sideways) != far(claim["reach"]["sideways"]):
+        raise SystemExit(f"{SHIPPED.name} is about another region; first run: make proofs")
+
+
+def far(sideways: str | Fraction) -> str:
+    """Return how far hovers are certified sideways, as the picture and its metadata say it."""
+    return f"{int(Fraction(sideways))} m"
 
 
 def indented(box: Box) -> Box:
@@ -134,8 +150,8 @@ def draw_region(axes: Axes, region: Region, flight: xr.Dataset) -> None:
     axes.plot(0, p.height(float(p.goal[2])), "*", color=COLOURS[2], markersize=13)
     axes.set_xlim(-view.side, view.side)
     axes.set_ylim(view.bottom, view.top)
-    far = int(region.reach.sideways)
-    axes.text(0, 0.9 * view.top, f"proved, to {far} m on all sides", ha="center", va="top")
+    words = f"proved, to {far(region.reach.sideways)} on all sides"
+    axes.text(0, 0.9 * view.top, words, ha="center", va="top")
     axes.set_xlabel("horizontal distance from the goal (m)")
     axes.set_ylabel("height (m)")
     axes.grid(alpha=0.3)
@@ -155,4 +171,6 @@ def draw_tracks(axes: Axes, flight: xr.Dataset) -> None:
 
 
 if __name__ == "__main__":
-    front_page().savefig(sys.argv[1] if len(sys.argv) > 1 else FILE)
+    claim = json.loads(SHIPPED.read_text(encoding="utf-8"))["claim"]
+    told = {"Proved sideways": far(claim["reach"]["sideways"])}
+    front_page().savefig(sys.argv[1] if len(sys.argv) > 1 else FILE, metadata=told)

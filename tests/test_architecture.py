@@ -20,7 +20,7 @@ FLOORS = [
     {"plant"},
     {"servo"},
     {"certification", "simulation", "export", "paper"},
-    {"firmware_flight"},
+    {"firmware_flight", "plausibility"},
     {"show"},
     {"reporting"},
     {"cli"},

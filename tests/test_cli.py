@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 import tomllib
@@ -55,8 +56,8 @@ def test_a_refutation_has_status_1_and_a_witness_that_check_confirms(capsys):
     assert answer["verdict"] == "refuted"
     assert answer["margin"] < 0
     assert set(answer["counterexample"]) == {"Q", "f", "X", "value"}
-    assert answer["certificate"] == "x4-flyer.refutation.json"
-    status, out, _ = run(capsys, "check", "x4-flyer.refutation.json", "--json")
+    assert re.fullmatch(r"x4-flyer\.[0-9a-f]{8}\.refutation\.json", answer["certificate"])
+    status, out, _ = run(capsys, "check", answer["certificate"], "--json")
     assert status == 0
     assert json.loads(out)["accepted"] is True
     status, out, _ = run(capsys, "certify", "x4-flyer", "--set", "gains.k4=0.1")
@@ -118,7 +119,7 @@ def test_a_flight_cut_short_has_status_1(capsys):
     wild = ("--set", "gains.k1=200", "--set", "gains.k2=300", "--duration", 50, "--no-figures")
     status, out, _ = run(capsys, "simulate", "x4-flyer", *wild)
     assert status == 1
-    assert "diverged before" in out
+    assert "thrust fell to the singularity at 0 s" in out
 
 
 def test_new_writes_a_mission_that_certifies_and_says_what_comes_next(capsys):

@@ -23,6 +23,7 @@ from hoverproof.mission import preset_text, presets
 
 COMMANDS = sorted(name for name in app if not name.startswith("-"))
 PROGRAM = Path(sys.executable).parent / "hoverproof"
+SCATTERED = ("--set", "scatter.position=[1,1,1]")
 PLAIN = {"COLUMNS": "80", "TERM": "xterm-256color", "LC_ALL": "C.UTF-8"}
 
 
@@ -81,7 +82,7 @@ def test_every_command_answers_machines(command):
         ["simulate", "x4-flyer", "--duration", "20", "--no-figures"],
         ["new", "my.toml"],
         ["export", "x4-flyer", "--out", "firmware"],
-        ["simulate", "x4-flyer", "--runs", "4", "--duration", "20", "--no-figures"],
+        ["simulate", "x4-flyer", "--runs=4", "--duration=20", "--no-figures", *SCATTERED],
         pytest.param(["tune", "x4-flyer", "--out", "tuned.toml"], marks=pytest.mark.slow),
         pytest.param(["tune", "x4-flyer", "--at-least", "1"], marks=pytest.mark.slow),
         pytest.param(["atlas", "x4-flyer", "--cells", "20"], marks=pytest.mark.slow),

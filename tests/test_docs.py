@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
+from fractions import Fraction
 from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
@@ -108,6 +110,13 @@ def test_each_condition_of_a_flight_says_what_it_means():
     text = (SITE / "generated" / "mission-file.html").read_text(encoding="utf-8")
     assert "-----" not in text
     assert "From the frame to its arrival at the controller" in text
+
+
+def test_the_front_page_tells_the_region_of_the_shipped_certificate():
+    shipped = json.loads((ROOT / "proofs" / "x4-flyer.attraction.cert.json").read_text())
+    with Image.open(ROOT / "docs" / "front-page.png") as picture:
+        told = picture.text["Proved sideways"]
+    assert told == f"{int(Fraction(shipped['claim']['reach']['sideways']))} m"
 
 
 @pytest.mark.slow

@@ -11,6 +11,7 @@ from scipy import stats
 
 from hoverproof.mission import load
 from hoverproof.simulation import compiled, kernel, noise
+from hoverproof.simulation.closed_loop import flight_states
 from hoverproof.simulation.numbers import FlightNumbers
 from hoverproof.simulation.realistic import Features, realistic_loop
 
@@ -23,9 +24,10 @@ SCHEDULE = kernel.Schedule(samples=20, every=50)
 def flights():
     """Numbers of a mission, and 21 scattered starts, one of them too low to go on."""
     numbers = FlightNumbers.of(load("x4-flyer", TILTED))
-    starts = np.tile(np.r_[numbers.start, np.full(2, np.finfo(float).max)], (21, 1))
+    starts = np.tile(numbers.start, (21, 1))
     starts[:, :3] += np.random.default_rng(0).uniform(-1, 1, (21, 3))
     starts[5, 2] = -0.1
+    starts = flight_states(starts, numbers.goal, numbers.points)
     parameters = np.tile(np.r_[numbers.design, 0.01, 0.25, 0.01], (21, 1))
     return numbers, starts, parameters
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -42,6 +44,79 @@ def replacing(path: Path | str) -> Iterator[Path]:
         raise InputError(str(path), "", f"cannot be written: {error.strerror or error}") from error
     finally:
         beside.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def locked(path: Path | str) -> Iterator[None]:
+    """Keep other processes from writing a file over a long time as well.
+
+    The system holds the lock, on a file beside it, and gives it back when the process ends, however
+    it ends: what is left of a lock file then locks nothing.
+
+    Parameters
+    ----------
+    path : Path or str
+        The file that is going to be written.
+
+    Raises
+    ------
+    InputError
+        If another process has locked it, or the folder cannot be written to.
+    """
+    path = Path(path)
+    beside = path.with_name(f".{path.name[:100]}.lock")
+    try:
+        handle = _lock(beside)
+    except BlockingIOError:
+        raise InputError(
+            str(path),
+            "",
+            "is being written by another run; wait for it, or write elsewhere (--out)",
+        ) from None
+    except OSError as error:
+        raise InputError(str(path), "", f"cannot be written: {error.strerror}") from None
+    try:
+        yield
+    finally:
+        with contextlib.suppress(OSError):  # a system that removes no open file leaves it
+            beside.unlink()
+        os.close(handle)
+
+
+def _lock(beside: Path) -> int:
+    """Open and lock a file, and make sure that it is still the one of that name."""
+    while True:
+        handle = os.open(beside, os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            if sys.platform == "win32":
+                _lock_on_windows(handle)
+                return handle
+            _lock_here(handle)
+            if beside.exists() and os.path.samestat(os.fstat(handle), beside.stat()):
+                return handle
+        except BaseException:
+            os.close(handle)
+            raise
+        os.close(handle)  # another process has just ended and removed it
+
+
+def _lock_here(handle: int) -> None:
+    import fcntl
+
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        if error.errno not in (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS):  # it cannot lock
+            raise
+
+
+def _lock_on_windows(handle: int) -> None:
+    import msvcrt
+
+    try:
+        msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined]
+    except OSError:
+        raise BlockingIOError from None
 
 
 def write_text(path: Path | str, text: str) -> None:

@@ -16,6 +16,12 @@ from hoverproof.simulation import flight as simulation
 from hoverproof.simulation.numbers import FlightNumbers
 
 LONGEST_STEP = 0.1
+FAULTS = {
+    1: "an input out of its box",
+    2: "the target not seen",
+    4: "thrust near the singularity",
+}
+"""What ends a flight of firmware, by the bit of its status."""
 
 
 def fly_firmware(
@@ -88,7 +94,14 @@ def fly_firmware(
     record["rotor_thrust"].values[:] = flown["rotor"][kept]
     words = "0, or a sum of the bits in the firmware's header"
     record["firmware_status"] = ("time", flown["status"][kept], {"long_name": words})
-    fault = f"firmware fault {int(flown['status'][-1])}"
+    status = int(flown["status"][-1])
+    faults = " and ".join(words for bit, words in FAULTS.items() if status & bit)
+    height = float(mission.height_of_target) - states[-1, 2]
+    tilt = np.degrees(np.arccos(np.clip(states[-1, 14], -1, 1)))
+    fault = (
+        f"{faults or 'a fault'} (firmware status {status}), {height:.3g} m above the target, "
+        f"tilted by {tilt:.0f} degrees"
+    )
     record.attrs |= {
         "outcome": "flown"
         if whole

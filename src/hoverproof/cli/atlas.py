@@ -119,7 +119,7 @@ def atlas(
         "figure": str(picture),
     }
     if json_:
-        print_json(result)
+        print_json(result, loaded)
         return 0
     share = 100 * certified / margin.size
     print(f"{loaded.name}: a map of what is certified")

@@ -16,6 +16,7 @@ from hoverproof.cli.console import (
     MissionName,
     Set,
     app,
+    certificate_stem,
     interval,
     load_mission,
     number,
@@ -61,7 +62,7 @@ def attraction(
 
     Writes NAME.attraction.cert.json, which `check` verifies without trusting this program. A start
     above the target from which the vehicle is shown to sink to the height of its lowest point is
-    refuted (status 1) in NAME.attraction.refutation.json.
+    refuted (status 1) in NAME.attraction.refutation.json. NAME is as for `certify`.
 
     Example: `hoverproof attraction x4-flyer --start 20,0,-20`
 
@@ -89,13 +90,14 @@ def attraction(
     path = picture = None
     if not isinstance(verdict, Undecided):
         ending = "cert" if isinstance(verdict, Proved) else "refutation"
-        path = out or Path(f"{loaded.name}.attraction.{ending}.json")
+        stem = certificate_stem(loaded, mission, set_)
+        path = out or Path(f"{stem}.attraction.{ending}.json")
         verdict.certificate.save(path)
         if figure and isinstance(verdict, Proved):
             picture = _draw(verdict, path)
     if json_:
         answer = as_json(verdict, None if path is None else str(path))
-        print_json({**answer, "figure": picture})
+        print_json({**answer, "figure": picture}, loaded)
         return EXIT[verdict.status]
     print(f"{loaded.name}: {verdict.status}")
     if isinstance(verdict, Undecided):

@@ -19,6 +19,7 @@ from hoverproof.cli.console import (
     Set,
     app,
     box_sides,
+    certificate_stem,
     interval,
     load_mission,
     number,
@@ -30,6 +31,12 @@ from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
     from hoverproof.mission import Mission
+
+CLAIM = {
+    "proved": "Σ(Q, T) ≻ 0 for",
+    "refuted": "not Σ(Q, T) ≻ 0 for",
+    "undecided": "not known: whether Σ(Q, T) ≻ 0 for",
+}
 
 
 @app.command
@@ -55,8 +62,9 @@ def certify(
     """Prove or refute that the gains work for every Q and thrust in the mission's bounds.
 
     Writes a certificate (NAME.cert.json), or a counterexample (NAME.refutation.json), that `check`
-    verifies without trusting this program; NAME is the name in the mission. If it is undecided,
-    status 3, nothing is written.
+    verifies without trusting this program; NAME is the name in the mission, with eight digits of
+    its hash if --set makes another mission of it. With --over-box it is NAME.over-box.cert.json,
+    with --weights NAME.weighted.cert.json. If it is undecided, status 3, nothing is written.
 
     What it assumes: the eigenvalues of Q and the thrust stay in the mission's bounds, and the
     vehicle does not turn about its vertical axis. See `region` for the first, `attraction` for a
@@ -75,6 +83,7 @@ def certify(
     from hoverproof.paper.conditions import printed_demands
 
     loaded = load_mission(mission, set_)
+    stem = certificate_stem(loaded, mission, set_)
     over_box = over_box or box is not None
     region = enclose(loaded, box_sides(loaded, box), boxes) if over_box else None
     verdict: Verdict
@@ -86,20 +95,22 @@ def certify(
     path = None
     if not isinstance(verdict, Undecided):
         ending = "cert" if isinstance(verdict, Proved) else "refutation"
-        path = out or Path(f"{loaded.name}.{ending}.json")
+        kind = [stem, "over-box"] if over_box else [stem]
+        kind += [] if weights is None else ["weighted"]
+        path = out or Path(".".join([*kind, ending, "json"]))
         verdict.certificate.save(path)
     demands = printed_demands(loaded, verdict.problem.eigenvalues)
     if json_:
         paper = [{"condition": d.text(), "met": d.met} for d in demands]
         answer = as_json(verdict, None if path is None else str(path))
-        print_json({**answer, "paper_conditions": paper})
+        print_json({**answer, "paper_conditions": paper}, loaded)
         return EXIT[verdict.status]
 
     problem = verdict.problem
     print(f"{loaded.name}: {verdict.status}")
-    print("  Σ(Q, T) ≻ 0 for every symmetric Q with eigenvalues in")
+    print(f"  {CLAIM[verdict.status]} every symmetric Q with eigenvalues in")
     print(
-        f"  {interval(problem.eigenvalues)} 1/m and every thrust T in {interval(problem.thrust)} N?"
+        f"  {interval(problem.eigenvalues)} 1/m and every thrust T in {interval(problem.thrust)} N"
     )
     if problem.box is not None:
         print("  (bounds of the eigenvalues proved over the box")
@@ -152,7 +163,7 @@ def region(
 
     Encloses the eigenvalues over the box, and draws where the bounds hold in a cross-section.
     Writes a certificate (NAME.region.cert.json), or a position where a bound breaks
-    (NAME.region.refutation.json), and the figure NAME.region.png.
+    (NAME.region.refutation.json), and the figure NAME.region.png; NAME is as for `certify`.
 
     Example: `hoverproof region x4-flyer`
 
@@ -166,7 +177,7 @@ def region(
     verdict = certify_region(loaded, sides, boxes)
     found, spot, wanted = verdict.enclosure, verdict.outside, verdict.bounds
     ending = "refutation" if spot else "cert"
-    path = out or Path(f"{loaded.name}.region.{ending}.json")
+    path = out or Path(f"{certificate_stem(loaded, mission, set_)}.region.{ending}.json")
     picture = path.with_name(f"{path.name.removesuffix('.json').removesuffix(f'.{ending}')}.png")
     if verdict.certificate is not None:
         verdict.certificate.save(path)
@@ -191,7 +202,8 @@ def region(
                 "certificate": str(path) if verdict.certificate else None,
                 "figure": str(picture) if figure else None,
                 "units": {"box": "m", "bounds": "1/m", "enclosure": "1/m", "attained": "1/m"},
-            }
+            },
+            loaded,
         )
         return EXIT[verdict.status]
     print(f"{loaded.name}: {verdict.status}")

@@ -139,7 +139,7 @@ def plain_console() -> Console | None:
 
 
 def load_mission(mission: str, settings: list[str] | None) -> Mission:
-    """Load a mission with the values given by --set put in place."""
+    """Load a mission with the values given by --set put in place; warn of what is strange in it."""
     from hoverproof.mission import load
 
     overrides = {}
@@ -148,7 +148,37 @@ def load_mission(mission: str, settings: list[str] | None) -> Mission:
         if not equals:
             raise InputError(f"--set {setting}", "", "must have the form KEY=VALUE")
         overrides[key.strip()] = value.strip()
-    return load(mission, overrides)
+    loaded = load(mission, overrides)
+    warn(loaded)
+    return loaded
+
+
+def warn(mission: Mission, known: Mission | None = None) -> None:
+    """Say on stderr what no vehicle has, a line each, but for what a known mission has too."""
+    from hoverproof.plausibility import warnings
+
+    told = [] if known is None else [finding.name for finding in warnings(known)]
+    for finding in warnings(mission):
+        if finding.name not in told:
+            print(f"hoverproof: warning: {mission.source}: {finding}", file=sys.stderr)
+
+
+def certificate_stem(mission: Mission, source: str, settings: list[str] | None) -> str:
+    """Return how the names of certificates begin: with the mission's name.
+
+    Where --set makes another mission of it, eight digits of its hash follow, so that it does not
+    replace a certificate of the mission itself.
+    """
+    from hoverproof.checker import digest
+    from hoverproof.mission import load
+
+    if not settings:
+        return mission.name
+    with contextlib.suppress(InputError):  # it may be of use with --set alone
+        plain = load(source)
+        if plain.name != mission.name or plain.exact() == mission.exact():
+            return mission.name
+    return f"{mission.name}.{digest(mission.exact())[:8]}"
 
 
 def box_sides(mission: Mission, text: str | None) -> Any:
@@ -169,8 +199,12 @@ def progress(title: str) -> Iterator[Callable[[int, int], None]]:
         yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
-def print_json(value: dict[str, Any]) -> None:
-    """Print one JSON object."""
+def print_json(value: dict[str, Any], mission: Mission | None = None) -> None:
+    """Print one JSON object, with what is strange about the mission that it tells of."""
+    if mission is not None:
+        from hoverproof.plausibility import warnings
+
+        value = {**value, "warnings": [str(finding) for finding in warnings(mission)]}
     plain = "utf" not in (sys.stdout.encoding or "utf").lower()
     print(json.dumps(value, indent=2, ensure_ascii=plain, allow_nan=False))
 

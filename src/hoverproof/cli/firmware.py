@@ -80,12 +80,12 @@ def export(
         )
     except NotCertified as error:
         if json_:
-            print_json({"mission": loaded.name, "verdict": error.status, "out": None})
+            print_json({"mission": loaded.name, "verdict": error.status, "out": None}, loaded)
         else:
             print(f"hoverproof: {error}", file=sys.stderr)
         return EXIT[error.status]
     if json_:
-        print_json({"out": str(out), **manifest})
+        print_json({"out": str(out), **manifest}, loaded)
         return 0
     standing = "UNCERTIFIED: nothing is proved"
     if manifest["certified"]:

@@ -179,7 +179,7 @@ def _fly_once(
     }
     status = 0 if result["outcome"] == "flown" else 1
     if json_:
-        print_json(result)
+        print_json(result, mission)
         return status
 
     settled = result["settled_at"]

@@ -22,7 +22,9 @@ def fly_many(
     from rich.progress import TimeRemainingColumn as Remaining
 
     from hoverproof.simulation.campaign import batch_summary, simulate_batch
+    from hoverproof.simulation.plan import check_runs_differ
 
+    check_runs_differ(mission, runs)
     columns = (
         TextColumn("flying"),
         BarColumn(),
@@ -59,7 +61,7 @@ def fly_many(
     }
     status = 130 if flown.interrupted else int(result["outcomes"]["flown"] < runs)
     if json_:
-        print_json(result)
+        print_json(result, mission)
         return status
 
     complete = result["runs_complete"]

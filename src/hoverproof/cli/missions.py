@@ -10,7 +10,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from hoverproof.cli.completion import preset_names
-from hoverproof.cli.console import Json, app, number, print_json
+from hoverproof.cli.console import Json, app, number, print_json, warn
 from hoverproof.errors import InputError
 
 AUTO = 'eigenvalues = "auto"          # of Q: proved over a box around start and goal'
@@ -125,7 +125,8 @@ def new(
         text = re.sub(r"(?m)^eigenvalues = .*", AUTO, text, count=1)
     with replacing(path) as beside:
         beside.write_text(text + conditions_text(), encoding="utf-8")
-        load(beside)  # nothing is put in place that does not load
+        made = load(beside)  # nothing is put in place that does not load
+    warn(made.model_copy(update={"source": str(path)}))
     if json_:
         print_json({"out": str(path), "name": name, "from": source})
         return 0

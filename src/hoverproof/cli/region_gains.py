@@ -49,12 +49,12 @@ def print_tuned(found: RegionTuned, written: str | None, json_: bool) -> int:
         The mission file that was written.
     json_ : bool
     """
-    from hoverproof.cli.tuning import GAIN_UNITS, print_limits
+    from hoverproof.cli.tuning import GAIN_UNITS, print_hover_error, print_limits
     from hoverproof.editing import decimal
 
     certificate = None if written is None else str(certificate_path(written))
     if json_:
-        print_json(as_json(found) | {"out": written, "certificate": certificate})
+        print_json(as_json(found) | {"out": written, "certificate": certificate}, found.mission)
         return 0
     print(f"{found.mission.name}: tuned for the region of attraction, and proved")
     for key, value in found.mission.gains:
@@ -71,6 +71,7 @@ def print_tuned(found: RegionTuned, written: str | None, json_: bool) -> int:
     rate = found.decay_rate
     decay = "not proved" if rate is None else f"{number(rate)} 1/s, proved"
     print(f"  decay rate of L         {decay} with the bounds of this mission")
+    print_hover_error(found.mission)
     print_limits(found.uses)
     if written is None:
         print("Next: the same with --out FILE.toml writes a mission file and its certificate")
@@ -94,7 +95,7 @@ def as_json(found: RegionTuned) -> dict[str, Any]:
     found : RegionTuned
     """
     from hoverproof.certification.limits import bandwidth
-    from hoverproof.cli.tuning import GAIN_UNITS, limits_as_json
+    from hoverproof.cli.tuning import GAIN_UNITS, hover_error_as_json, limits_as_json
 
     def reach(region: Proved | None) -> dict[str, float] | None:
         return None if region is None else {w: float(getattr(region.reach, w)) for w in WAYS}
@@ -120,6 +121,7 @@ def as_json(found: RegionTuned) -> dict[str, Any]:
         "bandwidth": bandwidth(found.mission),
         "limits": limits_as_json(found.uses),
         "binds": [use.name for use in found.uses if use.binds],
+        "hover_error": hover_error_as_json(found.mission),
         "units": {
             **GAIN_UNITS,
             "reach": "m from the goal",
@@ -164,7 +166,7 @@ def print_curve(
             for rate, t in points
         ]
         figure = str(path) if tuned else None
-        print_json({"mission": mission.name, "points": rows, "figure": figure})
+        print_json({"mission": mission.name, "points": rows, "figure": figure}, mission)
         return status
     print(f"{mission.name}: certified hovers against the slowest motion at the goal")
     heads = ("1/s", "sideways m", "up m", "down m", "k1", "k2", "k3", "k4")

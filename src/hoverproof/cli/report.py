@@ -74,7 +74,8 @@ def report(
                 "bytes": written.size,
                 "sha256": written.sha256,
                 "out": str(path),
-            }
+            },
+            loaded,
         )
         return EXIT[status]
     print(f"{loaded.name}: {status}")

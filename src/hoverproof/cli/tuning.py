@@ -7,13 +7,23 @@ import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from hoverproof.cli.certification import parse_weights
-from hoverproof.cli.console import Json, MissionName, Set, app, load_mission, number, print_json
+from hoverproof.cli.console import (
+    Json,
+    MissionName,
+    Set,
+    app,
+    load_mission,
+    number,
+    print_json,
+    warn,
+)
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
@@ -121,10 +131,14 @@ def tune(
         rates = [(b, t) for b, t in points if not isinstance(t, RegionTuned)]
         return _print_curve(loaded, rates, picture, json_)
 
+    asked = loaded
     if objective == "region" and out is not None:  # the certificate is about the mission in `out`
         loaded = loaded.model_copy(update={"name": stem(out)})
     with progress("tune"):
         found = design(loaded, **options)
+    if isinstance(found, Infeasible):  # nothing is written, so nothing bears the name of `out`
+        found = replace(found, mission=asked)
+    warn(found.mission, known=asked)
     written = None
     if out is not None and not isinstance(found, Infeasible):
         if isinstance(found, Tuned):
@@ -138,7 +152,7 @@ def tune(
     if isinstance(found, RegionTuned):
         return region_gains.print_tuned(found, written, json_)
     if json_:
-        print_json(as_json(found) | {"out": written})
+        print_json(as_json(found) | {"out": written}, found.mission)
     else:
         _print_tuned(found, written)
     return 0 if found.status == "tuned" else 1
@@ -191,6 +205,7 @@ def as_json(found: Tuned | Infeasible) -> dict[str, Any]:
         "weights": [float(w) for w in found.verdict.problem.weights],
         "limits": limits_as_json(found.uses),
         "binds": [u.name for u in found.uses if u.binds],
+        "hover_error": hover_error_as_json(found.mission),
         "units": {
             **GAIN_UNITS,
             "decay_rate": "1/s",
@@ -225,6 +240,33 @@ def print_limits(uses: list[Use]) -> None:
         print(f"  {use.name}: {number(use.value)}, {what} {number(use.limit)} {use.unit}: {binds}")
 
 
+def print_hover_error(mission: Mission) -> None:
+    """Print what an error of thrust or mass does to the hover, which no integral action mends.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    from hoverproof.servo.hover_error import hover_error
+
+    for name, value in hover_error(mission).rows():
+        print(f"  {name:22}  {value}")
+
+
+def hover_error_as_json(mission: Mission) -> dict[str, float | None]:
+    """Return what an error of thrust or mass does to the hover: heights in m, loads as shares.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    from dataclasses import asdict
+
+    from hoverproof.servo.hover_error import hover_error
+
+    return asdict(hover_error(mission))
+
+
 def _print_tuned(found: Tuned | Infeasible, written: str | None) -> None:
     from hoverproof.certification.problem import ONES
     from hoverproof.certification.wishes import Infeasible
@@ -251,6 +293,7 @@ def _print_tuned(found: Tuned | Infeasible, written: str | None) -> None:
         print(f"  weights of L            {', '.join(map(number, verdict.problem.weights))}")
     slow = found.slowest_rate
     print(f"  slowest motion at goal  {number(slow)} 1/s (linearised, floating point)")
+    print_hover_error(found.mission)
     print_limits(found.uses)
     if not any(use.binds for use in found.uses):
         print("  what binds: the bounds of Q and of the thrust")
@@ -273,7 +316,10 @@ def _print_curve(
     status = 0 if len(tuned) == len(points) else 1
     if json_:
         rows = [{"bandwidth_limit": b, **as_json(t)} for b, t in points]
-        print_json({"mission": mission.name, "points": rows, "figure": str(path)})
+        print_json(
+            {"mission": mission.name, "points": rows, "figure": str(path) if tuned else None},
+            mission,
+        )
         return status
     print(f"{mission.name}: certified decay rate of L against attitude bandwidth")
     print(f"  {'rad/s':>8}  {'1/s':>11}  {'k1':>9}  {'k2':>9}  {'k3':>9}  {'k4':>9}")

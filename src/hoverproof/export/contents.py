@@ -24,6 +24,7 @@ from hoverproof.mission import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.plant.rotors import ROTORS
+from hoverproof.servo.hover_error import hover_error
 
 BODY_VECTORS = ("velocity", "rate", "gravity_direction")
 
@@ -141,6 +142,7 @@ def contents(
         "tells_gains": options["tunable"] or not certified,
         "interval_kind": "certified" if certified else "assumed",
         "tilt_words": tilt_words,
+        "hover_error": hover_error(mission).rows(),
         "tilt_cosine": cosine,
         "lit": lit,
         "zero": lit(0),

@@ -28,7 +28,8 @@ class Demand:
     name : str
         What is demanded to be above or below the limit.
     value, limit : float
-        What the mission has, and the limit, in floating point: the bare numbers.
+        What the mission has, and the limit, in floating point: the bare numbers. Infinite if no
+        value meets the condition.
     above : bool
         Whether the value must be above the limit.
     """
@@ -43,8 +44,15 @@ class Demand:
         """Whether the mission meets the condition."""
         return self.value > self.limit if self.above else self.value < self.limit
 
+    @property
+    def possible(self) -> bool:
+        """Whether any value meets the condition."""
+        return math.isfinite(self.limit)
+
     def text(self) -> str:
         """Return the condition with its numbers and whether it is met."""
+        if not self.possible:
+            return f"{self.name}: none is enough with such a k2 ({self.value:.3g}: not met)"
         sign, met = (">" if self.above else "<"), ("met" if self.met else "not met")
         return f"{self.name} {sign} {self.limit:.3g} ({self.value:.3g}: {met})"
 

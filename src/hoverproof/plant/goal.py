@@ -75,6 +75,32 @@ def hover_goal(mission: Mission) -> HoverGoal:
     return HoverGoal(tuple(map(Fraction, found)), tuple((q, q) for q in mission.goal.centroid))
 
 
+def hover_at_height(mission: Mission, goal: HoverGoal, z: float) -> tuple[list[float], list[float]]:
+    """Return the level hover at another height that sees q1 and q2 of q*, and the q it sees, (3,).
+
+    q3 rises with the height: dq = -Q dξ, and Q is positive definite.
+
+    Parameters
+    ----------
+    mission : Mission
+    goal : HoverGoal
+        Its hover.
+    z : float
+        Height of that hover, world frame, down, m; above every target point.
+
+    Raises
+    ------
+    InputError
+        If no level hover at that height sees it.
+    """
+    wanted = np.array([float(q) for q in goal.centroid_midpoint])
+    start = (goal.position[0], goal.position[1], Fraction(z))
+    position = _solve(mission, start, free=2, wanted=wanted)
+    look = _level_centroid(len(mission.target.points))
+    seen = np.array(look(np.array(mission.target.points, float).T, position)[0])[:, 0]
+    return position, seen.tolist()
+
+
 def centroid_seen(
     points: list[tuple[Fraction, Fraction, Fraction]], position: tuple[Fraction, ...]
 ) -> list[Surd]:

@@ -16,6 +16,7 @@ from hoverproof.files import replacing
 from hoverproof.mission import Mission
 from hoverproof.reporting.page import Origin, render
 from hoverproof.reporting.parts import PARTS, Missing, Parts, Show, gather
+from hoverproof.simulation.plan import check_runs_differ
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,8 @@ def report(
             )
     if runs is not None and runs < 1:
         raise InputError("--runs", "", f"must be at least 1, not {runs}")
+    if runs is not None:
+        check_runs_differ(mission, runs)
     made_at = _date()
     with replacing(path) as beside:  # first, so that nothing is computed in vain
         parts = gather(mission, without=without, runs=runs, show=show)

@@ -171,7 +171,11 @@ def _theorem(parts: Parts) -> dict[str, Any]:
 def _tables(parts: Parts) -> dict[str, Any]:
     goal = parts.verdict.problem.goal
     told: dict[str, Any] = {
-        "tables": tables.mission_tables(parts.mission, goal.centroid_midpoint),
+        "tables": [
+            *tables.mission_tables(parts.mission, goal.centroid_midpoint),
+            tables.hover_error_table(parts.mission),
+            *tables.strange_tables(parts.mission),
+        ],
         "margins": tables.margins_table(parts.verdict),
         "demands": parts.demands,
     }

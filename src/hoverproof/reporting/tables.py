@@ -14,7 +14,9 @@ from hoverproof.certification.bounds import eigenvalue_bounds
 from hoverproof.certification.gains import Proved, Verdict
 from hoverproof.certification.over_box import RegionVerdict
 from hoverproof.mission import Mission
+from hoverproof.plausibility import warnings
 from hoverproof.reporting.parts import Firmware, Flown, Missing
+from hoverproof.servo.hover_error import hover_error
 
 DIGITS = 4
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -175,6 +177,28 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
         ]
         tables.append(Table("Added to the model in flight (nothing is proved of it)", rows))
     return tables
+
+
+def hover_error_table(mission: Mission) -> Table:
+    """Return what an error of thrust or mass does to the hover.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    title = "What an error of thrust or mass does to the height above the target at rest"
+    return Table(title, hover_error(mission).rows())
+
+
+def strange_tables(mission: Mission) -> list[Table]:
+    """Return what is strange about a mission, if anything is.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    rows = [(finding.key, finding.reason) for finding in warnings(mission)]
+    return [Table("Not as in any vehicle: check the units", rows)] if rows else []
 
 
 def _moving(mission: Mission) -> list[tuple[str, str]]:

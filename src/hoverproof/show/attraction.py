@@ -21,7 +21,7 @@ from hoverproof.certification.region import eigenvalues
 from hoverproof.files import replacing
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.show.style import COLOURS
-from hoverproof.simulation.closed_loop import GUARDS
+from hoverproof.simulation.closed_loop import flight_states
 from hoverproof.simulation.compiled import runner
 from hoverproof.simulation.flight import slowest_rate
 
@@ -161,9 +161,9 @@ def fly(region: Proved, view: View, count: int = FLIGHTS) -> Flights:
     energy = np.full((count, SAMPLES + 1), np.nan)
     settled = np.zeros(count, bool)
     for i, place in enumerate(places):
-        guards = np.full(len(GUARDS), np.finfo(float).max)
         level = (np.zeros(3), np.eye(3).ravel(), np.zeros(3), [weight])
-        start = np.concatenate([place, *level, guards])
+        level_hover = np.concatenate([place, *level])[None]
+        (start,) = flight_states(level_hover, p.goal, p.points.T)
         states, good = machine.run(start, design, p.points.T, step, SAMPLES, every)
         track = np.vstack([start, states if good else states[:-1]])[:, :STATE_SIZE]
         energy[i, : len(track)] = energies(region, track)

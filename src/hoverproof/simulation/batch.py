@@ -9,47 +9,45 @@ from numpy.typing import NDArray
 
 import hoverproof
 from hoverproof.errors import InputError
-from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.simulation import kernel
+from hoverproof.simulation.closed_loop import GUARDED_SIZE
 from hoverproof.simulation.compiled import has_diverged
 from hoverproof.simulation.draws import memory_and_parameters
-from hoverproof.simulation.numbers import euler_angles, settled_index
+from hoverproof.simulation.flight_log import ending, settled_at
+from hoverproof.simulation.numbers import euler_angles
 from hoverproof.simulation.plan import Plan
 from hoverproof.simulation.realistic import LAYOUT, place
 
 Array = NDArray[np.float64]
 
-OUTCOMES = (
-    "flown",
-    "target_left_the_view",
-    "no_depth_left",
-    "no_thrust_above_the_singularity_left",
-    "diverged",
-)
-"""What became of a run; its place here is its code. -1 stands for a run not flown yet."""
+
+def log_of(plan: Plan, memory: Array) -> Array:
+    """Return the log of flights, (..., LOG_SIZE).
+
+    Parameters
+    ----------
+    plan : Plan
+    memory : (..., m)
+        Their last memory, SI units: the flight state, or as in `LAYOUT`.
+    """
+    return memory[..., GUARDED_SIZE:] if plan.ideal else memory[..., place(LAYOUT, "log")]
 
 
-def outcome_code(plan: Plan, memory: Array, taken: int) -> int:
-    """Return the place in `OUTCOMES` of a run that ended with this memory, (MEMORY,).
+def how_it_ended(plan: Plan, memory: Array, taken: int) -> tuple[int, float]:
+    """Return the place in `OUTCOMES` of a run, and when it ended, s.
 
     Parameters
     ----------
     plan : Plan
     memory : (m,)
-        The last memory, m = MEMORY: packed state, then guards, and the rest of `LAYOUT` if any.
+        Its last memory, SI units.
     taken : int
         Number of good records after the start.
     """
     if taken == plan.samples:
-        return 0
-    if has_diverged(memory):
-        return OUTCOMES.index("diverged")
-    depth, thrust = memory[STATE_SIZE : STATE_SIZE + 2]
-    if not depth > 0:
-        return OUTCOMES.index("no_depth_left")
-    if not thrust > 0:
-        return OUTCOMES.index("no_thrust_above_the_singularity_left")
-    return OUTCOMES.index("target_left_the_view")
+        return 0, float(plan.times[-1])
+    code, step = ending(log_of(plan, memory), diverged=has_diverged(memory))
+    return code, step * plan.step
 
 
 def fly_raw(
@@ -124,7 +122,6 @@ def fly_block(
     tilt = np.arctan2(np.hypot(rotation[..., 2, 0], rotation[..., 2, 1]), rotation[..., 2, 2])
     runs = np.arange(len(taken))
     flown = taken == plan.samples
-    settled = settled_index(error)
     times = plan.times
     lost = memory[:, place(LAYOUT, "lost").start] if not plan.ideal else np.zeros(len(taken))
     lost_at = memory[:, place(LAYOUT, "lost_at").start] if not plan.ideal else lost
@@ -137,14 +134,12 @@ def fly_block(
         "lyapunov": whole["lyapunov"][..., 0],
         "rotor_thrust": whole["rotor_thrust"],
         "outcome": np.array(
-            [outcome_code(plan, m, t) for m, t in zip(memory, taken, strict=True)], np.int8
+            [how_it_ended(plan, m, t)[0] for m, t in zip(memory, taken, strict=True)], np.int8
         ),
         "flown_until": times[taken],
         "start_error": error[:, 0],
         "final_error": error[runs, taken],
-        "settled_at": np.where(
-            flown & (settled < len(times)), times[np.minimum(settled, len(times) - 1)], np.nan
-        ),
+        "settled_at": np.where(flown, settled_at(log_of(plan, memory), plan.step), np.nan),
         "largest_tilt": np.nanmax(tilt, axis=1),
         "least_rotor_thrust": np.nanmin(whole["rotor_thrust"], axis=(1, 2)),
         "greatest_rotor_thrust": np.nanmax(whole["rotor_thrust"], axis=(1, 2)),

@@ -16,10 +16,12 @@ import numpy as np
 import xarray as xr
 
 from hoverproof.errors import InputError
+from hoverproof.files import locked
 from hoverproof.mission import Mission
 from hoverproof.simulation import kernel
-from hoverproof.simulation.batch import OUTCOMES, fly_block
+from hoverproof.simulation.batch import fly_block
 from hoverproof.simulation.flight import STEP, steps_and_interval
+from hoverproof.simulation.flight_log import OUTCOMES
 from hoverproof.simulation.plan import Plan, check_seed
 from hoverproof.simulation.results import Precision, create, reopen
 from hoverproof.spread import spread
@@ -104,7 +106,8 @@ def simulate_batch(
     Raises
     ------
     InputError
-        If anything asked for is not possible, or the file cannot be written.
+        If anything asked for is not possible, or the file cannot be written, or is being written by
+        another process.
     """
     steps, every = steps_and_interval(mission, duration, step, every, SAMPLES)
     check_seed(seed)
@@ -120,7 +123,7 @@ def simulate_batch(
     begin, path = time.perf_counter(), Path(path)
     opening = reopen if resume else create
     stop, interrupted = kernel.Stop(), False
-    with opening(path, plan, runs, precision) as file:
+    with locked(path), opening(path, plan, runs, precision) as file:
         earlier = file.runs_complete
         parts = [(a, min(plan.block, runs - a)) for a in range(earlier, runs, plan.block)]
         fly = partial(fly_block, plan) if scheduler else partial(fly_block, plan, stop=stop)

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from functools import cache
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.plant import camera, rotors
@@ -13,11 +15,31 @@ from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, state_rate
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.error_chain import Design, Measurement, errors
 from hoverproof.servo.lyapunov import lyapunov
+from hoverproof.simulation.flight_log import LOG_SIZE, begin, noted
 
 GUARDS = ("depth of the nearest target point", "thrust above the singularity")
 """What must stay positive in flight, in m and N; each step keeps the lowest value so far."""
 
-FLIGHT_SIZE = STATE_SIZE + len(GUARDS)
+GUARDED_SIZE = STATE_SIZE + len(GUARDS)
+FLIGHT_SIZE = GUARDED_SIZE + LOG_SIZE
+
+
+def flight_states(
+    states: NDArray[np.float64], goal: NDArray[np.float64], points: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return flight states at the start, (count, FLIGHT_SIZE).
+
+    Parameters
+    ----------
+    states : (m, 19)
+        Packed, as by `RigidBodyState`, SI units.
+    goal : (3,)
+        ξ*, world frame, m.
+    points : (3, n)
+        Target, world frame, m.
+    """
+    guards = np.full((len(states), len(GUARDS)), np.finfo(float).max)
+    return np.hstack([states, guards, begin(goal, points, states[:, :3])])
 
 
 def parameters(n: int) -> tuple[Design, ca.SX]:
@@ -140,7 +162,8 @@ def nearest_rotation(rotation: ca.SX) -> ca.SX:
 def step_function(n: int) -> ca.Function:
     """Return (flight state, design, points, dt) ↦ flight state after one step of RK4.
 
-    The flight state, (21,), is the packed state of the vehicle and the lowest guards so far.
+    The flight state, (FLIGHT_SIZE,), is the packed state of the vehicle, the lowest guards so far
+    and the log.
 
     Parameters
     ----------
@@ -149,14 +172,16 @@ def step_function(n: int) -> ca.Function:
     """
     design, points = parameters(n)
     flight, dt = ca.SX.sym("flight", FLIGHT_SIZE), ca.SX.sym("dt")
-    x, lowest = flight[:STATE_SIZE], flight[STATE_SIZE:]
+    x, lowest, log = ca.vertsplit(flight, [0, STATE_SIZE, GUARDED_SIZE, FLIGHT_SIZE])
     body = RigidBodyState.from_vector(runge_kutta(lambda x, _: loop_rate(x, design, points), x, dt))
     after = RigidBodyState(
         body.position, body.velocity, nearest_rotation(body.rotation), body.rate, body.thrust
     ).vector()
-    lowest = ca.fmin(lowest, guards(x, design, points))
+    now = guards(x, design, points)
+    log = noted(log, RigidBodyState.from_vector(x), body.position, now[0], now[1])
+    lowest = ca.fmin(lowest, now)
     inputs = [flight, design.vector(), points, dt]
-    outputs = [ca.cse(ca.vertcat(after, lowest))]
+    outputs = [ca.cse(ca.vertcat(after, lowest, log))]
     return share_reciprocals(ca.Function("hoverproof_step", inputs, outputs))
 
 

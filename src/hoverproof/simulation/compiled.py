@@ -26,7 +26,7 @@ import platformdirs
 from numpy.typing import NDArray
 
 from hoverproof.plant.rigid_body import STATE_SIZE
-from hoverproof.simulation.closed_loop import FLIGHT_SIZE, step_function
+from hoverproof.simulation.closed_loop import FLIGHT_SIZE, GUARDED_SIZE, step_function
 
 Array = NDArray[np.float64]
 
@@ -41,12 +41,12 @@ DIVERGED = 10**12
 
 
 def has_diverged(flight: Array) -> bool:
-    """Tell whether a flight state, (21,), has diverged or is not a number.
+    """Tell whether a flight state has diverged or is not a number.
 
     Parameters
     ----------
-    flight : (21,)
-        Packed state and guards.
+    flight : (k,)
+        Packed state, SI units, and what comes after it.
     """
     return not (np.abs(flight[:STATE_SIZE]) < DIVERGED).all()
 
@@ -68,9 +68,9 @@ class Runner:
     name : str
         ``"compiled C"`` or ``"CasADi virtual machine"``.
     run : callable
-        ``run(start (21,), design (13,), points (3, n), dt, samples, every)`` returns the flight
-        states after each `every` steps, (m, 21), and whether the last of them is good; m is less
-        than `samples` if it is not.
+        ``run(start (k,), design (13,), points (3, n), dt, samples, every)`` returns the flight
+        states after each `every` steps, (m, k), k = FLIGHT_SIZE, and whether the last of them is
+        good; m is less than `samples` if it is not.
     """
 
     name: str
@@ -107,6 +107,7 @@ def c_source(n: int) -> str:
     """Return the C text of the closed loop with n target points: generated step and driver."""
     step = step_function(n)
     constants = {"FLIGHT": FLIGHT_SIZE, "STATE": STATE_SIZE, "DIVERGED": DIVERGED}
+    constants |= {"GUARDED": GUARDED_SIZE}
     constants |= {"DESIGN": step.nnz_in(1), "POINTS": step.nnz_in(2)}
     defines, driver = define(constants), c_file("loop.c")
     return f"{PREAMBLE}{defines}{generate([step])}\n{driver}"
@@ -251,7 +252,7 @@ def _virtual_machine(n: int) -> Runner:
             for leap, held in leaps:
                 flight = np.array(leap(flight, *held))[:, 0]
             taken.append(flight)
-            if has_diverged(flight) or not (flight[STATE_SIZE:] > 0).all():
+            if has_diverged(flight) or not (flight[STATE_SIZE:GUARDED_SIZE] > 0).all():
                 return np.array(taken), False
         return np.array(taken), True
 

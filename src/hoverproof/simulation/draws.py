@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.simulation import noise
-from hoverproof.simulation.closed_loop import GUARDS
+from hoverproof.simulation.closed_loop import flight_states
+from hoverproof.simulation.flight_log import begin
 from hoverproof.simulation.plan import Plan
 from hoverproof.simulation.realistic import IMU_NOISE, LAYOUT, Surroundings, place
 
@@ -44,9 +45,8 @@ def memory_and_parameters(plan: Plan, runs: NDArray[np.int64]) -> tuple[Array, A
     start[:, 15:18] += drawn["rates"]
     design = np.tile(numbers.design, (count, 1))
     arm, drag = float(mission.vehicle.arm), float(mission.vehicle.drag_ratio)
-    most = np.finfo(float).max
     if plan.ideal:
-        memory = np.hstack([start, np.full((count, len(GUARDS)), most)])
+        memory = flight_states(start, numbers.goal, numbers.points)
         return memory, np.hstack([design, np.tile([plan.step, arm, drag], (count, 1))])
 
     around = _surroundings(plan, runs, drawn)
@@ -54,6 +54,7 @@ def memory_and_parameters(plan: Plan, runs: NDArray[np.int64]) -> tuple[Array, A
     memory = np.zeros((count, sum(LAYOUT.values())))
     low, high = around["rotor_min"][0], around["rotor_max"][0]
     hover = np.clip(float(mission.vehicle.weight) / 4, low, high)
+    most = np.finfo(float).max
     parts = {
         "state": np.hstack([start[:, :-1], np.full((count, 1), 4 * hover)]),
         "depth": most,
@@ -63,6 +64,7 @@ def memory_and_parameters(plan: Plan, runs: NDArray[np.int64]) -> tuple[Array, A
         "rotors": hover,
         "rotor_commands": hover,
         "gust": float(mission.wind.gust) * _normals(plan, runs, GUST_DRAW, 3),
+        "log": begin(numbers.goal, numbers.points, start[:, :3]),
     }
     for name, values in parts.items():
         memory[:, place(LAYOUT, name)] = values

@@ -26,9 +26,15 @@ from hoverproof.plant.rotors import ROTORS, wrench
 from hoverproof.servo.error_chain import Design
 from hoverproof.servo.lyapunov import linearised_loop, thrust_factor
 from hoverproof.simulation import kernel
-from hoverproof.simulation.batch import OUTCOMES, fly_raw, outcome_code
-from hoverproof.simulation.closed_loop import GUARDS, readout_function, step_function
+from hoverproof.simulation.batch import fly_raw, how_it_ended, log_of
+from hoverproof.simulation.closed_loop import (
+    GUARDED_SIZE,
+    flight_states,
+    readout_function,
+    step_function,
+)
 from hoverproof.simulation.compiled import Runner, has_diverged, runner
+from hoverproof.simulation.flight_log import ending, ending_words, settled_at
 from hoverproof.simulation.numbers import FlightNumbers, euler_angles, settled_index
 from hoverproof.simulation.plan import Plan, check_seed, is_ideal
 from hoverproof.simulation.realistic import LAYOUT, place
@@ -87,11 +93,13 @@ def simulate(
     begin = time.perf_counter()
     states, good = _run(machine, numbers, step, steps // every, every)
     seconds = time.perf_counter() - begin
-    last, taken = states[-1], (len(states) - 1) * every
+    log, taken = states[-1][GUARDED_SIZE:], (len(states) - 1) * every
     kept = states if good else states[:-1]  # the record ends with the last good state
     flight = flight_record(mission, numbers, kept[:, :STATE_SIZE], step * every)
+    code, at = (0, 0.0) if good else ending(log, diverged=has_diverged(states[-1]))
     flight.attrs |= {
-        "outcome": "flown" if good else _what_happened(last, taken * step),
+        "outcome": "flown" if good else ending_words(code, at * step),
+        "settled_at": float(settled_at(log, step)) if good else math.nan,
         "step": step,
         "steps": taken,
         "seconds": seconds,
@@ -188,15 +196,19 @@ def summary(flight: xr.Dataset) -> dict[str, Any]:
     """
     error = np.linalg.norm(flight["position"].values - flight.attrs["goal_position"], axis=1)
     times = flight["time"].values
-    index = int(settled_index(error))
-    settled = flight.attrs["outcome"] == "flown" and index < len(times)
+    if "settled_at" in flight.attrs:  # noted at each step of the flight
+        settled = float(flight.attrs["settled_at"])
+    else:
+        index = int(settled_index(error))
+        whole = flight.attrs["outcome"] == "flown" and index < len(times)
+        settled = float(times[index]) if whole else math.nan
     return {
         "outcome": flight.attrs["outcome"],
         "start_position": flight["position"].values[0].tolist(),
         "start_error": float(error[0]),
         "final_position": flight["position"].values[-1].tolist(),
         "final_error": float(error[-1]),
-        "settled_at": float(times[index]) if settled else None,
+        "settled_at": None if math.isnan(settled) else settled,
         "duration": float(times[-1]),
         "steps": int(flight.attrs["steps"]),
         "seconds": float(flight.attrs["seconds"]),
@@ -260,8 +272,8 @@ def save(flight: xr.Dataset, path: str | Path) -> None:
 def _run(
     machine: Runner, numbers: FlightNumbers, step: float, samples: int, every: int
 ) -> tuple[Array, bool]:
-    """Return the flight states from the start on, (1 + samples, 21), and whether all are good."""
-    start = np.concatenate([numbers.start, np.full(len(GUARDS), np.finfo(float).max)])
+    """Return the flight states from the start on, (1 + samples, k), and whether all are good."""
+    (start,) = flight_states(numbers.start[None], numbers.goal, numbers.points)
     states, good = machine.run(start, numbers.design, numbers.points, step, samples, every)
     return np.vstack([start, states]), good
 
@@ -289,10 +301,11 @@ def _fly_as_built(plan: Plan, compiler: str | None) -> xr.Dataset:
     ):
         values = parts[name].reshape(len(kept), *([3] if len(dims) > 1 else []))
         flight[name] = (dims, values, {"units": units, "long_name": words})
-    code = outcome_code(plan, last, int(good))
-    lost, at = (last[place(LAYOUT, name)][0] for name in ("lost", "lost_at"))
+    code, at = how_it_ended(plan, last, int(good))
+    lost, lost_at = (last[place(LAYOUT, name)][0] for name in ("lost", "lost_at"))
     flight.attrs |= {
-        "outcome": "flown" if code == 0 else _as_words(code, last, (good + 1) * interval),
+        "outcome": "flown" if code == 0 else ending_words(code, at),
+        "settled_at": math.nan if code else float(settled_at(log_of(plan, last), plan.step)),
         "step": plan.step,
         "steps": int(good) * plan.every,
         "seconds": seconds,
@@ -303,21 +316,8 @@ def _fly_as_built(plan: Plan, compiler: str | None) -> xr.Dataset:
         "frames_lost": int(lost),
     }
     if lost:
-        flight.attrs["left_view_at"] = float(at) * plan.step
+        flight.attrs["left_view_at"] = float(lost_at) * plan.step
     return flight
-
-
-def _as_words(code: int, memory: Array, at: float) -> str:
-    if OUTCOMES[code] == "target_left_the_view":
-        return f"ended before {at:g} s: a target point left the field of view"
-    return _what_happened(memory[: STATE_SIZE + len(GUARDS)], at)
-
-
-def _what_happened(state: Array, at: float) -> str:
-    if has_diverged(state):
-        return f"diverged before {at:g} s"
-    broken = [name for name, value in zip(GUARDS, state[STATE_SIZE:], strict=True) if value <= 0]
-    return f"ended before {at:g} s: no {' and no '.join(broken)} left"
 
 
 def flight_record(

@@ -15,7 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.plant.rigid_body import STATE_SIZE
-from hoverproof.simulation.closed_loop import FLIGHT_SIZE, parameters, readout, step_function
+from hoverproof.simulation.closed_loop import (
+    FLIGHT_SIZE,
+    GUARDS,
+    parameters,
+    readout,
+    step_function,
+)
 from hoverproof.simulation.compiled import DIVERGED, find_compiler
 from hoverproof.simulation.lanes import vector_library, vector_source
 from hoverproof.simulation.noise import FLIGHT, normals
@@ -131,7 +137,7 @@ def ideal_loop(n: int) -> Loop:
         },
         {
             "MEMORY": FLIGHT_SIZE,
-            "GUARDS": FLIGHT_SIZE - STATE_SIZE,
+            "GUARDS": len(GUARDS),
             "PARAMS": IDEAL_PARAMETERS,
             "STEP": design.vector().numel(),
             "POINTS": 3 * n,

@@ -19,10 +19,10 @@ __attribute__((visibility("default"))) long hoverproof_run(
 #pragma GCC unroll 32 /* one by one: a wider load would wait for the narrow stores */
       for (int i = 0; i < HP_FLIGHT; ++i) now[i] = next[i];
     }
-    int good = 1;
+    int good = 1; /* false for NaN */
     for (int i = 0; i < HP_FLIGHT; ++i) {
       out[s * HP_FLIGHT + i] = now[i];
-      good &= i < HP_STATE ? fabs(now[i]) < HP_DIVERGED : now[i] > 0; /* false for NaN */
+      good &= i < HP_STATE ? fabs(now[i]) < HP_DIVERGED : i >= HP_GUARDED || now[i] > 0;
     }
     if (!good) return s;
   }

@@ -41,6 +41,34 @@ def is_ideal(mission: Mission, *, scattered: bool = False) -> bool:
     return not (named or (scattered and mission.scatter.of_the_vehicle))
 
 
+def check_runs_differ(mission: Mission, runs: int) -> None:
+    """Refuse to fly the same flight many times.
+
+    Parameters
+    ----------
+    mission : Mission
+    runs : int
+        Number of flights.
+
+    Raises
+    ------
+    InputError
+        If nothing in the mission is drawn at random.
+    """
+    spreads = [value for name, value in mission.scatter if name != "distribution"]
+    drawn = [part for value in spreads for part in (value if isinstance(value, tuple) else [value])]
+    s = mission.sensors
+    noises = (s.pixel_noise, s.gyro_noise, s.velocity_noise, s.gravity_noise)
+    biases = (s.gyro_bias, s.velocity_bias, s.gravity_bias)
+    if runs > 1 and not any((*drawn, *noises, *biases, mission.wind.gust)):
+        raise InputError(
+            "--runs",
+            "",
+            f"all {runs} flights would be the same: nothing in {mission.source} is drawn; give "
+            "[scatter] (as --set scatter.position=[1,1,1]), noise of [sensors] or gusts of [wind]",
+        )
+
+
 def check_seed(seed: int) -> None:
     """Refuse a seed that is no key for the noise.
 

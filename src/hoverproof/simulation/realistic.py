@@ -23,6 +23,7 @@ from hoverproof.simulation.closed_loop import (
     runge_kutta,
     thrust_margin,
 )
+from hoverproof.simulation.flight_log import LOG_SIZE, noted
 from hoverproof.simulation.kernel import Loop
 from hoverproof.simulation.noise import normal_pair
 
@@ -38,10 +39,11 @@ LAYOUT = {
     "rotors": 4,
     "rotor_commands": 4,
     "gust": 3,
+    "log": LOG_SIZE,
 }
 """What a vehicle remembers: its state; the lowest depth (m), thrust margin (N) and view margin so
 far; frames lost and the step of the first; the image centroid held; the thrust commanded (N); the
-rotors' thrusts and commands (N); the gust (m/s, world frame)."""
+rotors' thrusts and commands (N); the gust (m/s, world frame); the log of the flight."""
 
 REALISTIC_RECORD = {
     "state": STATE_SIZE,
@@ -357,7 +359,8 @@ def move(
     after = RigidBodyState.from_vector(
         ca.vertcat(runge_kutta(rate, now[:-1], around.step), wrenches[2][0])
     )
-    depths = around.seen(RigidBodyState.from_vector(now), points)[2, :]
+    before = RigidBodyState.from_vector(now)
+    depth = ca.mmin(around.seen(before, points)[2, :])
     return {
         "state": RigidBodyState(
             after.position,
@@ -366,9 +369,10 @@ def move(
             after.rate,
             after.thrust,
         ).vector(),
-        "depth": ca.fmin(memory["depth"], ca.mmin(depths)),
+        "depth": ca.fmin(memory["depth"], depth),
         "rotors": thrusts[2],
         "gust": around.gust_kept * memory["gust"] + around.gust_added * noise,
+        "log": noted(memory["log"], before, after.position, depth, memory["thrust_margin"]),
     }
 
 

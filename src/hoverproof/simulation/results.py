@@ -30,7 +30,7 @@ import hoverproof
 from hoverproof.errors import InputError
 from hoverproof.files import replacing
 from hoverproof.plant.rotors import ROTORS
-from hoverproof.simulation.batch import OUTCOMES
+from hoverproof.simulation.flight_log import OUTCOMES
 from hoverproof.simulation.plan import Plan
 
 Precision = str
