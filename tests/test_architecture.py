@@ -20,7 +20,7 @@ FLOORS = [
     {"plant"},
     {"servo"},
     {"certification", "simulation", "export", "paper"},
-    {"firmware_flight", "plausibility"},
+    {"firmware", "plausibility"},
     {"show"},
     {"reporting"},
     {"cli"},

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from hoverproof.firmware_flight import fly_firmware
+from hoverproof.firmware import fly_firmware
 from hoverproof.mission import load
 from hoverproof.simulation.campaign import simulate_batch
 from hoverproof.simulation.compiled import find_compiler

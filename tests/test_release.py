@@ -93,7 +93,7 @@ def test_the_version_is_semantic_and_stands_in_one_place():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     assert re.fullmatch(r"\d+\.\d+\.\d+(-[0-9A-Za-z.-]+)?", hoverproof.__version__)
     assert project["project"]["dynamic"] == ["version"]
-    assert project["tool"]["hatch"]["version"]["path"] == "src/hoverproof/__init__.py"
+    assert project["tool"]["hatch"]["version"]["path"] == "src/hoverproof/version.py"
     assert "version" not in yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
 
 

@@ -23,9 +23,9 @@ from cyclopts import (
     validators,
 )
 
-from hoverproof import __version__
 from hoverproof.cli.completion import mission_names, settings
 from hoverproof.errors import InputError, suggestion
+from hoverproof.version import __version__
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -63,12 +63,12 @@ def export(
 
     Example: `hoverproof export crazyflie-2.1 --out firmware --rotor-limits 0,0.15 --tunable`
     """
-    import hoverproof
     from hoverproof.export.package import NotCertified
+    from hoverproof.firmware import export_c
 
     loaded = load_mission(mission, set_)
     try:
-        manifest = hoverproof.export_c(
+        manifest = export_c(
             loaded,
             out,
             precision=precision,

@@ -151,7 +151,7 @@ def _fly_once(
         raise InputError("--speed-up", "", "is for --animate")
     path = out or Path(f"{mission.name}.flight.nc")
     if controller == "firmware":
-        from hoverproof.firmware_flight import fly_firmware
+        from hoverproof.firmware import fly_firmware
 
         seed = timing.pop("seed")
         if seed:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-import hoverproof
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.algebra.surd import sqrt_enclosure
@@ -25,6 +24,7 @@ from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.plant.rotors import ROTORS
 from hoverproof.servo.hover_error import hover_error
+from hoverproof.version import __version__
 
 BODY_VECTORS = ("velocity", "rate", "gravity_direction")
 
@@ -80,9 +80,7 @@ def contents(
         tilt_words = "90 degrees (the certificate sets no bound of its own)"
     certified = standing.certificate is not None
     sha = standing.certificate["sha256"] if standing.certificate is not None else "none"
-    origin = (
-        f"Made by hoverproof {hoverproof.__version__} from the mission {mission.name}. Do not edit."
-    )
+    origin = f"Made by hoverproof {__version__} from the mission {mission.name}. Do not edit."
     box = InputBox()
     gains = [getattr(mission.gains, gain) for gain in GAINS]
     in_ = {

@@ -13,7 +13,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import hoverproof
 from hoverproof import checker
 from hoverproof.errors import InputError
 from hoverproof.export.contents import Standing, contents
@@ -21,6 +20,7 @@ from hoverproof.export.flight_law import flight_law
 from hoverproof.export.precision import PRECISIONS
 from hoverproof.files import write_text
 from hoverproof.mission import Mission
+from hoverproof.version import __version__
 
 ADAPTERS = {
     "adapters/crazyflie/controller_{name}.c": "crazyflie.c.j2",
@@ -203,7 +203,7 @@ def _manifest(context: dict[str, Any], texts: Mapping[str, str]) -> dict[str, An
         "precision": context["precision"].name,
         "sensing": context["sensing"],
         "tunable": context["tunable"],
-        "tools": {"hoverproof": hoverproof.__version__, "casadi": version("casadi")},
+        "tools": {"hoverproof": __version__, "casadi": version("casadi")},
         "thrust": [float(t) for t in context["thrust"]],
         "tilt_cosine": float(context["tilt_cosine"]),
         "rotor_limits": [float(r) for r in context["rotor_limits"]],

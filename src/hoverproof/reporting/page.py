@@ -14,7 +14,6 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
-import hoverproof
 from hoverproof.certification.attraction.verdict import NOT_COVERED
 from hoverproof.certification.attraction.verdict import Proved as Attraction
 from hoverproof.certification.attraction.verdict import Refuted as Sinks
@@ -27,6 +26,7 @@ from hoverproof.reporting import mathematics, pictures, tables, wording
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts, sentence
 from hoverproof.reporting.player import player_data
 from hoverproof.reporting.tables import short
+from hoverproof.version import __version__
 
 CONTENTS = (
     ("theorem", "Verdict and theorem"),
@@ -111,7 +111,7 @@ def context(parts: Parts, origin: Origin) -> dict[str, Any]:
         "mission": parts.mission,
         "parts": parts,
         "verdict": parts.verdict,
-        "version": hoverproof.__version__,
+        "version": __version__,
         "contents": CONTENTS,
         "css": _asset("report.css"),
         "js": _asset("player.js"),
@@ -246,7 +246,7 @@ def _files(parts: Parts) -> dict[str, File]:
 def _provenance(parts: Parts) -> dict[str, Any]:
     certificates = list(_certificates(parts))
     hashes: dict[str, str] = {}
-    versions = {"hoverproof": hoverproof.__version__}
+    versions = {"hoverproof": __version__}
     for _, ending, certificate in certificates:
         hashes.setdefault("mission", certificate.content["mission_sha256"])
         hashes[f"{parts.mission.name}.{ending}.json"] = certificate.content["sha256"]

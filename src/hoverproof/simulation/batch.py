@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import hoverproof
 from hoverproof.errors import InputError
 from hoverproof.simulation import kernel
 from hoverproof.simulation.closed_loop import GUARDED_SIZE
@@ -17,6 +16,7 @@ from hoverproof.simulation.flight_log import ending, settled_at
 from hoverproof.simulation.numbers import euler_angles
 from hoverproof.simulation.plan import Plan
 from hoverproof.simulation.realistic import LAYOUT, place
+from hoverproof.version import __version__
 
 Array = NDArray[np.float64]
 
@@ -111,8 +111,8 @@ def fly_block(
     InputError
         If this is another version of hoverproof than the plan's.
     """
-    if plan.version != hoverproof.__version__:
-        found = f"a worker has hoverproof {hoverproof.__version__}, not {plan.version}"
+    if plan.version != __version__:
+        found = f"a worker has hoverproof {__version__}, not {plan.version}"
         raise InputError("--scheduler", "", found)
     records, memory, taken = fly_raw(plan, *part, stop=stop)
     whole = {name: records[..., place(plan.record, name)] for name in plan.record}

@@ -15,7 +15,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-import hoverproof
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.errors import InputError
 from hoverproof.files import replacing
@@ -38,6 +37,7 @@ from hoverproof.simulation.flight_log import ending, ending_words, settled_at
 from hoverproof.simulation.numbers import FlightNumbers, euler_angles, settled_index
 from hoverproof.simulation.plan import Plan, check_seed, is_ideal
 from hoverproof.simulation.realistic import LAYOUT, place
+from hoverproof.version import __version__
 
 Array = NDArray[np.float64]
 
@@ -390,7 +390,7 @@ def flight_record(
             "goal_centroid": numbers.design[-3:],
             "mission": json.dumps(mission.exact()),
             "model_sha256": fingerprint(step_function(n)),
-            "hoverproof_version": hoverproof.__version__,
+            "hoverproof_version": __version__,
             "casadi_version": version("casadi"),
         },
     )

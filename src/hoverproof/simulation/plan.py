@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import hoverproof
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.errors import InputError
 from hoverproof.mission import Mission
 from hoverproof.simulation import kernel
 from hoverproof.simulation.numbers import FlightNumbers
 from hoverproof.simulation.realistic import REALISTIC_RECORD, Features, realistic_loop
+from hoverproof.version import __version__
 
 Array = NDArray[np.float64]
 
@@ -106,7 +106,7 @@ class Plan:
     every: int
     seed: int = 0
     scattered: bool = True
-    version: str = hoverproof.__version__
+    version: str = __version__
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Travel without what is derived."""

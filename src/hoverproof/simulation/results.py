@@ -26,12 +26,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-import hoverproof
 from hoverproof.errors import InputError
 from hoverproof.files import replacing
 from hoverproof.plant.rotors import ROTORS
 from hoverproof.simulation.flight_log import OUTCOMES
 from hoverproof.simulation.plan import Plan
+from hoverproof.version import __version__
 
 Precision = str
 """``"float32"`` or ``"float64"``: how numbers over time are kept; those of a run are float64."""
@@ -295,7 +295,7 @@ def _skeleton(plan: Plan, runs: int, precision: Precision) -> xr.Dataset:
             "step": plan.step,
             "every": plan.every,
             "model_sha256": plan.model_sha256,
-            "hoverproof_version": hoverproof.__version__,
+            "hoverproof_version": __version__,
             "runs": runs,
             "runs_complete": np.int64(0),
             "batch": json.dumps(identity(plan, runs, precision)),

@@ -1,16 +1,20 @@
-"""Fly a mission with its exported firmware: the very C, in the loop with the ideal vehicle."""
+"""Firmware of a mission: certified and written as C99, and flown: that very C, in the loop."""
 
 from __future__ import annotations
 
 import tempfile
 import time
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-import hoverproof
+from hoverproof.certification.gains import Proved, certify
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
+from hoverproof.export.contents import Standing
+from hoverproof.export.package import NotCertified, write_package
 from hoverproof.mission import Mission
 from hoverproof.simulation import flight as simulation
 from hoverproof.simulation.numbers import FlightNumbers
@@ -22,6 +26,42 @@ FAULTS = {
     4: "thrust near the singularity",
 }
 """What ends a flight of firmware, by the bit of its status."""
+
+
+def export_c(
+    mission: Mission, out: str | Path, *, allow_uncertified: bool = False, **options: Any
+) -> dict[str, Any]:
+    """Certify a mission and write its control firmware, a C99 package, with the certificate.
+
+    Parameters
+    ----------
+    mission : Mission
+    out : str or Path
+        Folder to write to; made if needed.
+    allow_uncertified : bool
+        Write a package even if the gains are not proved; every file of it then says so.
+    **options
+        precision, sensing, tunable, name, rotor_limits: see
+        `hoverproof.export.package.write_package`.
+
+    Returns
+    -------
+    dict
+        The manifest.
+
+    Raises
+    ------
+    hoverproof.export.package.NotCertified
+        If the gains are refuted or undecided, and that is not allowed; nothing is written.
+    InputError
+        If an argument cannot be used or the folder cannot be written to.
+    """
+    verdict = certify(mission)
+    proved = isinstance(verdict, Proved)
+    if not proved and not allow_uncertified:
+        raise NotCertified(mission.name, verdict.status)
+    certificate = verdict.certificate.content if isinstance(verdict, Proved) else None
+    return write_package(mission, out, Standing(verdict.problem.thrust, certificate), **options)
 
 
 def fly_firmware(
@@ -116,5 +156,5 @@ def fly_firmware(
 
 def _exported(mission: Mission) -> Firmware:
     with tempfile.TemporaryDirectory() as folder:
-        hoverproof.export_c(mission, folder, name="firmware", allow_uncertified=True)
+        export_c(mission, folder, name="firmware", allow_uncertified=True)
         return Firmware(folder)
