@@ -13,12 +13,12 @@ from statistics import median
 import numpy as np
 from scipy.optimize import minimize
 
-from hoverproof.certification.atlas import atlas, axis, cell_mission
 from hoverproof.certification.gains import certify
 from hoverproof.certification.lmi import Vertex, best_multiplier
-from hoverproof.certification.margins import Questions, factor_of
 from hoverproof.certification.problem import gain_problem, sigma_function
-from hoverproof.certification.tuning import tune
+from hoverproof.design.atlas import atlas, axis, cell_mission
+from hoverproof.design.margins import Questions, factor_of
+from hoverproof.design.tuning import tune
 from hoverproof.mission import load
 from tables import report
 

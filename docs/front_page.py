@@ -21,9 +21,9 @@ from matplotlib.figure import Figure
 
 import hoverproof as hp
 from hoverproof.algebra.decimals import decimal_below
-from hoverproof.certification.atlas import axis
 from hoverproof.certification.attraction.verdict import Proved as Region
 from hoverproof.certification.gains import Proved
+from hoverproof.design.atlas import axis
 from hoverproof.mission import Mission, preset_text
 from hoverproof.show import panels
 from hoverproof.show.atlas import draw_atlas

@@ -13,9 +13,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import hoverproof as hp
-from hoverproof.certification.atlas import axis, cell_values
-from hoverproof.certification.limits import bandwidth
 from hoverproof.certification.region import eigenvalues, enclose
+from hoverproof.design.atlas import axis, cell_values
+from hoverproof.design.limits import bandwidth
 from hoverproof.paper.conditions import where_met
 from hoverproof.plant.goal import hover_goal
 from hoverproof.show.atlas import atlas_figure, pareto_figure

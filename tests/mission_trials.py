@@ -286,7 +286,7 @@ Say = Callable[[str, str], Fault]
 
 
 def _slowest(mission: Any) -> float:
-    from hoverproof.certification.gain_search import slowest_rate_at_goal
+    from hoverproof.design.gain_search import slowest_rate_at_goal
 
     return slowest_rate_at_goal(mission)
 

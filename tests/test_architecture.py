@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import graphlib
 import sys
 from pathlib import Path
 
@@ -12,7 +13,7 @@ import hoverproof
 
 HOUSE = Path(hoverproof.__file__).parent
 FLOORS = [
-    {"errors"},
+    {"errors", "version"},
     {"files", "quantities", "spread"},
     {"conditions"},
     {"mission", "algebra"},
@@ -20,6 +21,7 @@ FLOORS = [
     {"plant"},
     {"servo"},
     {"certification", "simulation", "export", "paper"},
+    {"design"},
     {"firmware", "plausibility"},
     {"show"},
     {"reporting"},
@@ -52,10 +54,36 @@ def test_imports_run_downward(path):
         return
     for module in imports(path):
         package, *rest = module.split(".")
-        if package != "hoverproof" or not rest or rest[0] in {"checker", "__version__"}:
+        if package != "hoverproof" or rest[:1] == ["checker"]:
             continue
+        assert rest, f"{part} imports the package itself, which imports everything"
         if rest[0] != part:
             assert floor(rest[0]) < floor(part), f"{part} imports {rest[0]}"
+
+
+def test_no_modules_import_each_other_in_a_circle():
+    """Imports inside functions and those for types alone count too."""
+    names = {".".join(("hoverproof", *p.relative_to(HOUSE).with_suffix("").parts)) for p in MODULES}
+    graph = {}
+    for path in MODULES:
+        name = ".".join(("hoverproof", *path.relative_to(HOUSE).with_suffix("").parts))
+        if path.name != "__init__.py":  # a package that imports by need
+            graph[name] = names_taken(path, names) - {name}
+    try:
+        graphlib.TopologicalSorter(graph).prepare()
+    except graphlib.CycleError as error:
+        pytest.fail(" - ".join(error.args[1]))
+
+
+def names_taken(path, names):
+    """Return the modules that a module imports; `from package import module` is one."""
+    taken = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            taken |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+        elif isinstance(node, ast.Import):
+            taken |= {alias.name for alias in node.names}
+    return taken & names
 
 
 def test_the_checker_imports_the_standard_library_alone():

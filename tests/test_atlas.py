@@ -11,7 +11,8 @@ import pytest
 import xarray as xr
 
 from hoverproof import cli
-from hoverproof.certification.atlas import (
+from hoverproof.certification.gains import certify
+from hoverproof.design.atlas import (
     NOT_ASKED,
     QUANTITIES,
     VERDICTS,
@@ -21,7 +22,6 @@ from hoverproof.certification.atlas import (
     cell_values,
     on_boundary,
 )
-from hoverproof.certification.gains import certify
 from hoverproof.errors import InputError
 from hoverproof.mission import load
 from hoverproof.paper.conditions import printed_demands, where_met

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from hoverproof.certification.atlas import atlas, axis
 from hoverproof.cli import main
+from hoverproof.design.atlas import atlas, axis
 from hoverproof.errors import InputError
 from hoverproof.mission import load
 from hoverproof.simulation import plan
@@ -78,7 +78,7 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_bytes(cluster, monkeypatch
 
 
 def test_an_atlas_drawn_on_a_cluster_is_the_one_drawn_here(cluster, monkeypatch):
-    monkeypatch.setattr("hoverproof.certification.atlas.CHUNK", 80)
+    monkeypatch.setattr("hoverproof.design.atlas.CHUNK", 80)
     address, workers = cluster
     mission = load("x4-flyer")
     x, y = axis(mission, "k3", cells=12), axis(mission, "k4", cells=12)

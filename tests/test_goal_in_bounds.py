@@ -9,15 +9,15 @@ import pytest
 
 from hoverproof import checker, cli
 from hoverproof.certification import bounds, problem
-from hoverproof.certification.atlas import atlas, axis
 from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.bounds import eigenvalues_at_goal
-from hoverproof.certification.gain_search import slowest_rate_at_goal
 from hoverproof.certification.gains import Proved, certify
 from hoverproof.certification.over_box import certify_region
 from hoverproof.certification.problem import gain_problem, pose
 from hoverproof.certification.region import default_box
-from hoverproof.certification.tuning import tune
+from hoverproof.design.atlas import atlas, axis
+from hoverproof.design.gain_search import slowest_rate_at_goal
+from hoverproof.design.tuning import tune
 from hoverproof.errors import InputError
 from hoverproof.mission import load, presets
 from test_brute_force import random_mission

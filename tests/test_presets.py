@@ -11,7 +11,7 @@ import pytest
 
 from firmware_kit import export, tool
 from hoverproof.certification.gains import Proved, certify
-from hoverproof.certification.tuning import tune
+from hoverproof.design.tuning import tune
 from hoverproof.editing import mission_text
 from hoverproof.export.binding import Firmware
 from hoverproof.mission import load, preset_text, presets

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 from hoverproof import checker, cli
-from hoverproof.certification.attraction.gain_search import GainRegionSearch
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.proof import estimate
 from hoverproof.certification.attraction.search import HoverGrid
-from hoverproof.certification.attraction.tuning import tune_region
-from hoverproof.certification.limits import Limits, bandwidth
-from hoverproof.certification.tuning import tune
-from hoverproof.certification.wishes import Infeasible
+from hoverproof.design.limits import Limits, bandwidth
+from hoverproof.design.outcome import Infeasible
+from hoverproof.design.region_search import GainRegionSearch
+from hoverproof.design.region_tuning import tune_region
+from hoverproof.design.tuning import tune
 from hoverproof.errors import InputError
 from hoverproof.mission import load
 from hoverproof.simulation.flight import simulate, slowest_rate, summary

@@ -16,12 +16,13 @@ from hypothesis import settings
 from hypothesis import strategies as st
 
 from hoverproof import checker, cli
-from hoverproof.certification.gain_search import GainSearch, slowest_rate_at_goal
 from hoverproof.certification.gains import Proved, certify
-from hoverproof.certification.limits import FirstCommand, Limits, highest_k4, uses
-from hoverproof.certification.margins import Questions, margins
 from hoverproof.certification.problem import ONES, gain_problem
-from hoverproof.certification.tuning import Infeasible, Tuned, pareto, tune
+from hoverproof.design.gain_search import GainSearch, slowest_rate_at_goal
+from hoverproof.design.limits import FirstCommand, Limits, highest_k4, uses
+from hoverproof.design.margins import Questions, margins
+from hoverproof.design.outcome import Infeasible, Tuned
+from hoverproof.design.tuning import pareto, tune
 from hoverproof.errors import InputError
 from hoverproof.mission import load
 from hoverproof.simulation.flight import simulate, slowest_rate

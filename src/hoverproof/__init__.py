@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any
 from hoverproof.version import __version__
 
 if TYPE_CHECKING:
-    from hoverproof.certification.atlas import atlas as atlas
     from hoverproof.certification.attraction.proof import attraction as attraction
     from hoverproof.certification.attraction.starts import Start as Start
     from hoverproof.certification.gains import certify as certify
-    from hoverproof.certification.tuning import pareto as pareto
-    from hoverproof.certification.tuning import tune as tune
     from hoverproof.checker import check_file as check
+    from hoverproof.design.atlas import atlas as atlas
+    from hoverproof.design.tuning import pareto as pareto
+    from hoverproof.design.tuning import tune as tune
     from hoverproof.errors import InputError as InputError
     from hoverproof.export.binding import Firmware as Firmware
     from hoverproof.firmware import export_c as export_c
@@ -36,7 +36,7 @@ _HOMES = {
     "Firmware": ("hoverproof.export.binding", "Firmware"),
     "InputError": ("hoverproof.errors", "InputError"),
     "Start": ("hoverproof.certification.attraction.starts", "Start"),
-    "atlas": ("hoverproof.certification.atlas", "atlas"),
+    "atlas": ("hoverproof.design.atlas", "atlas"),
     "attraction": ("hoverproof.certification.attraction.proof", "attraction"),
     "certify": ("hoverproof.certification.gains", "certify"),
     "check": ("hoverproof.checker", "check_file"),
@@ -44,12 +44,12 @@ _HOMES = {
     "export_c": ("hoverproof.firmware", "export_c"),
     "fly_firmware": ("hoverproof.firmware", "fly_firmware"),
     "load": ("hoverproof.mission", "load"),
-    "pareto": ("hoverproof.certification.tuning", "pareto"),
+    "pareto": ("hoverproof.design.tuning", "pareto"),
     "presets": ("hoverproof.mission", "presets"),
     "report": ("hoverproof.reporting.document", "report"),
     "simulate": ("hoverproof.simulation.flight", "simulate"),
     "simulate_batch": ("hoverproof.simulation.campaign", "simulate_batch"),
-    "tune": ("hoverproof.certification.tuning", "tune"),
+    "tune": ("hoverproof.design.tuning", "tune"),
 }
 
 __all__ = [

@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from hoverproof.certification.limits import bandwidth
+from hoverproof.design.limits import bandwidth
 from hoverproof.mission import Mission
 
 MASSES = (0.003, 300.0)

@@ -61,8 +61,8 @@ def atlas(
     """
     import numpy as np
 
-    from hoverproof.certification.atlas import NOT_ASKED, VERDICTS, axis, cell_values
-    from hoverproof.certification.atlas import atlas as draw_map
+    from hoverproof.design.atlas import NOT_ASKED, VERDICTS, axis, cell_values
+    from hoverproof.design.atlas import atlas as draw_map
     from hoverproof.files import replacing
     from hoverproof.paper.conditions import where_met
     from hoverproof.show.atlas import save_atlas_figure

@@ -34,8 +34,8 @@ def presets(
 
     Example: `hoverproof presets x4-flyer`
     """
-    from hoverproof.certification.gain_search import slowest_rate_at_goal
-    from hoverproof.certification.limits import bandwidth
+    from hoverproof.design.gain_search import slowest_rate_at_goal
+    from hoverproof.design.limits import bandwidth
     from hoverproof.mission import load, preset_text
     from hoverproof.mission import presets as names
 

@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING, Any
 from hoverproof.cli.console import number, print_json
 
 if TYPE_CHECKING:
-    from hoverproof.certification.attraction.tuning import RegionTuned
     from hoverproof.certification.attraction.verdict import Proved
-    from hoverproof.certification.tuning import Tuned
-    from hoverproof.certification.wishes import Infeasible
+    from hoverproof.design.outcome import Infeasible, RegionTuned, Tuned
     from hoverproof.mission import Mission
 
 WAYS = ("sideways", "up", "down")
@@ -94,8 +92,8 @@ def as_json(found: RegionTuned) -> dict[str, Any]:
     ----------
     found : RegionTuned
     """
-    from hoverproof.certification.limits import bandwidth
     from hoverproof.cli.tuning import GAIN_UNITS, hover_error_as_json, limits_as_json
+    from hoverproof.design.limits import bandwidth
 
     def reach(region: Proved | None) -> dict[str, float] | None:
         return None if region is None else {w: float(getattr(region.reach, w)) for w in WAYS}
@@ -151,8 +149,8 @@ def print_curve(
         Of the figure.
     json_ : bool
     """
-    from hoverproof.certification.attraction.tuning import RegionTuned
     from hoverproof.cli.tuning import as_json as infeasible_as_json
+    from hoverproof.design.outcome import RegionTuned
     from hoverproof.show.attraction import save_trade_off_figure
 
     tuned = [(rate, t) for rate, t in points if isinstance(t, RegionTuned)]

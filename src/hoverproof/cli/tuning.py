@@ -27,9 +27,9 @@ from hoverproof.cli.console import (
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
-    from hoverproof.certification.limits import Use
-    from hoverproof.certification.tuning import Report, Tuned
-    from hoverproof.certification.wishes import Infeasible
+    from hoverproof.design.limits import Use
+    from hoverproof.design.outcome import Infeasible, Tuned
+    from hoverproof.design.tuning import Report
     from hoverproof.mission import Mission
 
 GAIN_UNITS = {"k1": "kg m/s", "k2": "1/m", "k3": "kg/s", "k4": "kg/s", "k_yaw": "kg m²/s"}
@@ -100,12 +100,10 @@ def tune(
 
     Example: `hoverproof tune x4-flyer --objective region --minimum-decay 0.0234`
     """
-    from hoverproof.certification.attraction.tuning import RegionTuned
-    from hoverproof.certification.tuning import Tuned
-    from hoverproof.certification.tuning import pareto as curve
-    from hoverproof.certification.tuning import tune as design
-    from hoverproof.certification.wishes import Infeasible
     from hoverproof.cli import region_gains
+    from hoverproof.design.outcome import Infeasible, RegionTuned, Tuned
+    from hoverproof.design.tuning import pareto as curve
+    from hoverproof.design.tuning import tune as design
     from hoverproof.editing import mission_text
     from hoverproof.files import write_text
 
@@ -177,7 +175,7 @@ def picture_path(path: Path) -> Path:
 
 def as_json(found: Tuned | Infeasible) -> dict[str, Any]:
     """Return what `tune` found as an object for machines."""
-    from hoverproof.certification.wishes import Infeasible
+    from hoverproof.design.outcome import Infeasible
 
     if isinstance(found, Infeasible):
         return {
@@ -269,7 +267,7 @@ def hover_error_as_json(mission: Mission) -> dict[str, float | None]:
 
 def _print_tuned(found: Tuned | Infeasible, written: str | None) -> None:
     from hoverproof.certification.problem import ONES
-    from hoverproof.certification.wishes import Infeasible
+    from hoverproof.design.outcome import Infeasible
     from hoverproof.editing import decimal
 
     if isinstance(found, Infeasible):
@@ -307,7 +305,7 @@ def _print_tuned(found: Tuned | Infeasible, written: str | None) -> None:
 def _print_curve(
     mission: Mission, points: list[tuple[float, Tuned | Infeasible]], path: Path, json_: bool
 ) -> int:
-    from hoverproof.certification.tuning import Tuned
+    from hoverproof.design.outcome import Tuned
     from hoverproof.show.atlas import save_pareto_figure
 
     tuned = [(b, t) for b, t in points if isinstance(t, Tuned)]

@@ -12,13 +12,13 @@ from typing import Any, TypeVar
 import numpy as np
 import xarray as xr
 
-from hoverproof.certification.atlas import atlas, axis, cell_values
 from hoverproof.certification.attraction.proof import start_or_ball
 from hoverproof.certification.attraction.verdict import Proved as Region
 from hoverproof.certification.attraction.verdict import Verdict as AttractionVerdict
 from hoverproof.certification.gains import Proved, Verdict, certify
 from hoverproof.certification.over_box import RegionVerdict, certify_region
 from hoverproof.certification.region import default_box
+from hoverproof.design.atlas import atlas, axis, cell_values
 from hoverproof.errors import InputError
 from hoverproof.export.contents import Standing
 from hoverproof.export.cost import Footprint, Rounding, footprint, rounding

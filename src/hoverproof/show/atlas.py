@@ -16,9 +16,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from hoverproof.certification.atlas import QUANTITIES, VERDICTS
-from hoverproof.certification.limits import bandwidth
-from hoverproof.certification.tuning import Tuned
+from hoverproof.design.atlas import QUANTITIES, VERDICTS
+from hoverproof.design.limits import bandwidth
+from hoverproof.design.outcome import Tuned
 from hoverproof.mission import Mission
 from hoverproof.show.style import COLOURS, save_figure
 

@@ -9,34 +9,33 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
-from hoverproof.certification.attraction.tuning import RegionTuned, region_pareto, tune_region
-from hoverproof.certification.gain_search import GainSearch, slowest_rate_at_goal
-from hoverproof.certification.gain_search import Objective as RateObjective
 from hoverproof.certification.gains import Proved, certify, search_weights
-from hoverproof.certification.limits import (
-    FirstCommand,
-    Limits,
-    Use,
-    designed_gains,
-    highest_k4,
-    uses,
-)
-from hoverproof.certification.margins import Questions, margins
 from hoverproof.certification.problem import ONES, GainProblem, gain_problem
-from hoverproof.certification.wishes import (
-    Infeasible,
+from hoverproof.design.gain_search import GainSearch, slowest_rate_at_goal
+from hoverproof.design.gain_search import Objective as RateObjective
+from hoverproof.design.infeasible import (
     margin_words,
     needed_bandwidth,
     start_words,
 )
+from hoverproof.design.limits import (
+    FirstCommand,
+    Limits,
+    designed_gains,
+    highest_k4,
+    uses,
+)
+from hoverproof.design.margins import Questions, margins
+from hoverproof.design.outcome import Infeasible, RegionTuned, Tuned
+from hoverproof.design.region_tuning import region_pareto, tune_region
 from hoverproof.errors import InputError
 from hoverproof.mission import Gains, Mission
 
@@ -48,39 +47,6 @@ Report = Callable[[int, int], None]
 LOSS = 2e-4
 TRIES = 4
 LITTLE, ONE = Fraction("0.000001"), Fraction(1)
-
-
-@dataclass(frozen=True)
-class Tuned:
-    """Gains that are proved, and what was traded for them.
-
-    Attributes
-    ----------
-    mission : Mission
-        The mission with the new gains.
-    verdict : Proved
-        What `certify` says of just these gains.
-    before : Fraction or None
-        Decay rate of L that is proved for the gains the mission had, 1/s; with the same weights, or
-        with those that suit them best if weights were searched.
-    estimate : float
-        Decay rate before rounding to short decimals, in floating point, 1/s.
-    slowest_rate : float
-        Decay rate of the slowest motion of the loop linearised at the goal, 1/s.
-    uses : list of Use
-        How much of each limit the gains use.
-    objective : str
-        What was made as large as possible.
-    """
-
-    status: ClassVar[str] = "tuned"
-    mission: Mission
-    verdict: Proved
-    before: Fraction | None
-    estimate: float
-    slowest_rate: float
-    uses: list[Use]
-    objective: RateObjective
 
 
 def tune(

@@ -22,8 +22,8 @@ from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.attraction.inequality import Loop
 from hoverproof.certification.attraction.potential import Potential, sphere
 from hoverproof.certification.attraction.search import SLACKS, Search, reach_along
-from hoverproof.certification.gain_search import slowest_rates
-from hoverproof.certification.limits import (
+from hoverproof.design.gain_search import slowest_rates
+from hoverproof.design.limits import (
     FirstCommand,
     Limits,
     designed_gains,

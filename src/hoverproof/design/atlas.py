@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from hoverproof.certification.bounds import eigenvalues_at_goal
 from hoverproof.certification.certificate import model_fingerprint
 from hoverproof.certification.gains import certify
-from hoverproof.certification.margins import Questions, margins
 from hoverproof.certification.problem import ONES, gain_problem, pose
+from hoverproof.design.margins import Questions, margins
 from hoverproof.errors import InputError
 from hoverproof.mission import Bounds, Gains, Mission
 from hoverproof.spread import spread

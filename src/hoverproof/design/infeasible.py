@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import brentq
 
-from hoverproof.certification.gain_search import COARSE, GainSearch
-from hoverproof.mission import Gains, Mission
-
-if TYPE_CHECKING:
-    from hoverproof.certification.tuning import Tuned
+from hoverproof.design.gain_search import COARSE, GainSearch
+from hoverproof.mission import Gains
 
 STEP = 8.0
 STEPS = 4
@@ -21,28 +17,6 @@ SATURATED = 0.01
 """A bandwidth `STEP` times as high that brings less than this part of what is missing is the last
 that is tried.
 """
-
-
-@dataclass(frozen=True)
-class Infeasible:
-    """No gains meet the wish within the limits: what was found, and what binds.
-
-    Attributes
-    ----------
-    mission : Mission
-    reason : str
-        What binds, and by how much.
-    best : Tuned or None
-        The best that can be done within the limits.
-    needed_bandwidth : float or None
-        The bandwidth that would do, estimated in floating point, rad/s.
-    """
-
-    status: ClassVar[str] = "infeasible"
-    mission: Mission
-    reason: str
-    best: Tuned | None = None
-    needed_bandwidth: float | None = None
 
 
 def start_words(search: GainSearch) -> str:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from hoverproof.algebra.graph import evaluate
-from hoverproof.certification.limits import FirstCommand, Limits, highest_k4
-from hoverproof.certification.margins import Questions, factor_of, margins
+from hoverproof.design.limits import FirstCommand, Limits, highest_k4
+from hoverproof.design.margins import Questions, factor_of, margins
 from hoverproof.mission import Mission
 from hoverproof.plant import camera
 from hoverproof.plant.goal import hover_goal

@@ -9,60 +9,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
-from typing import ClassVar
 
 import numpy as np
 
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.certification import gains as lyapunov
-from hoverproof.certification.attraction.gain_search import GainRegionSearch
 from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.attraction.verdict import Proved
-from hoverproof.certification.gain_search import slowest_rate_at_goal
-from hoverproof.certification.limits import (
+from hoverproof.design.gain_search import slowest_rate_at_goal
+from hoverproof.design.limits import (
     Limits,
     Use,
     uses,
 )
-from hoverproof.certification.wishes import Infeasible
+from hoverproof.design.outcome import Infeasible, RegionTuned
+from hoverproof.design.region_search import GainRegionSearch
 from hoverproof.errors import InputError
 from hoverproof.mission import Mission
 
 Report = Callable[[int, int], None]
-
-
-@dataclass(frozen=True)
-class RegionTuned:
-    """Gains whose region of attraction is proved, and what was traded for it.
-
-    Attributes
-    ----------
-    mission : Mission
-        The mission with the new gains.
-    region : Proved
-        What `attraction` proves of just these gains, without a barrier.
-    before : Proved or None
-        The same of the gains that the mission had.
-    slowest_rate, slowest_rate_before : float
-        Decay rate of the slowest motion of the loop linearised at the goal, 1/s.
-    decay_rate, decay_rate_before : Fraction or None
-        Decay rate of L that `certify` proves, 1/s; None if it proves none.
-    uses : list of Use
-        How much of each limit, and of the wished decay, the gains use.
-    """
-
-    status: ClassVar[str] = "tuned"
-    objective: ClassVar[str] = "region"
-    mission: Mission
-    region: Proved
-    before: Proved | None
-    slowest_rate: float
-    slowest_rate_before: float
-    decay_rate: Fraction | None
-    decay_rate_before: Fraction | None
-    uses: list[Use]
 
 
 def tune_region(

@@ -1,0 +1,1 @@
+"""What looks for gains: limits, searches, atlases. The theorems know nothing of it."""

@@ -1,0 +1,100 @@
+"""What a search for gains comes to: gains that are proved, or what stands in the way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import ClassVar
+
+from hoverproof.certification.attraction.verdict import Proved as Region
+from hoverproof.certification.gains import Proved
+from hoverproof.design.gain_search import Objective
+from hoverproof.design.limits import Use
+from hoverproof.mission import Mission
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """Gains that are proved, and what was traded for them.
+
+    Attributes
+    ----------
+    mission : Mission
+        The mission with the new gains.
+    verdict : Proved
+        What `certify` says of just these gains.
+    before : Fraction or None
+        Decay rate of L that is proved for the gains the mission had, 1/s; with the same weights, or
+        with those that suit them best if weights were searched.
+    estimate : float
+        Decay rate before rounding to short decimals, in floating point, 1/s.
+    slowest_rate : float
+        Decay rate of the slowest motion of the loop linearised at the goal, 1/s.
+    uses : list of Use
+        How much of each limit the gains use.
+    objective : str
+        What was made as large as possible.
+    """
+
+    status: ClassVar[str] = "tuned"
+    mission: Mission
+    verdict: Proved
+    before: Fraction | None
+    estimate: float
+    slowest_rate: float
+    uses: list[Use]
+    objective: Objective
+
+
+@dataclass(frozen=True)
+class RegionTuned:
+    """Gains whose region of attraction is proved, and what was traded for it.
+
+    Attributes
+    ----------
+    mission : Mission
+        The mission with the new gains.
+    region : Region
+        What `attraction` proves of just these gains, without a barrier.
+    before : Region or None
+        The same of the gains that the mission had.
+    slowest_rate, slowest_rate_before : float
+        Decay rate of the slowest motion of the loop linearised at the goal, 1/s.
+    decay_rate, decay_rate_before : Fraction or None
+        Decay rate of L that `certify` proves, 1/s; None if it proves none.
+    uses : list of Use
+        How much of each limit, and of the wished decay, the gains use.
+    """
+
+    status: ClassVar[str] = "tuned"
+    objective: ClassVar[str] = "region"
+    mission: Mission
+    region: Region
+    before: Region | None
+    slowest_rate: float
+    slowest_rate_before: float
+    decay_rate: Fraction | None
+    decay_rate_before: Fraction | None
+    uses: list[Use]
+
+
+@dataclass(frozen=True)
+class Infeasible:
+    """No gains meet the wish within the limits: what was found, and what binds.
+
+    Attributes
+    ----------
+    mission : Mission
+    reason : str
+        What binds, and by how much.
+    best : Tuned or None
+        The best that can be done within the limits.
+    needed_bandwidth : float or None
+        The bandwidth that would do, estimated in floating point, rad/s.
+    """
+
+    status: ClassVar[str] = "infeasible"
+    mission: Mission
+    reason: str
+    best: Tuned | None = None
+    needed_bandwidth: float | None = None
