@@ -32,7 +32,9 @@ def make(folder: Path) -> None:
         if attracted is None:
             raise SystemExit(f"{name}: no region of attraction, its start is {start.status}")
         if attracted is not start:
-            print(f"{name}: its start is {start.status}, so the largest ball about the goal is made")
+            print(
+                f"{name}: its start is {start.status}, so the largest ball about the goal is made"
+            )
         attracted.certificate.save(folder / f"{name}.attraction.cert.json")
 
 
