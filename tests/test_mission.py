@@ -161,3 +161,10 @@ def test_points_on_one_line_are_found_in_any_direction():
     line = [[Fraction(t), Fraction(2 * t), Fraction(-t)] for t in range(4)]
     assert on_one_line(line)
     assert not on_one_line([*line, [Fraction(0), Fraction(0), Fraction(1)]])
+
+
+@pytest.mark.parametrize("text", ["0.2" + "0" * 31 + "1", "1e-33"])
+def test_a_number_too_long_for_a_certificate_is_refused(text):
+    with pytest.raises(InputError, match=r"gains\.k1: must be given in at most 32 digits"):
+        load("x4-flyer", {"gains.k1": text})
+    assert load("x4-flyer", {"gains.k1": "0.2" + "0" * 29 + "1"})
