@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -75,10 +76,13 @@ def hover_goal(mission: Mission) -> HoverGoal:
     return HoverGoal(tuple(map(Fraction, found)), tuple((q, q) for q in mission.goal.centroid))
 
 
-def hover_at_height(mission: Mission, goal: HoverGoal, z: float) -> tuple[list[float], list[float]]:
+def hover_at_height(
+    mission: Mission, goal: HoverGoal, z: float, near: Sequence[float] | None = None
+) -> tuple[list[float], list[float]] | None:
     """Return the level hover at another height that sees q1 and q2 of q*, and the q it sees, (3,).
 
-    q3 rises with the height: dq = -Q dξ, and Q is positive definite.
+    q3 rises with the height: dq = -Q dξ, and Q is positive definite. None if it is not found, as
+    where it comes too near to a target point.
 
     Parameters
     ----------
@@ -87,18 +91,37 @@ def hover_at_height(mission: Mission, goal: HoverGoal, z: float) -> tuple[list[f
         Its hover.
     z : float
         Height of that hover, world frame, down, m; above every target point.
-
-    Raises
-    ------
-    InputError
-        If no level hover at that height sees it.
+    near : (2,), optional
+        x and y near which it is, m; by default those of the goal.
     """
-    wanted = np.array([float(q) for q in goal.centroid_midpoint])
-    start = (goal.position[0], goal.position[1], Fraction(z))
-    position = _solve(mission, start, free=2, wanted=wanted)
-    look = _level_centroid(len(mission.target.points))
-    seen = np.array(look(np.array(mission.target.points, float).T, position)[0])[:, 0]
-    return position, seen.tolist()
+    points = np.array(mission.target.points, float).T
+    look = _level_centroid(points.shape[1])
+    wanted = np.array([float(q) for q in goal.centroid_midpoint])[:2]
+
+    def seen(xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        q, Q = (np.array(m) for m in look(points, xi))
+        return q[:, 0], Q[:2, :2], q[:2, 0] - wanted
+
+    xi = np.array([*map(float, goal.position[:2] if near is None else near), z])
+    q, Q, gap = seen(xi)
+    for _ in range(50):
+        if np.linalg.norm(gap) < 1e-12 * points.shape[1]:
+            break
+        try:
+            step = np.append(np.linalg.solve(Q, gap), 0.0)
+        except np.linalg.LinAlgError:
+            return None
+        for _ in range(40):  # a shorter step along it brings the gap down: Q is positive definite
+            trial = seen(xi + step)
+            if np.linalg.norm(trial[2]) < np.linalg.norm(gap):
+                break
+            step /= 2
+        else:
+            break
+        xi, (q, Q, gap) = xi + step, trial
+    if not np.linalg.norm(gap) < 1e-9:
+        return None
+    return xi.tolist(), q.tolist()
 
 
 def centroid_seen(
