@@ -44,6 +44,22 @@ def replacing(path: Path | str) -> Iterator[Path]:
         beside.unlink(missing_ok=True)
 
 
+def write_bytes(path: Path | str, content: bytes | memoryview) -> None:
+    """Write bytes to `path`, whole or not at all.
+
+    A library that writes a file itself may crash on a full disk, as HDF5 does when it closes its
+    file; what it makes in memory is written by this.
+
+    Parameters
+    ----------
+    path : Path or str
+        The file.
+    content : bytes or memoryview
+    """
+    with replacing(path) as beside:
+        beside.write_bytes(content)
+
+
 def write_text(path: Path | str, text: str) -> None:
     """Write UTF-8 text to `path`, whole or not at all.
 
