@@ -10,6 +10,15 @@ from pathlib import Path
 
 from hoverproof.errors import InputError
 
+_unfinished: set[Path] = set()
+
+
+def discard_unfinished() -> None:
+    """Remove what is not written whole: for a process that ends without unwinding."""
+    for beside in list(_unfinished):
+        with contextlib.suppress(OSError):
+            beside.unlink(missing_ok=True)
+
 
 @contextlib.contextmanager
 def replacing(path: Path | str) -> Iterator[Path]:
@@ -34,6 +43,7 @@ def replacing(path: Path | str) -> Iterator[Path]:
     except OSError as error:
         raise InputError(str(path), "", f"cannot be written: {error.strerror}") from None
     beside = Path(name)
+    _unfinished.add(beside)
     try:
         yield beside
         beside.chmod(0o666 & ~_umask())
@@ -42,6 +52,7 @@ def replacing(path: Path | str) -> Iterator[Path]:
         raise InputError(str(path), "", f"cannot be written: {error.strerror or error}") from error
     finally:
         beside.unlink(missing_ok=True)
+        _unfinished.discard(beside)
 
 
 def write_bytes(path: Path | str, content: bytes | memoryview) -> None:
