@@ -9,6 +9,13 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict
 from pydantic_core import PydanticCustomError
 
 
+LEAST = "1e-12"
+"""The least that a positive quantity is, in the units of a mission file: far below anything built,
+and far above what floating point, which looks for proofs, takes for zero."""
+
+MAX_DIGITS = 40
+
+
 def reject(reason: str, *, key: str = "") -> PydanticCustomError:
     """Make the refusal of a value, or of the `key` below it.
 
@@ -40,8 +47,10 @@ def shown(value: object) -> str:
     return text if len(text) <= 40 else text[:37] + "..."
 
 
-def quantity(unit: str, low: str, high: str, *, open_low: bool = False) -> BeforeValidator:
-    """Accept an exact number in [low, high] (or above low, if open_low).
+def quantity(
+    unit: str, low: str, high: str, *, open_low: bool = False, least: str = LEAST
+) -> BeforeValidator:
+    """Accept an exact number in [low, high] (or in [least, high], if open_low).
 
     Parameters
     ----------
@@ -50,9 +59,12 @@ def quantity(unit: str, low: str, high: str, *, open_low: bool = False) -> Befor
     low, high : str
         Ends of the range in that unit, as exact decimals.
     open_low : bool
-        Whether `low` itself is refused.
+        Whether `low` itself is refused, and what is nearer to it than `least`.
+    least : str
+        The least that counts, in that unit.
     """
     lowest, highest = Fraction(low), Fraction(high)
+    longest = 10**MAX_DIGITS
     suffix = f" {unit}" if unit else ""
     span = f"above {low} and at most {high}" if open_low else f"from {low} to {high}"
 
@@ -64,6 +76,10 @@ def quantity(unit: str, low: str, high: str, *, open_low: bool = False) -> Befor
         number = Fraction(value)
         if not lowest <= number <= highest or (open_low and number == lowest):
             raise reject(f"must be {span}{suffix}, not {shown(value)}")
+        if open_low and number < lowest + Fraction(least):
+            raise reject(f"must be from {least} to {high}{suffix}, not {shown(value)}")
+        if max(abs(number.numerator), number.denominator) > longest:
+            raise reject(f"must be a number of at most {MAX_DIGITS} digits, not {shown(value)}")
         return number
 
     return BeforeValidator(exact)

@@ -64,7 +64,17 @@ def run(arguments: list[str] | None) -> object:
     except BrokenPipeError:
         sys.stderr.close()
         return 0
+    except _numerical() as error:  # nothing is proved of numbers that cannot be computed with
+        words = " ".join(str(error).split())
+        fail(f"undecided: these numbers are beyond what can be computed with ({words})", status=3)
     except OSError as error:  # files are written by functions that say which; this is the output
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # flushed again at the exit
         fail(f"the output cannot be written: {error}")
     return status
+
+
+def _numerical() -> tuple[type[Exception], ...]:
+    """Return what arithmetic raises on absurd numbers, without importing what has not been."""
+    homes = {"numpy.linalg": "LinAlgError", "hoverproof.checker": "Rejected"}
+    found = [getattr(sys.modules[m], name) for m, name in homes.items() if m in sys.modules]
+    return (ArithmeticError, *found)

@@ -47,16 +47,17 @@ class Interruption:
         receiver : socket
             Closed from the other side when the command is over.
         """
-        for number in iter(lambda: receiver.recv(1), b""):
-            if number[0] == signal.SIGINT:
-                self.heard = True
-                end = time.monotonic() + self.grace
-                while (left := end - time.monotonic()) > 0:
-                    receiver.settimeout(left)
-                    with contextlib.suppress(TimeoutError):
-                        if not receiver.recv(1):
-                            return
-                self.leave()
+        with receiver:
+            for number in iter(lambda: receiver.recv(1), b""):
+                if number[0] == signal.SIGINT:
+                    self.heard = True
+                    end = time.monotonic() + self.grace
+                    while (left := end - time.monotonic()) > 0:
+                        receiver.settimeout(left)
+                        with contextlib.suppress(TimeoutError):
+                            if not receiver.recv(1):
+                                return
+                    self.leave()
 
     def tell(self) -> None:
         """Tell the user, once."""
@@ -86,19 +87,23 @@ def heard() -> Iterator[None]:
     try:
         before = signal.set_wakeup_fd(sender.fileno(), warn_on_full_buffer=False)
     except ValueError:  # not in the main thread, to which no signal comes
+        receiver.close()
+        sender.close()
         yield
         return
-    threading.Thread(target=interruption.listen, args=(receiver,), daemon=True).start()
+    listener = threading.Thread(target=interruption.listen, args=(receiver,), daemon=True)
+    listener.start()
     try:
         yield
     except KeyboardInterrupt:
         raise  # and go on listening: the end must be soon as well
     except BaseException:
-        _over(before, sender)
+        _over(before, sender, listener)
         raise
-    _over(before, sender)
+    _over(before, sender, listener)
 
 
-def _over(before: int, sender: socket.socket) -> None:
+def _over(before: int, sender: socket.socket, listener: threading.Thread) -> None:
     signal.set_wakeup_fd(before)
     sender.close()
+    listener.join()

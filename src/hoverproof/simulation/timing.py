@@ -24,7 +24,7 @@ LONGEST = 2.0
 """Of a step times the fastest motion: beyond it, the method of Runge and Kutta or a controller that
 holds its output makes a stable motion grow."""
 
-MAX_STEPS = 10**10
+MAX_STEPS = 10**8
 MAX_BYTES = 2 * 10**9
 
 
@@ -148,7 +148,7 @@ def steps_and_interval(
             "--duration, --step",
             "",
             f"{duration:g} s would take {count:.3g} steps of {step:g} s, of which {kept:.3g} "
-            f"are kept ({_bytes(kept * sample_bytes)}); at most {MAX_STEPS:.0e} steps are flown",
+            f"are kept ({_bytes(kept * sample_bytes)}); at most {MAX_STEPS:.3g} steps are flown",
         )
     steps = round(count)
     every = max(1, steps // samples) if every is None else every
