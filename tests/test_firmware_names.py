@@ -9,8 +9,8 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from firmware_kit import FLAGS, export, run, tool
 
+from firmware_kit import FLAGS, export, run, tool
 from hoverproof.errors import InputError
 from hoverproof.export.names import HEADERS, WORDS, package_name
 from hoverproof.mission import load

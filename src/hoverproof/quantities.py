@@ -8,7 +8,6 @@ from fractions import Fraction
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 from pydantic_core import PydanticCustomError
 
-
 LEAST = "1e-12"
 """The least that a positive quantity is, in the units of a mission file: far below anything built,
 and far above what floating point, which looks for proofs, takes for zero."""

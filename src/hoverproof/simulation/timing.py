@@ -73,7 +73,8 @@ def _default_step(mission: Mission, fastest: float) -> float:
     if rate:  # so that frames and ticks fall on steps
         return 1 / rate / math.ceil(1 / rate / longest)
     power = math.floor(math.log10(longest))
-    return max(s for d in (1, 2, 5) if (s := float(f"{d}e{power}")) <= longest)
+    steps = [float(f"{d}e{p}") for p in (power - 1, power) for d in (1, 2, 5)]
+    return max(s for s in steps if s <= longest)
 
 
 def fastest_rate(mission: Mission) -> float:
