@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 from typing import NoReturn
 
 try:
@@ -29,8 +30,8 @@ try:
     from hoverproof.cli.interruption import STATUS, heard, interruption
     from hoverproof.errors import InputError
 except KeyboardInterrupt:  # in the fraction of a second before a command begins
-    print("hoverproof: interrupted", file=sys.stderr)
-    sys.exit(130)
+    os.write(2, b"hoverproof: interrupted\n")
+    os._exit(130)
 
 
 def main(arguments: list[str] | None = None) -> NoReturn:
@@ -43,6 +44,7 @@ def main(arguments: list[str] | None = None) -> NoReturn:
             raise
         interruption.tell()
         status = STATUS
+        time.sleep(0.02)  # until it has been heard, too
     if interruption.heard and status == STATUS:
         sys.stdout.flush()
         os._exit(STATUS)  # taking the libraries down takes longer than a user waits

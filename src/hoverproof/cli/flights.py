@@ -27,7 +27,6 @@ def fly_many(
 
     from hoverproof.simulation.campaign import batch_summary, simulate_batch
 
-    interruption.grace = SECONDS_TO_CLOSE
     columns = (
         TextColumn("flying"),
         BarColumn(),
@@ -44,6 +43,7 @@ def fly_many(
 
         def show(complete: int, steps: int) -> None:
             before.append(complete)
+            interruption.grace = SECONDS_TO_CLOSE  # there is something to keep
             elapsed = progress.tasks[task].elapsed or 0
             flown = (complete - (before[0] if options["resume"] else 0)) * steps
             rate = f"{flown / elapsed / 1e6:.1f} million steps/s" if elapsed else "starting"

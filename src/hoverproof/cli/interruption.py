@@ -13,10 +13,12 @@ import multiprocessing
 import os
 import signal
 import socket
+import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from hoverproof.files import discard_unfinished
 
@@ -93,17 +95,27 @@ def heard() -> Iterator[None]:
         return
     listener = threading.Thread(target=interruption.listen, args=(receiver,), daemon=True)
     listener.start()
+    hook, sys.unraisablehook = sys.unraisablehook, _quiet
     try:
         yield
     except KeyboardInterrupt:
         raise  # and go on listening: the end must be soon as well
     except BaseException:
-        _over(before, sender, listener)
+        _over(before, sender, listener, hook)
         raise
-    _over(before, sender, listener)
+    _over(before, sender, listener, hook)
 
 
-def _over(before: int, sender: socket.socket, listener: threading.Thread) -> None:
+def _over(
+    before: int, sender: socket.socket, listener: threading.Thread, hook: Callable[[Any], Any]
+) -> None:
+    sys.unraisablehook = hook
     signal.set_wakeup_fd(before)
     sender.close()
     listener.join()
+
+
+def _quiet(lost: sys.UnraisableHookArgs) -> None:
+    """Say nothing of an interruption that is lost, as in a callback: it has been heard."""
+    if not issubclass(lost.exc_type, KeyboardInterrupt):
+        sys.__unraisablehook__(lost)

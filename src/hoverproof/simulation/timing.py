@@ -131,7 +131,7 @@ def steps_and_interval(
     samples : int
         Number of samples wanted if `every` is not given.
     sample_bytes : int
-        What each takes in memory.
+        Number of bytes that each takes in memory.
 
     Raises
     ------
