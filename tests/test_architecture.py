@@ -13,7 +13,7 @@ import hoverproof
 HOUSE = Path(hoverproof.__file__).parent
 FLOORS = [
     {"errors"},
-    {"files", "quantities", "spread"},
+    {"compilers", "files", "quantities", "spread"},
     {"conditions"},
     {"mission", "algebra"},
     {"editing"},
