@@ -14,7 +14,7 @@ import hoverproof
 HOUSE = Path(hoverproof.__file__).parent
 FLOORS = [
     {"errors", "version"},
-    {"files", "quantities", "spread"},
+    {"compilers", "files", "quantities", "spread"},
     {"conditions"},
     {"mission", "algebra"},
     {"editing"},

@@ -22,7 +22,7 @@ from hoverproof.certification.region import enclose
 from hoverproof.mission import load
 
 F = Fraction
-SMALL = ((F(4), F(5)), (F(2), F(5, 2)), (F(-4), F(-3)))
+SMALL = ((F(0), F(1)), (F(0), F(1, 2)), (F(-4), F(-3)))
 ROUNDING = 1e-9
 WIDE = ((F(-1), F(6)), (F(-1), F(4)), (F(-5), F(-2)))
 SLOWEST = 3.0  # s of computing; 2 s on a machine with nothing else to do

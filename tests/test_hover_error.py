@@ -105,7 +105,9 @@ def test_the_controller_rests_where_it_is_told_to_hover(overrides, error):
     told, goal = hover_error(mission), hover_goal(mission)
     height = told.more_thrust if error > 0 else told.less_thrust
     z = float(mission.height_of_target) - height
-    _, seen = hover_at_height(mission, goal, z)
+    found = hover_at_height(mission, goal, z)
+    assert found is not None
+    seen = found[1]
     thrust = float(mission.vehicle.weight) / (1 + error)
     measured = [*seen, *[0, 0, 0], *[0, 0, 1], *[0, 0, 0], thrust]
     design = [float(x) for x in Design.values(mission, goal.centroid_midpoint)]
@@ -153,3 +155,23 @@ def test_tune_and_the_firmware_say_what_an_error_does(tmp_path, capsys):
 def test_the_report_says_what_an_error_does():
     table = hover_error_table(load(CRAZYFLIE))
     assert ("hover, 1 % more thrust", "none: it leaves (1 % lighter: none)") in table.rows
+
+
+def test_any_target_has_an_answer():
+    """Also where the hovers end at a target point, or far aside of where they began."""
+    draw = np.random.default_rng(0)
+    for n in (2, 3, 5, 9) * 5:
+        points = draw.normal(size=(n, 3)) * [1, 1, draw.choice([0, 0.3])]
+        mission = load(
+            "x4-flyer",
+            {
+                "target.points": repr(points.round(3).tolist()),
+                "goal": "{height = 4}",
+                "gains.k1": repr(round(float(draw.uniform(0.5, 5)), 2)),
+            },
+        )
+        told = hover_error(mission)
+        heights = [told.less_thrust or 0, told.height, told.more_thrust or np.inf]
+        assert heights == sorted(heights)
+        assert told.target_load > 1 > told.leaving_load
+        assert (told.heavier is None) == (told.target_load <= 1.01)

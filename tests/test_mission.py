@@ -171,3 +171,10 @@ def test_a_key_of_thousands_of_parts_is_refused_before_it_takes_minutes(dotted):
         Path("deep.toml").write_text(f"{BASE}\n{line}\n")
         with pytest.raises(InputError, match=r"line \d+ has a key of more than 64 parts"):
             load("deep.toml")
+
+
+@pytest.mark.parametrize("text", ["0.2" + "0" * 31 + "1", "1e-33"])
+def test_a_number_too_long_for_a_certificate_is_refused(text):
+    with pytest.raises(InputError, match=r"gains\.k1: must be given in at most 32 digits"):
+        load("x4-flyer", {"gains.k1": text})
+    assert load("x4-flyer", {"gains.k1": "0.2" + "0" * 29 + "1"})

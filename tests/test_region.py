@@ -235,3 +235,8 @@ def test_no_box_is_shown_to_hold_what_a_sample_in_it_breaks(seed, n, size):
         bounds = F(low * values.min()), F(high)
         if checker.eigenvalues_hold(target, box, *bounds, most=300):
             assert low < 1 < high / values.max()
+
+
+def test_a_box_of_too_many_decimals_is_refused():
+    with pytest.raises(InputError, match="at most 18 decimals"):
+        parse_box("0,1,0,1,-4,-3.0000000000000000001")

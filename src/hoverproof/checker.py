@@ -58,7 +58,7 @@ MAX_BYTES = 1_000_000
 MAX_DIGITS = 80  # of a numerator or denominator
 MAX_POINTS = 64
 MAX_WORK = 40_000  # boxes times (points + 4), for the eigenvalues over a box
-MAX_SEARCH = 250_000  # boxes times points times 1, 3 or 4, for a region of attraction
+MAX_SEARCH = 560_000  # boxes times (points + 5) times 1, 3 or 4, for a region of attraction
 
 
 class Question(NamedTuple):
@@ -858,7 +858,7 @@ def positions_hold(p: Attraction, high: Fraction, work: Work) -> bool:
         box[2][1] = min(box[2][1], p.bottom)
     cells = [p.grid.cover(box)] if box[2][0] <= box[2][1] else []
     top = high / p.grid.unit
-    while cells and work.may(3 * len(p.s.points)):
+    while cells and work.may(3 * (len(p.s.points) + 5)):
         cell = cells.pop()
         center, _, radius, rays, distances = around(p.grid.points, cell)
         if not largest_below(rays, distances, radius, top):
@@ -972,7 +972,7 @@ def height_part_below(p: Attraction, z: Fraction, limit: Fraction, work: Work) -
     ends = [[x[i] for x in p.s.points] for i in (0, 1)]
     cells = [p.grid.cover([[min(line) - far, max(line) + far] for line in ends])]
     most = math.ceil(ONE * limit)
-    while cells and work.may(len(p.s.points)):
+    while cells and work.may(len(p.s.points) + 5):
         cell, total = cells.pop(), 0
         for point, h in zip(p.grid.points, heights, strict=True):
             gaps = (max(a - x, x - b, 0) for x, (a, b) in zip(point, cell, strict=False))
@@ -990,7 +990,7 @@ def start_holds(p: Attraction, start: Start, work: Work) -> None:
     cells = [p.grid.cover(start.position)]
     middle, shares = [sum(side) for side in cells[0][:2]], shares_of(p, start)
     rim = math.ceil((2 * p.grid.unit * (start.radius or 0) + 2) ** 2)
-    while cells and work.may(4 * len(p.s.points)):
+    while cells and work.may(4 * (len(p.s.points) + 5)):
         cell = cells.pop()
         if start.radius is not None:  # leave out what is farther from the axis
             gaps = (max(2 * a - x, x - 2 * b, 0) for (a, b), x in zip(cell, middle, strict=False))

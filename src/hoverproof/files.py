@@ -12,6 +12,15 @@ from pathlib import Path
 
 from hoverproof.errors import InputError
 
+_unfinished: set[Path] = set()
+
+
+def discard_unfinished() -> None:
+    """Remove what is not written whole: for a process that ends without unwinding."""
+    for beside in list(_unfinished):
+        with contextlib.suppress(OSError):
+            beside.unlink(missing_ok=True)
+
 
 @contextlib.contextmanager
 def replacing(path: Path | str) -> Iterator[Path]:
@@ -36,6 +45,7 @@ def replacing(path: Path | str) -> Iterator[Path]:
     except OSError as error:
         raise InputError(str(path), "", f"cannot be written: {error.strerror}") from None
     beside = Path(name)
+    _unfinished.add(beside)
     try:
         yield beside
         beside.chmod(0o666 & ~_umask())
@@ -44,6 +54,23 @@ def replacing(path: Path | str) -> Iterator[Path]:
         raise InputError(str(path), "", f"cannot be written: {error.strerror or error}") from error
     finally:
         beside.unlink(missing_ok=True)
+        _unfinished.discard(beside)
+
+
+def write_bytes(path: Path | str, content: bytes | memoryview) -> None:
+    """Write bytes to `path`, whole or not at all.
+
+    A library that writes a file itself may crash on a full disk, as HDF5 does when it closes its
+    file; what it makes in memory is written by this.
+
+    Parameters
+    ----------
+    path : Path or str
+        The file.
+    content : bytes or memoryview
+    """
+    with replacing(path) as beside:
+        beside.write_bytes(content)
 
 
 @contextlib.contextmanager

@@ -18,6 +18,7 @@ from hoverproof.export.package import NotCertified, write_package
 from hoverproof.mission import Mission
 from hoverproof.simulation import flight as simulation
 from hoverproof.simulation.numbers import FlightNumbers
+from hoverproof.simulation.timing import flight_step, steps_and_interval
 
 LONGEST_STEP = 0.1
 FAULTS = {
@@ -69,7 +70,7 @@ def fly_firmware(
     firmware: Firmware | None = None,
     *,
     duration: float | None = None,
-    step: float = simulation.STEP,
+    step: float | None = None,
     every: int | None = None,
 ) -> xr.Dataset:
     """Fly a mission from its start with the exported C as its controller.
@@ -84,8 +85,9 @@ def fly_firmware(
         A package of this mission; by default it is exported in float32 for this flight.
     duration : float, optional
         s; by default as in `hoverproof.simulate`.
-    step : float
-        From one step of the controller to the next, s, at most 0.1.
+    step : float, optional
+        From one step of the controller to the next, s, at most 0.1; by default as in
+        `hoverproof.simulate`.
     every : int, optional
         Keep every so many steps; by default about 2000 samples are kept.
 
@@ -106,18 +108,15 @@ def fly_firmware(
         raise InputError(
             mission.source, unfit[0], "is not flown with --controller firmware; leave it out"
         )
-    if duration is None:
-        duration = simulation.default_duration(mission)
-    if not 0 < step <= LONGEST_STEP:
+    step = flight_step(mission, step)
+    if step > LONGEST_STEP:
         raise InputError(
             "--step", "", f"must be at most {LONGEST_STEP} s for the firmware, not {step}"
         )
-    steps = round(duration / step) if np.isfinite(duration) else 0
-    if steps < 1:
-        raise InputError("--duration", "", f"must be at least one step of {step} s, not {duration}")
-    every = max(1, steps // simulation.SAMPLES) if every is None else every
-    if not 1 <= every <= steps or steps // every > simulation.MAX_SAMPLES:
-        raise InputError("--every", "", f"cannot be {every} for {steps} steps")
+    sample_bytes = simulation.sample_bytes(mission)
+    steps, every = steps_and_interval(
+        mission, duration, step, every, simulation.SAMPLES, sample_bytes=sample_bytes
+    )
     if firmware is None:
         firmware = _exported(mission)
     elif firmware.manifest["mission"] != mission.exact():

@@ -34,7 +34,7 @@ CONDITIONS = ("sensors", "rotors", "wind", "model_error", "scatter")
 
 _Length = Annotated[Fraction, _quantity("m", "-1e6", "1e6")]
 _PositiveLength = Annotated[Fraction, _quantity("m", "0", "1e6", open_low=True)]
-_Inertia = Annotated[Fraction, _quantity("kg m²", "0", "1e6", open_low=True)]
+_Inertia = Annotated[Fraction, _quantity("kg m²", "0", "1e6", open_low=True, least="1e-15")]
 _Speed = Annotated[Fraction, _quantity("m/s", "-1e4", "1e4")]
 _Angle = Annotated[Fraction, _quantity("rad", "-3.1416", "3.1416")]
 _BodyRate = Annotated[Fraction, _quantity("rad/s", "-1e3", "1e3")]
@@ -114,7 +114,7 @@ class Gains(_Section):
     k2: Annotated[Fraction, _quantity("1/m", "0", "1e9", open_low=True)]
     k3: _MassPerTime
     k4: _MassPerTime
-    k_yaw: Annotated[Fraction, _quantity("kg m²/s", "0", "1e9", open_low=True)]
+    k_yaw: Annotated[Fraction, _quantity("kg m²/s", "0", "1e9", open_low=True, least="1e-15")]
 
 
 _ends = BeforeValidator(_array("lowest", "highest"))

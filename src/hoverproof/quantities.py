@@ -11,6 +11,9 @@ from pydantic_core import PydanticCustomError
 
 MAX_DIGITS = 32
 """Of numerator and denominator; what follows from them must be short enough for the checker."""
+LEAST = "1e-12"
+"""The least that a positive quantity is, in the units of a mission file: far below anything built,
+and far above what floating point, which looks for proofs, takes for zero."""
 
 
 def reject(reason: str, *, key: str = "") -> PydanticCustomError:
@@ -45,8 +48,10 @@ def shown(value: object) -> str:
     return text if len(text) <= 40 else text[:37] + "..."
 
 
-def quantity(unit: str, low: str, high: str, *, open_low: bool = False) -> BeforeValidator:
-    """Accept an exact number in [low, high] (or above low, if open_low).
+def quantity(
+    unit: str, low: str, high: str, *, open_low: bool = False, least: str = LEAST
+) -> BeforeValidator:
+    """Accept an exact number in [low, high] (or in [least, high], if open_low).
 
     Parameters
     ----------
@@ -55,7 +60,9 @@ def quantity(unit: str, low: str, high: str, *, open_low: bool = False) -> Befor
     low, high : str
         Ends of the range in that unit, as exact decimals.
     open_low : bool
-        Whether `low` itself is refused.
+        Whether `low` itself is refused, and what is nearer to it than `least`.
+    least : str
+        The least that counts, in that unit.
     """
     lowest, highest = Fraction(low), Fraction(high)
     suffix = f" {unit}" if unit else ""
@@ -69,6 +76,8 @@ def quantity(unit: str, low: str, high: str, *, open_low: bool = False) -> Befor
         number = Fraction(value)
         if not lowest <= number <= highest or (open_low and number == lowest):
             raise reject(f"must be {span}{suffix}, not {shown(value)}")
+        if open_low and number < lowest + Fraction(least):
+            raise reject(f"must be from {least} to {high}{suffix}, not {shown(value)}")
         if max(abs(number.numerator), number.denominator) >= 10**MAX_DIGITS:
             raise reject(f"must be given in at most {MAX_DIGITS} digits, not {shown(value)}")
         return number

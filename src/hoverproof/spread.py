@@ -74,6 +74,20 @@ def spread(
             raise
 
 
+def interruptibly(function: Callable[[], Result], stop: Callable[[], None]) -> Result:
+    """Return ``function()``, which works in another thread, so that this one hears Ctrl-C.
+
+    Parameters
+    ----------
+    function : callable
+        Work that spends its time outside of Python.
+    stop : callable
+        Called on an interruption: tells the work to end soon.
+    """
+    (result,) = spread(lambda _: function(), [None], threads=1, stop=stop)
+    return result
+
+
 def _in_order(submit: Callable[[Item], Any], items: Iterable[Item], ahead: int) -> Iterator[Any]:
     under_way: deque[Any] = deque()
     for item in items:

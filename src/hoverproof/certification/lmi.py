@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import clarabel
 import numpy as np
+import scipy.linalg  # noqa: F401  clarabel loads it, and takes Ctrl-C meanwhile for a fault of its own
 from numpy.typing import NDArray
 from scipy import sparse
 

@@ -7,25 +7,32 @@ Exit status: 0 done or proved, 1 refuted, rejected or a flight cut short, 2 bad 
 from __future__ import annotations
 
 import io
+import os
 import sys
+import time
 from typing import NoReturn
 
-from cyclopts import CycloptsError
+try:
+    from cyclopts import CycloptsError
 
-# A command joins the application where it is defined; this order is the order of the help.
-from hoverproof.cli import (  # noqa: F401
-    atlas,
-    attraction,
-    certification,
-    firmware,
-    flight,
-    missions,
-    paper,
-    report,
-    tuning,
-)
-from hoverproof.cli.console import app, fail, plain_console, usage
-from hoverproof.errors import InputError
+    # A command joins the application where it is defined; this order is the order of the help.
+    from hoverproof.cli import (  # noqa: F401
+        atlas,
+        attraction,
+        certification,
+        firmware,
+        flight,
+        missions,
+        paper,
+        report,
+        tuning,
+    )
+    from hoverproof.cli.console import app, fail, plain_console, usage
+    from hoverproof.cli.interruption import STATUS, heard, interruption
+    from hoverproof.errors import InputError
+except KeyboardInterrupt:  # in the fraction of a second before a command begins
+    os.write(2, b"hoverproof: interrupted\n")
+    os._exit(130)
 
 
 def main(arguments: list[str] | None = None) -> NoReturn:
@@ -34,15 +41,46 @@ def main(arguments: list[str] | None = None) -> NoReturn:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     try:
-        status = app(arguments, console=plain_console(), exit_on_error=False, print_error=False)
+        with heard():
+            status = run(arguments)
+    except BaseException as error:  # some libraries make another error of an interruption
+        if not (interruption.heard or isinstance(error, KeyboardInterrupt)):
+            raise
+        interruption.tell()
+        status = STATUS
+        time.sleep(0.02)  # until it has been heard, too
+    if interruption.heard and status == STATUS:
         sys.stdout.flush()
+        os._exit(STATUS)  # taking the libraries down takes longer than a user waits
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+def run(arguments: list[str] | None) -> object:
+    """Run a command and return its status, or exit with a line that says what is wrong."""
+    try:
+        status: object = app(
+            arguments, console=plain_console(), exit_on_error=False, print_error=False
+        )
+        if sys.stdout is not None:
+            sys.stdout.flush()
     except CycloptsError as error:
         fail(usage(error))
     except InputError as error:
         fail(str(error))
-    except KeyboardInterrupt:
-        fail("interrupted", status=130)
     except BrokenPipeError:
         sys.stderr.close()
-        status = 0
-    sys.exit(status if isinstance(status, int) else 0)
+        return 0
+    except _numerical() as error:  # nothing is proved of numbers that cannot be computed with
+        words = " ".join(str(error).split())
+        fail(f"undecided: these numbers are beyond what can be computed with ({words})", status=3)
+    except OSError as error:  # files are written by functions that say which; this is the output
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # flushed again at the exit
+        fail(f"the output cannot be written: {error}")
+    return status
+
+
+def _numerical() -> tuple[type[Exception], ...]:
+    """Return what arithmetic raises on absurd numbers, without importing what has not been."""
+    homes = {"numpy.linalg": "LinAlgError", "hoverproof.checker": "Rejected"}
+    found = [getattr(sys.modules[m], name) for m, name in homes.items() if m in sys.modules]
+    return (ArithmeticError, *found)

@@ -63,7 +63,7 @@ def atlas(
 
     from hoverproof.design.atlas import NOT_ASKED, VERDICTS, axis, cell_values
     from hoverproof.design.atlas import atlas as draw_map
-    from hoverproof.files import replacing
+    from hoverproof.files import write_bytes
     from hoverproof.paper.conditions import where_met
     from hoverproof.show.atlas import save_atlas_figure
 
@@ -89,8 +89,7 @@ def atlas(
             scheduler=scheduler,
             report=report,
         )
-    with replacing(path) as beside:
-        drawn.to_netcdf(beside, engine="h5netcdf")
+    write_bytes(path, drawn.to_netcdf(engine="h5netcdf"))
     save_atlas_figure(
         loaded, drawn, show, where_met(loaded, cell_values(loaded, across, along)), picture
     )

@@ -36,7 +36,10 @@ def simulate(
         float | None,
         Parameter(help="Length in s; by default seven time constants of the slowest motion."),
     ] = None,
-    step: Annotated[float, Parameter(help="Step of the integrator in s.")] = 0.01,
+    step: Annotated[
+        float | None,
+        Parameter(help="Step of the integrator in s; by default 0.01, or what a fast loop needs."),
+    ] = None,
     every: Annotated[
         int | None,
         Parameter(help="Keep every so many steps; by default about 2000 are kept, of runs 200."),

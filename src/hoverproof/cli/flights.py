@@ -8,9 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hoverproof.cli.console import number, print_json
+from hoverproof.cli.interruption import STATUS, interruption
 
 if TYPE_CHECKING:
     from hoverproof.mission import Mission
+
+SECONDS_TO_CLOSE = 5
+"""How long a batch may take to bring its file in order when it is interrupted."""
 
 
 def fly_many(
@@ -41,13 +45,15 @@ def fly_many(
 
         def show(complete: int, steps: int) -> None:
             before.append(complete)
+            interruption.grace = SECONDS_TO_CLOSE  # there is something to keep
             elapsed = progress.tasks[task].elapsed or 0
             flown = (complete - (before[0] if options["resume"] else 0)) * steps
             rate = f"{flown / elapsed / 1e6:.1f} million steps/s" if elapsed else "starting"
             progress.update(task, completed=complete, rate=rate)
 
         flown = simulate_batch(mission, path, runs=runs, progress=show, **options)
-    pictures = _draw(path) if draw else []
+    interruption.said |= flown.interrupted
+    pictures = _draw(path) if draw and not flown.interrupted else []
     result: dict[str, Any] = {
         "mission": mission.name,
         **batch_summary(path),
@@ -59,7 +65,7 @@ def fly_many(
         "figures": [str(p) for p in pictures],
         "out": str(path),
     }
-    status = 130 if flown.interrupted else int(result["outcomes"]["flown"] < runs)
+    status = STATUS if flown.interrupted else int(result["outcomes"]["flown"] < runs)
     if json_:
         print_json(result, mission)
         return status

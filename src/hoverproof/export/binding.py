@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import shlex
-import shutil
 import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -19,7 +16,9 @@ import cffi
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.compilers import command_words, find_compiler
 from hoverproof.errors import InputError
+from hoverproof.spread import interruptibly
 
 FLAGS = (
     *("-std=c99", "-O2", "-fPIC", "-shared", "-fno-math-errno", "-ffp-contract=off"),
@@ -83,7 +82,11 @@ class Firmware:
         self._ffi.cdef(_declarations(header, self.name) + _LOOP)
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as build:
             library = _built(folder, self.name, compiler, Path(build))
-            self._library = self._ffi.dlopen(str(library))  # what is loaded needs no file
+            try:
+                self._library = self._ffi.dlopen(str(library))  # what is loaded needs no file
+            except OSError as error:
+                reason = f"was compiled, but cannot be loaded here: {error}"
+                raise InputError(str(folder), "", reason) from None
         self._params = self._new("params")
         self._state = self._new("state")
         self._call("init", self._params)
@@ -174,12 +177,21 @@ class Firmware:
             any_status, all bits that came up in between.
         """
         rows, bits = np.zeros((samples + 1, ROW)), np.zeros(samples + 2, np.uint32)
-        taken = self._library.hoverproof_fly(
-            dt,
-            samples,
-            every,
-            self._ffi.cast("double *", self._ffi.from_buffer(rows)),
-            self._ffi.cast("uint32_t *", self._ffi.from_buffer(bits)),
+        stop = self._ffi.new("int *", 0)
+
+        def end() -> None:
+            stop[0] = 1
+
+        taken = interruptibly(
+            lambda: self._library.hoverproof_fly(
+                dt,
+                samples,
+                every,
+                self._ffi.cast("double *", self._ffi.from_buffer(rows)),
+                self._ffi.cast("uint32_t *", self._ffi.from_buffer(bits)),
+                stop,
+            ),
+            end,
         )
         rows = rows[:taken]
         return {
@@ -200,7 +212,8 @@ class Firmware:
 
 ROW = 26
 _LOOP = """
-long hoverproof_fly(double dt, long samples, long every, double *rows, uint32_t *status);
+long hoverproof_fly(double dt, long samples, long every, double *rows, uint32_t *status,
+                    const volatile int *stop);
 """
 
 
@@ -220,26 +233,24 @@ def _built(folder: Path, name: str, compiler: str | None, build: Path) -> Path:
     library = build / f"{name}.so"
     (build / "loop.c").write_text(loop.replace("NAME", name), encoding="utf-8")
     sources = [folder / f"{name}.c", folder / f"{name}_selftest.c", folder / "example/vehicle.c"]
+    words = command_words(compiler or find_compiler())
+    if not words:
+        reason = "firmware needs a C compiler; none was found (or set CC)"
+        raise InputError("--controller", "", reason)
     command = [
-        *shlex.split(compiler or _find_compiler()),
+        *words,
         *FLAGS,
         *(f"-I{folder.absolute()}", f"-I{(folder / 'example').absolute()}"),
         *(str(path.absolute()) for path in sources),
         *(str(build / "loop.c"), "-lm", "-o", str(library)),
     ]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            command, capture_output=True, text=True, errors="replace", check=False
+        )
     except OSError as error:
         raise InputError(command[0], "", f"cannot be run: {error.strerror}") from None
     if done.returncode:
         last = done.stderr.strip().splitlines()[-1:] or ["no message"]
         raise InputError(str(folder), "", f"cannot be compiled with {command[0]}: {last[0]}")
     return library
-
-
-def _find_compiler() -> str:
-    named = os.environ.get("CC")
-    for command in [named] if named else ["cc", "gcc", "clang"]:
-        if shutil.which(shlex.split(command)[0]):
-            return command
-    raise InputError("--controller", "", "firmware needs a C compiler; none was found (or set CC)")

@@ -6,8 +6,9 @@ enum { ROW = 26, FAULT = 7 };
 
 /* Writes up to samples + 1 rows (state, thrust, torque, rotors) with their status, one before each
  * `every` steps and one at the end; ends at the first fault. The last status holds every bit that
- * came up. Returns the number of rows. */
-long hoverproof_fly(double dt, long samples, long every, double *rows, uint32_t *status) {
+ * came up. Returns the number of rows. Setting *stop ends it soon. */
+long hoverproof_fly(double dt, long samples, long every, double *rows, uint32_t *status,
+                    const volatile int *stop) {
   NAME_params_t params;
   NAME_state_t state = {0};
   NAME_input_t in;
@@ -17,7 +18,7 @@ long hoverproof_fly(double dt, long samples, long every, double *rows, uint32_t 
   NAME_init(&params); /* the state is that of hover */
   vehicle_start(&vehicle);
   *all = 0;
-  for (long k = 0; k <= samples * every; k++) {
+  for (long k = 0; k <= samples * every && !*stop; k++) {
     vehicle_sense(&vehicle, &in);
     in.dt = dt;
     const uint32_t now = NAME_step(&params, &state, &in, &out);

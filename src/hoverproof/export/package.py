@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
@@ -17,6 +16,7 @@ from hoverproof import checker
 from hoverproof.errors import InputError
 from hoverproof.export.contents import Standing, contents
 from hoverproof.export.flight_law import flight_law
+from hoverproof.export.names import package_name
 from hoverproof.export.precision import PRECISIONS
 from hoverproof.files import write_text
 from hoverproof.mission import Mission
@@ -93,8 +93,8 @@ def write_package(
     tunable : bool
         Keep the gains as parameters.
     name : str, optional
-        Prefix of every file and symbol, a C identifier of up to 20 characters; by default made of
-        the mission's name.
+        Prefix of every file and symbol, a C identifier of up to 20 characters that is not taken
+        (see `hoverproof.export.names`); by default made of the mission's name.
     rotor_limits : (low, high), optional
         Thrust of one rotor, N; by default as the mission's rotors have, else 0 to half the
         weight.
@@ -118,8 +118,13 @@ def write_package(
         standing,
         PRECISIONS[precision],
         flight_law(mission, sensing=sensing, tunable=tunable),
-        _prefix(mission, name),
-        {"sensing": sensing, "tunable": tunable, "rotor_limits": limits},
+        package_name(name, mission.name),
+        {
+            "sensing": sensing,
+            "tunable": tunable,
+            "rotor_limits": limits,
+            "rotor_limits_from": _origin_of_limits(mission, given=rotor_limits is not None),
+        },
     )
     prefix = context["name"]
     texts = {
@@ -151,17 +156,6 @@ def _check(certificate: Mapping[str, Any], mission: Mission) -> tuple[Fraction, 
     return low, high
 
 
-def _prefix(mission: Mission, name: str | None) -> str:
-    prefix = name if name is not None else re.sub(r"\W", "_", mission.name, flags=re.A).lower()
-    if name is None and prefix[0].isdigit():
-        prefix = f"m{prefix}"
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,19}", prefix, re.A):
-        raise InputError(
-            "--name", "", f"must be a C identifier of up to 20 characters, not {prefix!r}"
-        )
-    return prefix
-
-
 def _rotor_limits(
     mission: Mission, limits: tuple[Fraction, Fraction] | None
 ) -> tuple[Fraction, Fraction]:
@@ -175,6 +169,17 @@ def _rotor_limits(
             f"at most 2.5 times the weight, not [{float(low):g}, {float(high):g}] N",
         )
     return low, high
+
+
+def _origin_of_limits(mission: Mission, *, given: bool) -> str:
+    """Say where the limits of the rotors come from, for who flashes the package."""
+    low, high = mission.rotors.min_thrust, mission.rotors.max_thrust
+    if given:
+        return "given to the export"
+    if high is None:
+        half = "half the weight" if low is None else "half the weight at most"
+        return f"an assumption: {half}; the mission does not say"
+    return "from [rotors] of the mission" + ("" if low is not None else ", which names no lowest")
 
 
 @cache

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -67,18 +69,21 @@ def hover_goal(mission: Mission) -> HoverGoal:
         position = (Fraction(x), Fraction(y), start[2])
         return _goal(position, centroid_seen(points, position))
 
-    assert mission.goal.centroid is not None
-    wanted = np.array([float(q) for q in mission.goal.centroid])
+    centroid = mission.goal.centroid or (Fraction(0),) * 3  # a mission gives one of the two
+    wanted = np.array([float(q) for q in centroid])
     spread = max(abs(p[i] - middle[i]) for p in points for i in range(3))
     above = (middle[0], middle[1], min(p[2] for p in points) - 2 * spread)
     found = _solve(mission, above, free=3, wanted=wanted)
-    return HoverGoal(tuple(map(Fraction, found)), tuple((q, q) for q in mission.goal.centroid))
+    return HoverGoal(tuple(map(Fraction, found)), tuple((q, q) for q in centroid))
 
 
-def hover_at_height(mission: Mission, goal: HoverGoal, z: float) -> tuple[list[float], list[float]]:
+def hover_at_height(
+    mission: Mission, goal: HoverGoal, z: float, near: Sequence[float] | None = None
+) -> tuple[list[float], list[float]] | None:
     """Return the level hover at another height that sees q1 and q2 of q*, and the q it sees, (3,).
 
-    q3 rises with the height: dq = -Q dξ, and Q is positive definite.
+    q3 rises with the height: dq = -Q dξ, and Q is positive definite. None if it is not found, as
+    where it comes too near to a target point.
 
     Parameters
     ----------
@@ -87,18 +92,37 @@ def hover_at_height(mission: Mission, goal: HoverGoal, z: float) -> tuple[list[f
         Its hover.
     z : float
         Height of that hover, world frame, down, m; above every target point.
-
-    Raises
-    ------
-    InputError
-        If no level hover at that height sees it.
+    near : (2,), optional
+        x and y near which it is, m; by default those of the goal.
     """
-    wanted = np.array([float(q) for q in goal.centroid_midpoint])
-    start = (goal.position[0], goal.position[1], Fraction(z))
-    position = _solve(mission, start, free=2, wanted=wanted)
-    look = _level_centroid(len(mission.target.points))
-    seen = np.array(look(np.array(mission.target.points, float).T, position)[0])[:, 0]
-    return position, seen.tolist()
+    points = np.array(mission.target.points, float).T
+    look = _level_centroid(points.shape[1])
+    wanted = np.array([float(q) for q in goal.centroid_midpoint])[:2]
+
+    def seen(xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        q, Q = (np.array(m) for m in look(points, xi))
+        return q[:, 0], Q[:2, :2], q[:2, 0] - wanted
+
+    xi = np.array([*map(float, goal.position[:2] if near is None else near), z])
+    q, Q, gap = seen(xi)
+    for _ in range(50):
+        if np.linalg.norm(gap) < 1e-12 * points.shape[1]:
+            break
+        try:
+            step = np.append(np.linalg.solve(Q, gap), 0.0)
+        except np.linalg.LinAlgError:
+            return None
+        for _ in range(40):  # a shorter step along it brings the gap down: Q is positive definite
+            trial = seen(xi + step)
+            if np.linalg.norm(trial[2]) < np.linalg.norm(gap):
+                break
+            step /= 2
+        else:
+            break
+        xi, (q, Q, gap) = xi + step, trial
+    if not np.linalg.norm(gap) < 1e-9:
+        return None
+    return xi.tolist(), q.tolist()
 
 
 def centroid_seen(
@@ -151,11 +175,16 @@ def _solve(
     def potential(xi: np.ndarray) -> float:
         return float(np.linalg.norm(points - xi, axis=1).sum() + wanted @ xi)
 
-    xi = np.array([float(c) for c in start])
+    xi, seen = np.array([float(c) for c in start]), np.full(3, np.nan)
     for _ in range(200):
         q, Q = (np.array(m) for m in look(points.T, xi))
-        step = np.zeros(3)
-        step[:free] = np.linalg.solve(Q[:free, :free], (q[:, 0] - wanted)[:free])
+        seen, step = q[:, 0], np.zeros(3)
+        if not (np.isfinite(seen).all() and np.isfinite(Q).all()):
+            break
+        try:
+            step[:free] = np.linalg.solve(Q[:free, :free], (seen - wanted)[:free])
+        except np.linalg.LinAlgError:  # flat to within rounding
+            break
         size = 1.0
         while size > 1e-14 and not (
             (xi + size * step)[2] < highest
@@ -165,10 +194,47 @@ def _solve(
         xi = xi + size * step
         if size == 1.0 and np.abs(step).max() <= 4e-16 * max(1.0, np.abs(xi).max()):
             break
-    if np.abs((np.array(look(points.T, xi)[0])[:, 0] - wanted)[:free]).max() > 1e-9:
+    seen = np.array(look(points.T, xi)[0])[:, 0]
+    if not np.abs((seen - wanted)[:free]).max() <= 1e-9:  # nor if it is not a number
+        if free == 3:
+            raise _unseen(mission, wanted, xi)
         raise InputError(
             mission.source,
-            "goal.centroid" if free == 3 else "goal.height",
-            "no level hover above the target sees it so",
+            "goal.height",
+            f"no level hover at z = {float(start[2]):g} m was found that sees the centroid "
+            f"straight below; the search ended at {_shown(xi)} m",
         )
     return [float(c) for c in xi]
+
+
+def _unseen(mission: Mission, wanted: np.ndarray, nearest: np.ndarray) -> InputError:
+    """Say why no hover sees a centroid w, given where the search for one ended.
+
+    It is seen from where the convex Φ(ξ) + wᵀξ is least. If that is a target point, it is seen from
+    nowhere; and it is target point k if |Σ uᵢ - w| ≤ 1, uᵢ the unit vectors from there to the
+    others. That is decided with rational bounds.
+    """
+    asked = f"no level hover sees the centroid {_shown(wanted)}"
+    for k, point in enumerate(mission.target.points):
+        others = [p for p in mission.target.points if p != point]
+        rays = [[a - b for a, b in zip(other, point, strict=True)] for other in others]
+        lengths = [Surd.of(sum((c * c for c in ray), Fraction(0))).sqrt() for ray in rays]
+        square = Fraction(0)
+        for i, w in enumerate(mission.goal.centroid or ()):
+            gap = Surd.of(-w)
+            for ray, length in zip(rays, lengths, strict=True):
+                gap = gap + Surd.of(ray[i]) / length
+            square += max(end * end for end in gap.enclosure())
+        if square <= 1:
+            reason = f"a camera that nears it comes down to target point {k + 1}, {_shown(point)} m"
+            return InputError(mission.source, "goal.centroid", f"{asked}: {reason}")
+    highest = min(float(p[2]) for p in mission.target.points)
+    reason = (
+        f"none was found above the highest target point, z = {highest:g} m; the search ended at "
+        f"{_shown(nearest)} m"
+    )
+    return InputError(mission.source, "goal.centroid", f"{asked}: {reason}")
+
+
+def _shown(vector: Iterable[Any]) -> str:
+    return f"[{', '.join(f'{float(c):g}' for c in vector)}]"

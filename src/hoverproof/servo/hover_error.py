@@ -14,6 +14,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
+from operator import itemgetter
 
 import casadi as ca
 from scipy.optimize import brentq
@@ -23,8 +25,11 @@ from hoverproof.plant.goal import HoverGoal, hover_at_height, hover_goal
 from hoverproof.servo.error_chain import Design
 
 PERCENT = 0.01
-NEAR, FAR = 1e-6, 1e3
-"""The lowest and the highest hover that is looked for, in heights of the goal."""
+DOWN = [2.0**-k for k in range(20)]
+UP = [2.0**k for k in range(1, 11)]
+"""Heights of hovers that are looked for, as shares of that of the goal above the target."""
+
+Hover = tuple[float, list[float], float]
 
 
 @dataclass(frozen=True)
@@ -107,11 +112,10 @@ def hover_error(mission: Mission) -> HoverError:
     InputError
         If no hover sees the goal of the mission.
     """
-    goal = hover_goal(mission)
-    q1, q2, q3 = (float(q) for q in goal.centroid_midpoint)
-    per_load = _shift(mission)
+    column = _Column.of(mission)
+    q1, q2, q3 = (float(q) for q in column.goal.centroid_midpoint)
+    shift = _shift(mission)
     highest = math.sqrt(len(mission.target.points) ** 2 - q1**2 - q2**2)
-    lowest = _seen_from(mission, goal, NEAR)
     loads = {
         "less_thrust": 1 / (1 - PERCENT),
         "more_thrust": 1 / (1 + PERCENT),
@@ -119,14 +123,68 @@ def hover_error(mission: Mission) -> HoverError:
         "lighter": 1 - PERCENT,
     }
     return HoverError(
-        height=float(mission.height_of_target - goal.position[2]),
-        target_load=1 + (q3 - lowest) / per_load,
-        leaving_load=1 - (highest - q3) / per_load,
-        **{
-            name: _height(mission, goal, q3 + per_load * (1 - load), lowest, highest)
-            for name, load in loads.items()
-        },
+        height=float(mission.height_of_target - column.goal.position[2]),
+        target_load=1 + (q3 - column.hovers[0][2]) / shift,
+        leaving_load=1 - (highest - q3) / shift,
+        **{name: column.height(q3 + shift * (1 - load)) for name, load in loads.items()},
     )
+
+
+@dataclass(frozen=True)
+class _Column:
+    """Hovers that see q1 and q2 of q*, one above the other.
+
+    Attributes
+    ----------
+    mission : Mission
+    goal : HoverGoal
+    hovers : list of (share, (x, y), q3)
+        From the lowest to the highest, by their share of the goal's height above the highest target
+        point.
+    """
+
+    mission: Mission
+    goal: HoverGoal
+    hovers: list[Hover]
+
+    @classmethod
+    def of(cls, mission: Mission) -> _Column:
+        """Follow the hovers down and up from the goal, each found near the one before."""
+        column = cls(mission, hover_goal(mission), [])
+        for shares in (DOWN, UP):
+            near = [float(c) for c in column.goal.position[:2]]
+            for share in shares:
+                found = column.at(share, near)
+                if found is None:
+                    break
+                near = found[1]
+                column.hovers.append(found)
+        column.hovers.sort(key=itemgetter(0))
+        return column
+
+    def z(self, share: float) -> float:
+        """Return z at a share of the goal's height above the highest target point, m."""
+        top = min(z for _, _, z in self.mission.target.points)
+        return float(top) - share * float(top - self.goal.position[2])
+
+    def at(self, share: float, near: list[float]) -> Hover | None:
+        """Return the hover at a share of the goal's height, if it is found."""
+        found = hover_at_height(self.mission, self.goal, self.z(share), near)
+        return None if found is None else (share, found[0][:2], found[1][2])
+
+    def height(self, q3: float) -> float | None:
+        """Return the height of the hover that sees a certain q3, m; None if there is none."""
+        for (low, near, below), (high, _, above) in pairwise(self.hovers):
+            if below < q3 <= above:
+
+                def missing(share: float, near: list[float] = near) -> float:
+                    found = self.at(share, near)
+                    return math.nan if found is None else found[2] - q3
+
+                share = brentq(missing, low, high, rtol=1e-9)
+                height = float(self.mission.height_of_target) - self.z(share)
+                return height if math.isfinite(height) else None
+        return None
 
 
 def _shift(mission: Mission) -> float:
@@ -134,33 +192,3 @@ def _shift(mission: Mission) -> float:
     d = Design.symbols()
     shift = ca.Function("shift", [d.vector()], [d.mass * d.gravity / d.stiffness])
     return float(shift([float(x) for x in Design.values(mission, [Fraction(0)] * 3)]))
-
-
-def _room(mission: Mission, goal: HoverGoal) -> tuple[float, float]:
-    """Return z of the highest target point, and the height of the goal above it, m."""
-    top = min(z for _, _, z in mission.target.points)
-    return float(top), float(top - goal.position[2])
-
-
-def _seen_from(mission: Mission, goal: HoverGoal, share: float) -> float:
-    """Return q3 seen at a share of the goal's height above the highest target point."""
-    top, height = _room(mission, goal)
-    return hover_at_height(mission, goal, top - share * height)[1][2]
-
-
-def _height(
-    mission: Mission, goal: HoverGoal, q3: float, lowest: float, highest: float
-) -> float | None:
-    """Return the height of the hover that sees a certain q3, m; None if there is none."""
-    if not lowest < q3 < highest:
-        return None
-    near, far = math.log(NEAR), math.log(FAR)
-
-    def missing(log_share: float) -> float:
-        return _seen_from(mission, goal, math.exp(log_share)) - q3
-
-    if missing(far) < 0:
-        return None  # beyond a thousand times the height it has left
-    top, height = _room(mission, goal)
-    share = math.exp(brentq(missing, near, far, xtol=1e-10))
-    return float(mission.height_of_target) - top + share * height

@@ -152,7 +152,7 @@ static void hp_group(const Plan *plan, int lanes, unsigned long long run, double
   long long step = 0;
   int flying = lanes;
   for (long s = 1; s <= plan->samples && flying && !*stop; ++s) {
-    for (long k = 0; k < plan->every; ++k, ++step)
+    for (long k = 0; k < plan->every && !*stop; ++k, ++step)
       hp_advance(plan, &frames, now, params, points, runs, step);
     I good = (I){0} - 1;
     for (int i = 0; i < HP_STATE; ++i) { /* false for what is not a number */

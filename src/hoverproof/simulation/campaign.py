@@ -20,10 +20,11 @@ from hoverproof.files import locked
 from hoverproof.mission import Mission
 from hoverproof.simulation import kernel
 from hoverproof.simulation.batch import fly_block
-from hoverproof.simulation.flight import STEP, steps_and_interval
 from hoverproof.simulation.flight_log import OUTCOMES
-from hoverproof.simulation.plan import Plan, check_seed
+from hoverproof.simulation.plan import AT_LEAST, Plan, check_seed
+from hoverproof.simulation.realistic import REALISTIC_RECORD
 from hoverproof.simulation.results import Precision, create, reopen
+from hoverproof.simulation.timing import flight_step, steps_and_interval
 from hoverproof.spread import spread
 
 SAMPLES = 200
@@ -65,7 +66,7 @@ def simulate_batch(
     runs: int,
     seed: int = 0,
     duration: float | None = None,
-    step: float = STEP,
+    step: float | None = None,
     every: int | None = None,
     precision: Precision = "float32",
     threads: int | None = None,
@@ -88,7 +89,7 @@ def simulate_batch(
         Number of flights.
     seed : int
         Of all that is drawn, a number from 0 to 2**63 - 1.
-    duration, step : float
+    duration, step : float, optional
         s, as in `hoverproof.simulate`.
     every : int, optional
         Keep every so many steps; by default about 200 samples of a run are kept.
@@ -109,7 +110,11 @@ def simulate_batch(
         If anything asked for is not possible, or the file cannot be written, or is being written by
         another process.
     """
-    steps, every = steps_and_interval(mission, duration, step, every, SAMPLES)
+    step = flight_step(mission, step)
+    in_memory = 8 * AT_LEAST * sum(REALISTIC_RECORD.values())
+    steps, every = steps_and_interval(
+        mission, duration, step, every, SAMPLES, sample_bytes=in_memory
+    )
     check_seed(seed)
     if not 1 <= runs <= MAX_RUNS:
         raise InputError("--runs", "", f"must be from 1 to {MAX_RUNS}, not {runs}")

@@ -10,8 +10,6 @@ import hashlib
 import os
 import platform
 import re
-import shlex
-import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
@@ -25,6 +23,7 @@ import numpy as np
 import platformdirs
 from numpy.typing import NDArray
 
+from hoverproof.compilers import command_words, find_compiler
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.simulation.closed_loop import FLIGHT_SIZE, GUARDED_SIZE, step_function
 
@@ -50,6 +49,9 @@ def has_diverged(flight: Array) -> bool:
     """
     return not (np.abs(flight[:STATE_SIZE]) < DIVERGED).all()
 
+
+STEPS_AT_A_TIME = 200_000
+"""How many steps compiled code makes before Python may look whether it is to end."""
 
 PREAMBLE = """\
 #if !defined(__clang__)
@@ -89,17 +91,8 @@ def runner(n: int, *, compiler: str | None = None) -> Runner:
         empty string asks for the virtual machine.
     """
     command = find_compiler() if compiler is None else compiler
-    library = _library(n, command) if command else None
-    return _virtual_machine(n) if library is None else _machine_code(n, library)
-
-
-def find_compiler() -> str:
-    """Return the command of the system's C compiler, empty if there is none."""
-    named = os.environ.get("CC")
-    for command in [named] if named else ["cc", "gcc", "clang"]:
-        if shutil.which(shlex.split(command)[0]):
-            return command
-    return ""
+    made = _library(n, command) if command else None
+    return _virtual_machine(n) if made is None else _machine_code(made)
 
 
 @cache
@@ -152,13 +145,16 @@ def generate(functions: Sequence[ca.Function]) -> str:
 
 
 @cache
-def _library(n: int, compiler: str) -> Path | None:
-    """Return the compiled closed loop from the cache, made if needed; None if that fails."""
-    return build(c_source(n), compiler, "closed-loop")
+def _library(n: int, compiler: str) -> ctypes.CDLL | None:
+    """Return the compiled closed loop, made if needed; None if that fails."""
+    return library(c_source(n), compiler, "closed-loop")
 
 
-def build(source: str, compiler: str, stem: str) -> Path | None:
-    """Return a shared library from the cache, made if needed; None if that fails.
+def library(source: str, compiler: str, stem: str) -> ctypes.CDLL | None:
+    """Return a shared library from the cache, made if needed and loaded; None if that fails.
+
+    What the cache holds may not load: it may lie where nothing may be executed. Then the library
+    is made in a temporary folder; a compiler for another machine fails there as well.
 
     Parameters
     ----------
@@ -169,24 +165,35 @@ def build(source: str, compiler: str, stem: str) -> Path | None:
     stem : str
         Beginning of the file's name.
     """
-    command = [*shlex.split(compiler), *FLAGS]
-    try:
-        version = _call([command[0], "--version"]).stdout
-        identity = "\0".join([source, *command, version, _processor()])
-        digest = hashlib.sha256(identity.encode()).hexdigest()[:32]
-        path = _cache_folder() / f"{stem}-{digest}.so"
-        if not path.exists():
-            with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-                made = Path(folder) / path.name
-                _call([*command, "-x", "c", "-", "-o", str(made), "-lm"], source).check_returncode()
-                made.replace(path)
-    except (OSError, subprocess.CalledProcessError):
+    words = command_words(compiler)
+    if not words:
         return None
+    command = [*words, *FLAGS]
+    for folder in (_cache_folder, _temporary_folder):
+        try:
+            return ctypes.CDLL(str(_built(source, command, folder(), stem)))
+        except (OSError, subprocess.CalledProcessError):
+            continue
+    return None
+
+
+def _built(source: str, command: list[str], folder: Path, stem: str) -> Path:
+    version = _call([command[0], "--version"]).stdout
+    identity = "\0".join([source, *command, version, _processor()])
+    digest = hashlib.sha256(identity.encode()).hexdigest()[:32]
+    path = folder / f"{stem}-{digest}.so"
+    if not path.exists():
+        with tempfile.TemporaryDirectory(dir=folder) as beside:
+            made = Path(beside) / path.name
+            _call([*command, "-x", "c", "-", "-o", str(made), "-lm"], source).check_returncode()
+            made.replace(path)
     return path
 
 
 def _call(command: list[str], text: str = "") -> subprocess.CompletedProcess[str]:
-    return subprocess.run(command, input=text, capture_output=True, text=True, check=False)
+    return subprocess.run(
+        command, input=text, capture_output=True, text=True, errors="replace", check=False
+    )
 
 
 def _cache_folder() -> Path:
@@ -213,8 +220,8 @@ def _processor() -> str:
         return f"{platform.machine()} {platform.processor()}"
 
 
-def _machine_code(n: int, library: Path) -> Runner:
-    entry = ctypes.CDLL(str(library)).hoverproof_run
+def _machine_code(library: ctypes.CDLL) -> Runner:
+    entry = library.hoverproof_run
     pointer = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
     entry.argtypes = [pointer] * 3 + [ctypes.c_double, ctypes.c_long, ctypes.c_long, pointer]
     entry.restype = ctypes.c_long
@@ -224,8 +231,22 @@ def _machine_code(n: int, library: Path) -> Runner:
     ) -> tuple[Array, bool]:
         out = np.empty((samples, FLIGHT_SIZE))
         columns = np.ascontiguousarray(points.T)  # CasADi stores column by column
-        done = entry(start, design, columns, dt, samples, every, out)
-        return out[: done + 1], done == samples
+        at_a_time = max(1, STEPS_AT_A_TIME // every)
+        now = start
+        for first in range(0, samples, at_a_time):  # between the calls Ctrl-C is heard
+            part = out[first : first + at_a_time]
+            left = every
+            while left > STEPS_AT_A_TIME:
+                now = now.copy()
+                if not entry(now, design, columns, dt, 1, STEPS_AT_A_TIME, now[None]):
+                    out[first] = now
+                    return out[: first + 1], False
+                left -= STEPS_AT_A_TIME
+            done = entry(now, design, columns, dt, len(part), left, part)
+            if done < len(part):
+                return out[: first + done + 1], False
+            now = part[-1]
+        return out, True
 
     return Runner("compiled C", run)
 

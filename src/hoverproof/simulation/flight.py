@@ -16,14 +16,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from hoverproof.algebra.graph import fingerprint
-from hoverproof.errors import InputError
-from hoverproof.files import replacing
+from hoverproof.files import write_bytes
 from hoverproof.mission import CONDITIONS, Mission
-from hoverproof.plant.camera import body_points, depth_matrix
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.plant.rotors import ROTORS, wrench
-from hoverproof.servo.error_chain import Design
-from hoverproof.servo.lyapunov import linearised_loop, thrust_factor
 from hoverproof.simulation import kernel
 from hoverproof.simulation.batch import fly_raw, how_it_ended, log_of
 from hoverproof.simulation.closed_loop import (
@@ -37,20 +33,22 @@ from hoverproof.simulation.flight_log import ending, ending_words, settled_at
 from hoverproof.simulation.numbers import FlightNumbers, euler_angles, settled_index
 from hoverproof.simulation.plan import Plan, check_seed, is_ideal
 from hoverproof.simulation.realistic import LAYOUT, place
+from hoverproof.simulation.timing import default_duration as default_duration
+from hoverproof.simulation.timing import flight_step, steps_and_interval
+from hoverproof.simulation.timing import slowest_rate as slowest_rate
+from hoverproof.spread import interruptibly
 from hoverproof.version import __version__
 
 Array = NDArray[np.float64]
 
-STEP = 0.01
 SAMPLES = 2000
-MAX_SAMPLES = 10_000_000
 
 
 def simulate(
     mission: Mission,
     *,
     duration: float | None = None,
-    step: float = STEP,
+    step: float | None = None,
     every: int | None = None,
     seed: int = 0,
     compiler: str | None = None,
@@ -62,8 +60,8 @@ def simulate(
     mission : Mission
     duration : float, optional
         s; by default seven time constants of the slowest motion near the goal.
-    step : float
-        Step of the Runge-Kutta method of order 4, s.
+    step : float, optional
+        Step of the Runge-Kutta method of order 4, s; by default as `flight_step` has it.
     every : int, optional
         Keep every so many steps; by default about 2000 samples are kept.
     seed : int
@@ -84,7 +82,10 @@ def simulate(
         If the duration, the step or the mission cannot be used.
     """
     check_seed(seed)
-    steps, every = steps_and_interval(mission, duration, step, every, SAMPLES)
+    step = flight_step(mission, step)
+    steps, every = steps_and_interval(
+        mission, duration, step, every, SAMPLES, sample_bytes=sample_bytes(mission)
+    )
     if not is_ideal(mission):
         plan = Plan(mission, step, steps // every, every, seed, scattered=False)
         return _fly_as_built(plan, compiler)
@@ -108,82 +109,14 @@ def simulate(
     return flight
 
 
-def steps_and_interval(
-    mission: Mission, duration: float | None, step: float, every: int | None, samples: int
-) -> tuple[int, int]:
-    """Return how many steps a flight has, and how many lie between its samples.
-
-    Parameters
-    ----------
-    mission : Mission
-    duration : float, optional
-        s; by default that of `default_duration`.
-    step : float
-        s.
-    every : int, optional
-        Steps between samples; by default such that about so many `samples` are kept.
-    samples : int
-        Number of samples wanted if `every` is not given.
-
-    Raises
-    ------
-    InputError
-        If they are not possible.
-    """
-    if duration is None:
-        duration = default_duration(mission)
-    if not (math.isfinite(step) and step > 0):
-        raise InputError("--step", "", f"must be a positive time in s, not {step}")
-    if not (math.isfinite(duration) and duration >= step):
-        raise InputError("--duration", "", f"must be at least one step of {step} s, not {duration}")
-    steps = round(duration / step)
-    every = max(1, steps // samples) if every is None else every
-    if not 1 <= every <= steps:
-        raise InputError("--every", "", f"must be between 1 and the {steps} steps, not {every}")
-    if steps // every > MAX_SAMPLES:
-        raise InputError(
-            "--every", "", f"would keep more than {MAX_SAMPLES} samples; take a larger one"
-        )
-    return steps, every
-
-
-def default_duration(mission: Mission) -> float:
-    """Return seven time constants of the slowest motion near the goal, s, to two digits.
-
-    Parameters
-    ----------
-    mission : Mission
-
-    Raises
-    ------
-    InputError
-        If the loop is not stable near the goal, so that no time is natural.
-    """
-    slowest = slowest_rate(mission)
-    if slowest <= 0:
-        raise InputError("--duration", "", "must be given: this loop is not stable near its goal")
-    time = 7 / slowest
-    digits = 1 - math.floor(math.log10(time))
-    return float(round(time, digits))
-
-
-def slowest_rate(mission: Mission) -> float:
-    """Return the decay rate of the slowest motion of the loop linearised at the goal, 1/s.
-
-    Negative if some motion grows.
+def sample_bytes(mission: Mission) -> int:
+    """Return how many bytes a sample of a flight takes.
 
     Parameters
     ----------
     mission : Mission
     """
-    numbers = FlightNumbers.of(mission)
-    design, thrust = Design.symbols(), ca.SX.sym("T")
-    f = ca.Function("f", [design.vector(), thrust], [thrust_factor(thrust, design)])
-    points = ca.SX(numbers.points)
-    Q = depth_matrix(body_points(points, ca.SX(numbers.goal), ca.SX.eye(3)))
-    weight = float(mission.vehicle.weight)
-    B = linearised_loop()(numbers.design, ca.DM(Q), f(numbers.design, weight))
-    return -float(np.linalg.eigvals(np.array(B)).real.max())
+    return 8 * (53 + 2 * len(mission.target.points))
 
 
 def summary(flight: xr.Dataset) -> dict[str, Any]:
@@ -265,8 +198,7 @@ def save(flight: xr.Dataset, path: str | Path) -> None:
     InputError
         If the file cannot be written.
     """
-    with replacing(path) as beside:
-        flight.to_netcdf(beside, engine="h5netcdf")
+    write_bytes(path, flight.to_netcdf(engine="h5netcdf"))
 
 
 def _run(
@@ -283,7 +215,10 @@ def _fly_as_built(plan: Plan, compiler: str | None) -> xr.Dataset:
     mission = plan.mission
     machine = kernel.machine(plan.loop, plan.schedule, compiler)  # compiled before it is timed
     begin = time.perf_counter()
-    records, memory, taken = fly_raw(plan, 0, 1, compiler=compiler)
+    stop = kernel.Stop()
+    records, memory, taken = interruptibly(
+        lambda: fly_raw(plan, 0, 1, compiler=compiler, stop=stop), stop.set
+    )
     seconds = time.perf_counter() - begin
     kept, last, good = records[0, : taken[0] + 1], memory[0], taken[0]
     parts = {name: kept[:, place(plan.record, name)] for name in plan.record}

@@ -14,6 +14,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.compilers import find_compiler
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.simulation.closed_loop import (
     FLIGHT_SIZE,
@@ -22,7 +23,7 @@ from hoverproof.simulation.closed_loop import (
     readout,
     step_function,
 )
-from hoverproof.simulation.compiled import DIVERGED, find_compiler
+from hoverproof.simulation.compiled import DIVERGED
 from hoverproof.simulation.lanes import vector_library, vector_source
 from hoverproof.simulation.noise import FLIGHT, normals
 

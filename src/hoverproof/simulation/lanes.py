@@ -6,11 +6,10 @@ import ctypes
 import re
 from collections.abc import Mapping, Sequence
 from functools import cache
-from pathlib import Path
 
 import casadi as ca
 
-from hoverproof.simulation.compiled import PREAMBLE, build, c_file, define, generate
+from hoverproof.simulation.compiled import PREAMBLE, c_file, define, generate, library
 
 OPERATIONS = ("fabs", "fmin", "fmax", "sqrt", "floor", "sq")
 """Functions that lanes.h has for vectors; beside them a graph may use + - * / only."""
@@ -48,5 +47,4 @@ def vector_source(
 @cache
 def vector_library(source: str, compiler: str) -> ctypes.CDLL | None:
     """Return the compiled text of `vector_source`, or None if that fails."""
-    path: Path | None = build(source, compiler, "batch") if compiler else None
-    return None if path is None else ctypes.CDLL(str(path))
+    return library(source, compiler, "batch") if compiler else None

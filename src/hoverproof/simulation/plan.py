@@ -25,6 +25,9 @@ Array = NDArray[np.float64]
 
 STEPS_IN_A_BLOCK = 4_000_000
 BYTES_IN_A_BLOCK = 8_000_000
+AT_LEAST = 16
+"""How many runs a block has at least."""
+
 _PREPARING = threading.Lock()
 
 
@@ -196,4 +199,4 @@ class Plan:
         """How many runs are flown at a time: about half a second's work, and little memory."""
         by_steps = STEPS_IN_A_BLOCK // (self.samples * self.every)
         by_bytes = BYTES_IN_A_BLOCK // (8 * (self.samples + 1) * sum(self.record.values()))
-        return max(16, min(by_steps, by_bytes, 65536) // 16 * 16)
+        return max(AT_LEAST, min(by_steps, by_bytes, 65536) // 16 * 16)

@@ -128,7 +128,11 @@ def _search_and_prove(
     kinds = [k for k in (True, False) if (barrier is None or k is barrier) and (possible or not k)]
     reasons = []
     for with_barrier in kinds:
-        verdict = _attempt(mission, potential, loop, objective, wanted, with_barrier, tell)
+        verdict: Proved | str
+        try:
+            verdict = _attempt(mission, potential, loop, objective, wanted, with_barrier, tell)
+        except (checker.Rejected, ArithmeticError, np.linalg.LinAlgError) as error:
+            verdict = f"these numbers are beyond what can be computed with ({error})"
         if isinstance(verdict, Proved):
             return verdict
         reasons.append(("with" if with_barrier else "without") + f" a barrier: {verdict}")

@@ -1,0 +1,209 @@
+"""How long a flight is, and in what steps: both follow from the motions of the loop."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import casadi as ca
+import numpy as np
+
+from hoverproof.errors import InputError
+from hoverproof.mission import Mission
+from hoverproof.plant.camera import body_points, depth_matrix
+from hoverproof.plant.rigid_body import STATE_SIZE
+from hoverproof.servo.error_chain import Design
+from hoverproof.servo.lyapunov import linearised_loop, thrust_factor
+from hoverproof.simulation.closed_loop import guards, loop_rate, parameters
+from hoverproof.simulation.numbers import FlightNumbers
+
+STEP = 0.01
+"""The step of a flight, s, unless its loop or its controller is too fast for it."""
+
+LONGEST = 2.0
+"""Of a step times the fastest motion: beyond it, the method of Runge and Kutta or a controller that
+holds its output makes a stable motion grow."""
+
+MAX_STEPS = 10**8
+MAX_BYTES = 2 * 10**9
+
+
+def flight_step(mission: Mission, step: float | None) -> float:
+    """Return the step to fly a mission with, s.
+
+    By default it is 0.01 s. It is shorter for a loop whose fastest motion takes less time than
+    that, and no longer than from one frame, or one tick of the controller, to the next.
+
+    Parameters
+    ----------
+    mission : Mission
+    step : float, optional
+        A wish, s.
+
+    Raises
+    ------
+    InputError
+        If the wish is no time, or too long for the loop.
+    """
+    if step is not None and not (math.isfinite(step) and step > 0):
+        raise InputError("--step", "", f"must be a positive time in s, not {step}")
+    held = mission.sensors.control_rate is not None  # what is held cannot be too fast for a step
+    fastest = 0.0 if held else fastest_rate(mission)
+    if step is None:
+        return _default_step(mission, fastest)
+    if step * fastest > LONGEST:
+        raise InputError(
+            "--step",
+            "",
+            f"{step:g} s is too long for this loop, whose fastest motion takes {1 / fastest:.3g} s:"
+            f" computed so, it would diverge; {_default_step(mission, fastest):g} s will do",
+        )
+    return step
+
+
+def _default_step(mission: Mission, fastest: float) -> float:
+    """Return the step that follows from the fastest motion, 1/s, and the rates of a mission."""
+    rates = (mission.sensors.control_rate, mission.sensors.frame_rate)
+    rate = float(max((r for r in rates if r is not None), default=0))
+    longest = min(STEP, 1 / fastest) if fastest else STEP
+    if rate * longest > 1:
+        return 1 / rate
+    if longest == STEP:
+        return STEP
+    if rate:  # so that frames and ticks fall on steps
+        return 1 / rate / math.ceil(1 / rate / longest)
+    power = math.floor(math.log10(longest))
+    steps = [float(f"{d}e{p}") for p in (power - 1, power) for d in (1, 2, 5)]
+    return max(s for s in steps if s <= longest)
+
+
+def fastest_rate(mission: Mission) -> float:
+    """Return the rate of the fastest motion of the linearised loop, at the start or the goal, 1/s.
+
+    Zero where the loop cannot be linearised, as without thrust above the singularity.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    numbers = FlightNumbers.of(mission)
+    goal = np.zeros(STATE_SIZE)
+    goal[:3], goal[[6, 10, 14]] = numbers.goal, 1
+    goal[-1] = numbers.start[-1]  # both hover: the thrust is the weight
+    linearise, rates = _linearised(numbers.points.shape[1]), [0.0]
+    for state in (goal, numbers.start):
+        slope, margins = (np.array(m) for m in linearise(state, numbers.design, numbers.points))
+        if (margins > 0).all() and np.isfinite(slope).all():
+            rates.append(float(np.abs(np.linalg.eigvals(slope)).max()))
+    error = mission.model_error  # what is lighter than the controller knows moves faster
+    return max(rates) / min(1.0, *(float(1 + e) for e in (error.mass, *error.inertia)))
+
+
+@cache
+def _linearised(n: int) -> ca.Function:
+    """Return (state, design, points) ↦ slope of the loop, (19, 19), 1/s, and its guards."""
+    (design, points), x = parameters(n), ca.SX.sym("x", STATE_SIZE)
+    slope = ca.jacobian(loop_rate(x, design, points), x)
+    inputs = [x, design.vector(), points]
+    return ca.Function("linearised", inputs, [ca.densify(slope), guards(x, design, points)])
+
+
+def steps_and_interval(
+    mission: Mission,
+    duration: float | None,
+    step: float,
+    every: int | None,
+    samples: int,
+    *,
+    sample_bytes: int,
+) -> tuple[int, int]:
+    """Return how many steps a flight has, and how many lie between its samples.
+
+    Parameters
+    ----------
+    mission : Mission
+    duration : float, optional
+        s; by default that of `default_duration`.
+    step : float
+        s, from `flight_step`.
+    every : int, optional
+        Steps between samples; by default such that about so many `samples` are kept.
+    samples : int
+        Number of samples wanted if `every` is not given.
+    sample_bytes : int
+        Number of bytes that each takes in memory.
+
+    Raises
+    ------
+    InputError
+        If they are not possible, or beyond reason.
+    """
+    if duration is None:
+        duration = default_duration(mission)
+    if not (math.isfinite(duration) and duration >= step):
+        raise InputError("--duration", "", f"must be at least one step of {step} s, not {duration}")
+    count = duration / step
+    if not count <= MAX_STEPS:
+        kept = samples if every is None else count / max(every, 1)
+        raise InputError(
+            "--duration, --step",
+            "",
+            f"{duration:g} s would take {count:.3g} steps of {step:g} s, of which {kept:.3g} "
+            f"are kept ({_bytes(kept * sample_bytes)}); at most {MAX_STEPS:.3g} steps are flown",
+        )
+    steps = round(count)
+    every = max(1, steps // samples) if every is None else every
+    if not 1 <= every <= steps:
+        raise InputError("--every", "", f"must be between 1 and the {steps} steps, not {every}")
+    size = steps // every * sample_bytes
+    if size > MAX_BYTES:
+        raise InputError(
+            "--every",
+            "",
+            f"would keep {steps // every} of {steps} steps, which takes {_bytes(size)}; for at "
+            f"most {_bytes(MAX_BYTES)} take {-(-steps * sample_bytes // MAX_BYTES)} or more",
+        )
+    return steps, every
+
+
+def _bytes(size: float) -> str:
+    return f"{size / 1e6:.3g} MB" if size < 1e9 else f"{size / 1e9:.3g} GB"
+
+
+def default_duration(mission: Mission) -> float:
+    """Return seven time constants of the slowest motion near the goal, s, to two digits.
+
+    Parameters
+    ----------
+    mission : Mission
+
+    Raises
+    ------
+    InputError
+        If the loop is not stable near the goal, so that no time is natural.
+    """
+    slowest = slowest_rate(mission)
+    if slowest <= 0:
+        raise InputError("--duration", "", "must be given: this loop is not stable near its goal")
+    time = 7 / slowest
+    digits = 1 - math.floor(math.log10(time))
+    return float(round(time, digits))
+
+
+def slowest_rate(mission: Mission) -> float:
+    """Return the decay rate of the slowest motion of the loop linearised at the goal, 1/s.
+
+    Negative if some motion grows.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    numbers = FlightNumbers.of(mission)
+    design, thrust = Design.symbols(), ca.SX.sym("T")
+    f = ca.Function("f", [design.vector(), thrust], [thrust_factor(thrust, design)])
+    points = ca.SX(numbers.points)
+    Q = depth_matrix(body_points(points, ca.SX(numbers.goal), ca.SX.eye(3)))
+    weight = float(mission.vehicle.weight)
+    B = linearised_loop()(numbers.design, ca.DM(Q), f(numbers.design, weight))
+    return -float(np.linalg.eigvals(np.array(B)).real.max())

@@ -1,0 +1,79 @@
+"""Numbers that no vehicle has are refused by name, or answered in one line: never a traceback."""
+
+from __future__ import annotations
+
+import pytest
+
+from hoverproof import cli
+from hoverproof.errors import InputError
+from hoverproof.mission import load
+
+TINY = "1e-300"
+KEYS = {
+    "vehicle.mass": "from 1e-12 to 1e6 kg",
+    "vehicle.arm": "from 1e-12 to 1e6 m",
+    "vehicle.gravity": "from 1e-12 to 1e3 m/s²",
+    "gains.k1": "from 1e-12 to 1e9 kg m/s",
+    "gains.k2": "from 1e-12 to 1e9 1/m",
+    "gains.k3": "from 1e-12 to 1e9 kg/s",
+    "gains.k4": "from 1e-12 to 1e9 kg/s",
+    "gains.k_yaw": "from 1e-15 to 1e9 kg m²/s",
+    "goal.height": "from 1e-12 to 1e6 m",
+}
+
+
+@pytest.mark.parametrize("key", KEYS)
+def test_a_positive_number_too_small_to_compute_with_is_refused_with_the_range(key):
+    with pytest.raises(InputError, match=f"{key}: must be {KEYS[key]}, not 1e-300"):
+        load("x4-flyer", {key: TINY})
+
+
+def test_what_insects_have_is_no_absurdity():
+    insect = {"vehicle.mass": "8e-5", "vehicle.inertia": "[1e-9, 1e-9, 5e-10]"}
+    load("x4-flyer", {**insect, "bounds.thrust": "[7e-4, 8.6e-4]"})
+
+
+def test_a_number_of_more_digits_than_can_be_handled_is_refused():
+    with pytest.raises(InputError, match="at most 40 digits"):
+        load("x4-flyer", {"start.position": f"[5, 2.5, -4.{'3' * 60}]"})
+    with pytest.raises(InputError, match="at most 40 digits"):
+        load("x4-flyer", {"start.position": "[5, 1e-300, -4]"})
+
+
+EXTREME = [
+    ["certify", "--set", "gains.k1=1e-12", "--set", "gains.k4=1e9"],
+    ["certify", "--set", "bounds.eigenvalues=[1e-12, 1e6]"],
+    ["region", "--boxes", "20", "--set", "start.position=[1e6, 1e6, -1e6]"],
+    ["simulate", "--no-figures", "--set", "gains.k4=1e9"],
+    ["simulate", "--no-figures", "--duration", "1", "--set", "gains.k1=1e9"],
+    ["atlas", "--cells", "4", "--set", "gains.k3=1e9", "--set", "gains.k1=1e-12"],
+    ["export", "--out", "fw", "--set", "gains.k2=1e-12", "--allow-uncertified"],
+    # the goal comes so near that no force is small enough
+    [
+        *("attraction", "--set", "gains.k1=3856", "--set", "gains.k3=1439"),
+        *("--set", "goal.height=1e-12", "--set", "start.position=[0, 0.001, -1e-12]"),
+    ],
+]
+
+
+@pytest.mark.parametrize("words", EXTREME, ids=" ".join)
+def test_extreme_numbers_get_an_answer(words, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    command, *options = words
+    with pytest.raises(SystemExit) as done:
+        cli.main([command, "x4-flyer", *options])
+    assert done.value.code in (0, 1, 2, 3)
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_arithmetic_that_gives_up_is_one_line_and_proves_nothing(monkeypatch, capsys):
+    def give_up(*_, **__):
+        raise OverflowError("numerical result out of range")
+
+    monkeypatch.setattr("hoverproof.certification.gains.certify", give_up)
+    with pytest.raises(SystemExit) as done:
+        cli.main(["certify", "x4-flyer"])
+    assert done.value.code == 3
+    said = capsys.readouterr().err
+    assert said.startswith("hoverproof: undecided: these numbers are beyond")
+    assert said.count("\n") == 1
