@@ -266,7 +266,7 @@ def test_a_failed_write_leaves_the_old_file(x4, monkeypatch):
         raise OSError(28, "No space left on device")
 
     flight = simulate(x4, duration=1)
-    monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(InputError, match="No space left"):
         save(flight, "a.nc")
     assert Path("a.nc").read_text() == "old"
