@@ -183,7 +183,7 @@ def test_ctrl_c_ends_a_command_at_once_with_one_line_and_nothing_half_written(wo
         [*COMMAND, *words.split()], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
     try:
-        process.wait(after)
+        process.communicate(timeout=after)
         pytest.skip("was done before")
     except subprocess.TimeoutExpired:
         process.send_signal(signal.SIGINT)

@@ -239,7 +239,7 @@ def test_a_flight_that_cannot_go_on_says_so(change, outcome):
         ({"duration": -1}, "--duration: must be at least one step"),
         ({"duration": float("inf")}, "--duration"),
         ({"duration": 1, "every": 0}, "--every: must be between 1 and the 100 steps"),
-        ({"duration": 1e9, "every": 1}, "--every: would keep more than"),
+        ({"duration": 9e5, "every": 1}, "--every: would keep 90000000 of 90000000 steps"),
     ],
 )
 def test_impossible_times_are_refused(x4, options, message):
@@ -270,7 +270,7 @@ def test_a_failed_write_leaves_the_old_file(x4, monkeypatch):
         raise OSError(28, "No space left on device")
 
     flight = simulate(x4, duration=1)
-    monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(InputError, match="No space left"):
         save(flight, "a.nc")
     assert Path("a.nc").read_text() == "old"
