@@ -135,13 +135,8 @@ def test_a_condition_that_nothing_meets_is_said_so_and_not_by_infinity(capsys):
     _, out, _ = run(capsys, "certify", "x4-flyer", *soft)
     assert "inf" not in out
     assert "k3: none is enough with such a k2 (30.5: not met)" in " ".join(out.split())
-    (k3,) = (
-        d
-        for d in printed_demands(
-            load("x4-flyer", {"gains.k2": "1"}), (Fraction("0.01"), Fraction(5))
-        )
-        if d.name == "k3"
-    )
+    demands = printed_demands(load("x4-flyer", {"gains.k2": "1"}), (Fraction("0.01"), Fraction(5)))
+    (k3,) = (d for d in demands if d.name == "k3")
     assert not (k3.possible or k3.met)
 
 
