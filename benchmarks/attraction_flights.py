@@ -19,7 +19,7 @@ import numpy as np
 from hoverproof.certification.attraction.motion import energy_function, numbers
 from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.attraction.verdict import Proved
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.error_chain import Design
 from hoverproof.simulation.closed_loop import flight_states, loop_rate

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from closed_loop import DT, TILTED, N, hand_written, numpy_run, plain_rate, plain_step
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.simulation import compiled, kernel
 from hoverproof.simulation.batch import fly_raw
 from hoverproof.simulation.closed_loop import flight_states

@@ -20,7 +20,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.simulation import compiled
 from hoverproof.simulation.closed_loop import FLIGHT_SIZE, flight_states
 from hoverproof.simulation.flight import FlightNumbers

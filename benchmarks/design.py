@@ -19,7 +19,7 @@ from hoverproof.certification.problem import gain_problem, sigma_function
 from hoverproof.design.atlas import atlas, axis, cell_mission
 from hoverproof.design.margins import Questions, factor_of
 from hoverproof.design.tuning import tune
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from tables import report
 
 ROUNDS = 3

@@ -15,7 +15,8 @@ import numpy as np
 from hoverproof import checker
 from hoverproof.certification.gains import certify
 from hoverproof.certification.problem import gain_problem
-from hoverproof.mission import Mission, load
+from hoverproof.mission.reading import load
+from hoverproof.mission.sections import Mission
 from tables import report
 
 ROUNDS = 15

@@ -24,7 +24,8 @@ from hoverproof.algebra.decimals import decimal_below
 from hoverproof.certification.attraction.verdict import Proved as Region
 from hoverproof.certification.gains import Proved
 from hoverproof.design.atlas import axis
-from hoverproof.mission import Mission, preset_text
+from hoverproof.mission.presets import preset_text
+from hoverproof.mission.sections import Mission
 from hoverproof.show import panels
 from hoverproof.show.atlas import draw_atlas
 from hoverproof.show.attraction import View, hovers_inside

@@ -22,8 +22,9 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 import hoverproof.cli  # noqa: F401 - so that each command joins the application
-from hoverproof import mission
 from hoverproof.cli import console
+from hoverproof.mission.presets import preset_text
+from hoverproof.mission.sections import Mission
 
 ROOT = Path(__file__).parents[1]
 HUGE = 10**300
@@ -74,7 +75,7 @@ def mission_file() -> str:
         "is unknown, missing or impossible is refused with one line that names the file, the key, "
         "the value and what would be right.",
     ]
-    for name, field in mission.Mission.model_fields.items():
+    for name, field in Mission.model_fields.items():
         model = _model_of(field)
         if model is None:
             continue
@@ -92,7 +93,7 @@ def mission_file() -> str:
             ]
         parts.append(_table(head, rows))
     parts.append("## A complete file\n\nThis is the preset `x4-flyer`, as `hoverproof presets")
-    parts[-1] += " x4-flyer` prints it.\n\n```toml\n" + mission.preset_text("x4-flyer") + "```"
+    parts[-1] += " x4-flyer` prints it.\n\n```toml\n" + preset_text("x4-flyer") + "```"
     return "\n\n".join(parts) + "\n"
 
 

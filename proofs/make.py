@@ -10,7 +10,8 @@ from hoverproof.certification.attraction.proof import start_or_ball
 from hoverproof.certification.gains import Proved, certify
 from hoverproof.certification.over_box import certify_region
 from hoverproof.certification.region import default_box
-from hoverproof.mission import load, presets
+from hoverproof.mission.presets import presets
+from hoverproof.mission.reading import load
 
 
 def make(folder: Path) -> None:

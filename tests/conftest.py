@@ -5,7 +5,8 @@ import os
 import pytest
 from hypothesis import HealthCheck, settings
 
-from hoverproof.mission import Mission, load
+from hoverproof.mission.reading import load
+from hoverproof.mission.sections import Mission
 
 BUSY = [HealthCheck.too_slow]  # a busy machine is no failure
 settings.register_profile("desk", suppress_health_check=BUSY)

@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 
 import hoverproof
-from hoverproof.mission import load, presets
+from hoverproof.mission.presets import presets
+from hoverproof.mission.reading import load
 
 TARGET = Path(__file__).parent / "target"
 FLAGS = ("-std=c99", "-O2", "-fno-math-errno", "-ffp-contract=off")

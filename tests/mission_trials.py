@@ -256,7 +256,7 @@ def contradictions(
 ) -> Iterator[Fault]:
     """Yield what commands say of one mission that cannot both be so."""
     from hoverproof.errors import InputError
-    from hoverproof.mission import load
+    from hoverproof.mission.reading import load
 
     def fault(command: str, words: str) -> Fault:
         return Fault("contradiction", one.number, command, words)
@@ -369,7 +369,7 @@ def _attraction(fault: Say, answers: dict[str, Answer], mission: Any) -> Iterato
         return
     from hoverproof.certification.attraction.refutation import refute
     from hoverproof.certification.attraction.verdict import Undecided
-    from hoverproof.mission import CONDITIONS
+    from hoverproof.mission.sections import CONDITIONS
     from hoverproof.simulation.flight import simulate, summary
 
     if refute(mission, None, Undecided("asked for", mission)).status == "refuted":

@@ -6,7 +6,7 @@ import pytest
 
 from hoverproof import cli
 from hoverproof.errors import InputError
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 
 TINY = "1e-300"
 KEYS = {

@@ -14,10 +14,8 @@ import hoverproof
 HOUSE = Path(hoverproof.__file__).parent
 FLOORS = [
     {"errors", "version"},
-    {"compilers", "files", "quantities", "spread"},
-    {"conditions"},
+    {"compilers", "files", "spread"},
     {"mission", "algebra"},
-    {"editing"},
     {"plant"},
     {"servo"},
     {"certification", "simulation", "export", "paper"},

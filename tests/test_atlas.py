@@ -23,7 +23,7 @@ from hoverproof.design.atlas import (
     on_boundary,
 )
 from hoverproof.errors import InputError
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.paper.conditions import printed_demands, where_met
 from hoverproof.show.atlas import atlas_figure
 

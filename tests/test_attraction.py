@@ -26,7 +26,7 @@ from hoverproof.certification.attraction.search import HoverGrid
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import Proved, Undecided
 from hoverproof.errors import InputError
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.servo.error_chain import Design
 from hoverproof.simulation.flight import slowest_rate
 

@@ -15,7 +15,7 @@ import xarray as xr
 
 from hoverproof import cli
 from hoverproof.errors import InputError
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.simulation import plan
 from hoverproof.simulation.campaign import batch_summary, simulate_batch
 from hoverproof.simulation.draws import memory_and_parameters
@@ -312,7 +312,7 @@ def test_work_is_spread_in_order_and_stopped_when_nobody_wants_it():
 
 GROW = """
 import resource, sys
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.simulation.campaign import simulate_batch
 simulate_batch(load("x4-flyer"), "a.nc", runs=int(sys.argv[1]), duration=2, every=1)
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)

@@ -13,7 +13,7 @@ from scipy.optimize import minimize
 
 from hoverproof.certification.gains import Proved, Refuted, Undecided, certify
 from hoverproof.errors import InputError
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 
 BLOCKS, MISSIONS = 8, 250
 CORNERS = np.array([[1, 1, 0], [1, -1, 0], [-1, -1, 0], [-1, 1, 0]], float)

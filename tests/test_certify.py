@@ -11,7 +11,7 @@ from hoverproof import checker
 from hoverproof.certification.gains import Proved, Refuted, Undecided, certify
 from hoverproof.certification.problem import gain_problem
 from hoverproof.errors import InputError
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 
 
 def sampled_worst(mission, count=300, seed=0):

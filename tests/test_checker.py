@@ -20,7 +20,7 @@ from hoverproof.certification.certificate import seal
 from hoverproof.certification.gains import certify
 from hoverproof.certification.problem import gain_problem
 from hoverproof.certification.region import enclose
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 
 CHECKER = Path(checker.__file__)
 WIDE = ((-1, 6), (-1, 4), (-5, -2))

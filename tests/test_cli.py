@@ -13,7 +13,7 @@ import pytest
 
 import hoverproof
 from hoverproof import checker, cli
-from hoverproof.mission import presets
+from hoverproof.mission.presets import presets
 
 
 def run(capsys, *arguments):

@@ -14,7 +14,7 @@ import pytest
 from hoverproof.cli import main
 from hoverproof.design.atlas import atlas, axis
 from hoverproof.errors import InputError
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.simulation import plan
 from hoverproof.simulation.campaign import batch_summary, simulate_batch
 from hoverproof.spread import spread

@@ -19,7 +19,7 @@ from rich.cells import cell_len
 
 from hoverproof import cli
 from hoverproof.cli.console import app
-from hoverproof.mission import preset_text, presets
+from hoverproof.mission.presets import preset_text, presets
 
 COMMANDS = sorted(name for name in app if not name.startswith("-"))
 PROGRAM = Path(sys.executable).parent / "hoverproof"

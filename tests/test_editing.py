@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hoverproof.editing import decimal, mission_text
 from hoverproof.errors import InputError
-from hoverproof.mission import load, preset_text
+from hoverproof.mission.presets import preset_text
+from hoverproof.mission.reading import load
+from hoverproof.mission.writing import decimal, mission_text
 
 CHANGES = [
     {},

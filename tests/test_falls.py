@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 from hoverproof import compilers
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.simulation import compiled
 from hoverproof.simulation.flight import simulate
 

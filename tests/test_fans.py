@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 from PIL import Image
 
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.show import fans
 from hoverproof.simulation.flight import simulate, summary
 

@@ -17,7 +17,7 @@ from hoverproof.certification import gains
 from hoverproof.certification.gains import Proved, certify
 from hoverproof.certification.lmi import Vertex
 from hoverproof.errors import InputError
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 
 F = Fraction
 DECIDERS = pytest.mark.parametrize("decide", [is_positive_definite, checker.positive_definite])

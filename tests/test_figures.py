@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import hoverproof as hp
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_goal
 from hoverproof.show import figures, panels, style
 from hoverproof.show.decay import Decay, decay_along

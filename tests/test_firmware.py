@@ -24,7 +24,8 @@ from hoverproof.export.contents import Standing
 from hoverproof.export.flight_law import assert_is_the_controller, flight_law
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.export.precision import FLOAT32, FLOAT64
-from hoverproof.mission import load, presets
+from hoverproof.mission.presets import presets
+from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rotors import wrench
 from hoverproof.servo.controller import derive_controller

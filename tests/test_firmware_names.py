@@ -13,7 +13,7 @@ import pytest
 from firmware_kit import FLAGS, export, run, tool
 from hoverproof.errors import InputError
 from hoverproof.export.names import HEADERS, WORDS, package_name
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 
 STUBS = Path(__file__).parent / "stubs"
 

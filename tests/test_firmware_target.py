@@ -26,7 +26,7 @@ from firmware_kit import (
     run,
     tool,
 )
-from hoverproof.mission import presets
+from hoverproof.mission.presets import presets
 
 STUBS = Path(__file__).parent / "stubs"
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"

@@ -8,7 +8,7 @@ import xarray as xr
 
 from hoverproof.compilers import find_compiler
 from hoverproof.firmware import fly_firmware
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.simulation.campaign import simulate_batch
 from hoverproof.simulation.flight import simulate, summary
 from hoverproof.simulation.flight_log import OUTCOMES

@@ -19,7 +19,8 @@ from hoverproof.design.atlas import atlas, axis
 from hoverproof.design.gain_search import slowest_rate_at_goal
 from hoverproof.design.tuning import tune
 from hoverproof.errors import InputError
-from hoverproof.mission import load, presets
+from hoverproof.mission.presets import presets
+from hoverproof.mission.reading import load
 from test_brute_force import random_mission
 
 WITHOUT_GOAL = {"bounds.eigenvalues": "[0.01, 0.1]"}

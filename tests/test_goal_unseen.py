@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hoverproof.errors import InputError
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_goal
 
 ROUGH = [[0.99, 0.4, -0.65], [1.09, 0.54, -0.27], [0.7, 0.44, 0.15], [0.03, 0.66, -0.37]]

@@ -12,7 +12,8 @@ import pytest
 from hoverproof import cli
 from hoverproof.errors import InputError
 from hoverproof.files import locked
-from hoverproof.mission import load, preset_text
+from hoverproof.mission.presets import preset_text
+from hoverproof.mission.reading import load
 from hoverproof.paper.conditions import printed_demands
 from hoverproof.reporting.document import report
 

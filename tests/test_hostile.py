@@ -19,7 +19,7 @@ from hoverproof.certification.gains import certify
 from hoverproof.certification.over_box import certify_region
 from hoverproof.certification.problem import gain_problem
 from hoverproof.certification.region import enclose
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 
 F = Fraction
 SMALL = ((F(0), F(1)), (F(0), F(1, 2)), (F(-4), F(-3)))

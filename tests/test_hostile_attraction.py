@@ -17,7 +17,7 @@ from hoverproof import checker
 from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.attraction.refutation import refute
 from hoverproof.certification.attraction.verdict import Undecided
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from test_hostile import floats, is_about, mutants, put, with_another_key
 
 F = Fraction

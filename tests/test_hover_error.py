@@ -10,7 +10,7 @@ import pytest
 
 import hoverproof as hp
 from hoverproof import cli
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_at_height, hover_goal
 from hoverproof.plant.rigid_body import RigidBodyState, state_rate
 from hoverproof.reporting.tables import hover_error_table

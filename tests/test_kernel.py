@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.simulation import compiled, kernel, noise
 from hoverproof.simulation.closed_loop import flight_states
 from hoverproof.simulation.numbers import FlightNumbers

@@ -13,7 +13,7 @@ from hoverproof import cli
 from hoverproof.certification.gains import certify
 from hoverproof.cli.console import app
 from hoverproof.cli.interview import QUESTIONS, interview
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 
 PROGRAM = Path(sys.executable).parent / "hoverproof"
 

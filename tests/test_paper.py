@@ -14,7 +14,7 @@ import pytest
 from hoverproof import checker, cli
 from hoverproof.algebra.identity import prove_equal
 from hoverproof.errors import InputError
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.paper import equations, symbols, theorem
 from hoverproof.paper.judge import Verdict, identity, proof_of
 from hoverproof.paper.ledger import ORDER, all_proved, derive, ledger

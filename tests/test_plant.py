@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.plant import camera, rigid_body, rotors
 from hoverproof.plant.goal import hover_goal
 

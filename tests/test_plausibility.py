@@ -8,7 +8,8 @@ from fractions import Fraction
 import pytest
 
 from hoverproof import cli
-from hoverproof.mission import load, presets
+from hoverproof.mission.presets import presets
+from hoverproof.mission.reading import load
 from hoverproof.plausibility import warnings
 from hoverproof.reporting.tables import strange_tables
 

@@ -12,9 +12,10 @@ import pytest
 from firmware_kit import export, tool
 from hoverproof.certification.gains import Proved, certify
 from hoverproof.design.tuning import tune
-from hoverproof.editing import mission_text
 from hoverproof.export.binding import Firmware
-from hoverproof.mission import load, preset_text, presets
+from hoverproof.mission.presets import preset_text, presets
+from hoverproof.mission.reading import load
+from hoverproof.mission.writing import mission_text
 from hoverproof.simulation.flight import simulate, summary
 
 SETTLES = {"crazyflie-2.1": 18, "racer-250": 22, "research-1.5kg": 17, "x4-flyer-tuned": 135}

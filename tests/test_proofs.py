@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from hoverproof import checker
-from hoverproof.mission import presets
+from hoverproof.mission.presets import presets
 from hoverproof.paper.conditions import printed_demands
 from hoverproof.simulation.flight import simulate
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from hoverproof.mission import conditions_text, load, preset_text
+from hoverproof.mission.presets import conditions_text, preset_text
+from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.simulation import compiled
 from hoverproof.simulation.batch import fly_raw

@@ -20,7 +20,7 @@ from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.attraction.refutation import flight_rate, refute, worst_states
 from hoverproof.certification.attraction.starts import Start, State
 from hoverproof.certification.attraction.verdict import Refuted, Undecided
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.servo.error_chain import Design

@@ -23,7 +23,7 @@ from hoverproof.certification.region import (
     parse_box,
 )
 from hoverproof.errors import InputError
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 
 F = Fraction
 SMALL = ((F(4), F(5)), (F(2), F(5, 2)), (F(-4), F(-3)))

@@ -20,7 +20,7 @@ from hoverproof.design.region_search import GainRegionSearch
 from hoverproof.design.region_tuning import tune_region
 from hoverproof.design.tuning import tune
 from hoverproof.errors import InputError
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.simulation.flight import simulate, slowest_rate, summary
 
 FIVE_TIMES = 0.02337

@@ -23,7 +23,7 @@ from hoverproof.certification.gains import Undecided, certify
 from hoverproof.certification.problem import gain_problem
 from hoverproof.errors import InputError
 from hoverproof.export import cost
-from hoverproof.mission import presets
+from hoverproof.mission.presets import presets
 from hoverproof.paper.ledger import derive
 from hoverproof.reporting import document, mathematics, parts
 from hoverproof.reporting.page import CONTENTS

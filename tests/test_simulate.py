@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.errors import InputError
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.simulation import compiled
 from hoverproof.simulation.flight import (

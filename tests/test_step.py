@@ -7,7 +7,8 @@ import pytest
 
 from hoverproof.errors import InputError
 from hoverproof.firmware import fly_firmware
-from hoverproof.mission import load, presets
+from hoverproof.mission.presets import presets
+from hoverproof.mission.reading import load
 from hoverproof.simulation.campaign import simulate_batch
 from hoverproof.simulation.flight import simulate
 from hoverproof.simulation.timing import STEP, fastest_rate, flight_step, slowest_rate

@@ -24,7 +24,7 @@ from hoverproof.design.margins import Questions, margins
 from hoverproof.design.outcome import Infeasible, Tuned
 from hoverproof.design.tuning import pareto, tune
 from hoverproof.errors import InputError
-from hoverproof.mission import load
+from hoverproof.mission.reading import load
 from hoverproof.simulation.flight import simulate, slowest_rate
 
 PROVED = {"bounds.eigenvalues": "auto"}

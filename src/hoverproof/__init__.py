@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from hoverproof.export.binding import Firmware as Firmware
     from hoverproof.firmware import export_c as export_c
     from hoverproof.firmware import fly_firmware as fly_firmware
-    from hoverproof.mission import load as load
-    from hoverproof.mission import presets as presets
+    from hoverproof.mission.presets import presets as presets
+    from hoverproof.mission.reading import load as load
     from hoverproof.paper.ledger import derive as derive
     from hoverproof.reporting.document import report as report
     from hoverproof.simulation.campaign import simulate_batch as simulate_batch
@@ -43,9 +43,9 @@ _HOMES = {
     "derive": ("hoverproof.paper.ledger", "derive"),
     "export_c": ("hoverproof.firmware", "export_c"),
     "fly_firmware": ("hoverproof.firmware", "fly_firmware"),
-    "load": ("hoverproof.mission", "load"),
+    "load": ("hoverproof.mission.reading", "load"),
     "pareto": ("hoverproof.design.tuning", "pareto"),
-    "presets": ("hoverproof.mission", "presets"),
+    "presets": ("hoverproof.mission.presets", "presets"),
     "report": ("hoverproof.reporting.document", "report"),
     "simulate": ("hoverproof.simulation.flight", "simulate"),
     "simulate_batch": ("hoverproof.simulation.campaign", "simulate_batch"),

@@ -15,7 +15,7 @@ from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
 from hoverproof.export.contents import Standing
 from hoverproof.export.package import NotCertified, write_package
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.simulation import flight as simulation
 from hoverproof.simulation.numbers import FlightNumbers
 from hoverproof.simulation.timing import flight_step, steps_and_interval

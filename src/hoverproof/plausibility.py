@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 from hoverproof.design.limits import bandwidth
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 
 MASSES = (0.003, 300.0)
 """kg: from the smallest that carry a camera to what carries a person."""

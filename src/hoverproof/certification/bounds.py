@@ -21,7 +21,7 @@ from hoverproof.certification.region import (
     holds_target_point,
 )
 from hoverproof.errors import InputError
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, Interval, hover_goal
 
 KEY = "bounds.eigenvalues"

@@ -16,7 +16,7 @@ from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.problem import GainProblem, sigma_function
 from hoverproof.errors import InputError
 from hoverproof.files import write_text
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 
 

@@ -27,7 +27,7 @@ from hoverproof.certification.problem import (
     sigma_function,
 )
 from hoverproof.certification.region import Region
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.servo.error_chain import Design
 
 WITNESS_BITS = 40

@@ -8,7 +8,7 @@ from hoverproof.certification.bounds import none_proved
 from hoverproof.certification.certificate import Certificate, seal
 from hoverproof.certification.problem import pose
 from hoverproof.certification.region import Box, Outside, Region, enclose, holds_over, outside
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import Interval
 
 

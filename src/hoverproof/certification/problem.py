@@ -23,7 +23,7 @@ from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.bounds import eigenvalue_bounds, goal_box, proved_bounds
 from hoverproof.certification.region import Box, Region
 from hoverproof.errors import InputError
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, Interval, hover_goal
 from hoverproof.servo.error_chain import Design
 from hoverproof.servo.lyapunov import ERROR_SIZE, derive_lyapunov_form, thrust_factor

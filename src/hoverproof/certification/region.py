@@ -12,7 +12,7 @@ from hoverproof import checker
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.errors import InputError
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import Interval, hover_goal
 
 Array = NDArray[np.float64]

@@ -30,7 +30,7 @@ from hoverproof.cli.console import (
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
-    from hoverproof.mission import Mission
+    from hoverproof.mission.sections import Mission
 
 CLAIM = {
     "proved": "Σ(Q, T) ≻ 0 for",

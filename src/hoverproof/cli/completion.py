@@ -16,7 +16,7 @@ MOST = 200
 
 def mission_names(context: CompletionContext) -> list[tuple[str, str]]:
     """Offer the presets, and the mission files in the folder typed so far and one below it."""
-    from hoverproof.mission import presets
+    from hoverproof.mission.presets import presets
 
     typed = context.incomplete
     folder = typed[: typed.rfind("/") + 1]
@@ -28,14 +28,14 @@ def mission_names(context: CompletionContext) -> list[tuple[str, str]]:
 
 def preset_names(context: CompletionContext) -> list[str]:
     """Offer the presets."""
-    from hoverproof.mission import presets
+    from hoverproof.mission.presets import presets
 
     return presets()
 
 
 def settings(context: CompletionContext) -> list[str]:
     """Offer each number of the mission typed so far as KEY=VALUE, to be changed."""
-    from hoverproof.mission import preset_text, presets
+    from hoverproof.mission.presets import preset_text, presets
 
     mission = context.get("mission")
     source = (mission and mission.raw) or presets()[0]

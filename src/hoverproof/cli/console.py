@@ -30,7 +30,7 @@ from hoverproof.version import __version__
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from hoverproof.mission import Mission
+    from hoverproof.mission.sections import Mission
 
 
 def shown_default(value: Any) -> str | None:
@@ -140,7 +140,7 @@ def plain_console() -> Console | None:
 
 def load_mission(mission: str, settings: list[str] | None) -> Mission:
     """Load a mission with the values given by --set put in place; warn of what is strange in it."""
-    from hoverproof.mission import load
+    from hoverproof.mission.reading import load
 
     overrides = {}
     for setting in settings or []:
@@ -170,7 +170,7 @@ def certificate_stem(mission: Mission, source: str, settings: list[str] | None) 
     replace a certificate of the mission itself.
     """
     from hoverproof.checker import digest
-    from hoverproof.mission import load
+    from hoverproof.mission.reading import load
 
     if not settings:
         return mission.name

@@ -24,7 +24,7 @@ from hoverproof.errors import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-    from hoverproof.mission import Mission
+    from hoverproof.mission.sections import Mission
     from hoverproof.show.decay import Decay
 
 

@@ -11,7 +11,7 @@ from hoverproof.cli.console import number, print_json
 from hoverproof.cli.interruption import STATUS, interruption
 
 if TYPE_CHECKING:
-    from hoverproof.mission import Mission
+    from hoverproof.mission.sections import Mission
 
 SECONDS_TO_CLOSE = 5
 """How long a batch may take to bring its file in order when it is interrupted."""

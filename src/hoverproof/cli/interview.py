@@ -20,7 +20,8 @@ from importlib import resources
 from typing import NamedTuple
 
 from hoverproof.errors import InputError
-from hoverproof.mission import Mission, load
+from hoverproof.mission.reading import load
+from hoverproof.mission.sections import Mission
 
 MODEL = "x4-flyer"
 Answers = dict[str, str]

@@ -36,8 +36,9 @@ def presets(
     """
     from hoverproof.design.gain_search import slowest_rate_at_goal
     from hoverproof.design.limits import bandwidth
-    from hoverproof.mission import load, preset_text
-    from hoverproof.mission import presets as names
+    from hoverproof.mission.presets import preset_text
+    from hoverproof.mission.presets import presets as names
+    from hoverproof.mission.reading import load
 
     if name is not None:
         text = preset_text(name)
@@ -109,7 +110,8 @@ def new(
     """
     from hoverproof.cli.interview import interview
     from hoverproof.files import replacing
-    from hoverproof.mission import conditions_text, load, preset_text
+    from hoverproof.mission.presets import conditions_text, preset_text
+    from hoverproof.mission.reading import load
 
     if path.exists() and not force:
         raise InputError(str(path), "", "exists already; --force replaces it")

@@ -11,7 +11,7 @@ from hoverproof.cli.console import number, print_json
 if TYPE_CHECKING:
     from hoverproof.certification.attraction.verdict import Proved
     from hoverproof.design.outcome import Infeasible, RegionTuned, Tuned
-    from hoverproof.mission import Mission
+    from hoverproof.mission.sections import Mission
 
 WAYS = ("sideways", "up", "down")
 
@@ -48,7 +48,7 @@ def print_tuned(found: RegionTuned, written: str | None, json_: bool) -> int:
     json_ : bool
     """
     from hoverproof.cli.tuning import GAIN_UNITS, print_hover_error, print_limits
-    from hoverproof.editing import decimal
+    from hoverproof.mission.writing import decimal
 
     certificate = None if written is None else str(certificate_path(written))
     if json_:

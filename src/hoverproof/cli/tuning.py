@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from hoverproof.design.limits import Use
     from hoverproof.design.outcome import Infeasible, Tuned
     from hoverproof.design.tuning import Report
-    from hoverproof.mission import Mission
+    from hoverproof.mission.sections import Mission
 
 GAIN_UNITS = {"k1": "kg m/s", "k2": "1/m", "k3": "kg/s", "k4": "kg/s", "k_yaw": "kg m²/s"}
 
@@ -104,8 +104,8 @@ def tune(
     from hoverproof.design.outcome import Infeasible, RegionTuned, Tuned
     from hoverproof.design.tuning import pareto as curve
     from hoverproof.design.tuning import tune as design
-    from hoverproof.editing import mission_text
     from hoverproof.files import write_text
+    from hoverproof.mission.writing import mission_text
 
     loaded = load_mission(mission, set_)
     options: dict[str, Any] = {
@@ -268,7 +268,7 @@ def hover_error_as_json(mission: Mission) -> dict[str, float | None]:
 def _print_tuned(found: Tuned | Infeasible, written: str | None) -> None:
     from hoverproof.certification.problem import ONES
     from hoverproof.design.outcome import Infeasible
-    from hoverproof.editing import decimal
+    from hoverproof.mission.writing import decimal
 
     if isinstance(found, Infeasible):
         print(f"{found.mission.name}: infeasible")

@@ -26,7 +26,7 @@ from hoverproof.certification.gains import certify
 from hoverproof.certification.problem import ONES, gain_problem, pose
 from hoverproof.design.margins import Questions, margins
 from hoverproof.errors import InputError
-from hoverproof.mission import Bounds, Gains, Mission
+from hoverproof.mission.sections import Bounds, Gains, Mission
 from hoverproof.spread import spread
 
 Array = NDArray[np.float64]

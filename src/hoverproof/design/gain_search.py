@@ -19,7 +19,7 @@ from scipy.stats import qmc
 from hoverproof.algebra.graph import evaluate
 from hoverproof.design.limits import FirstCommand, Limits, highest_k4
 from hoverproof.design.margins import Questions, factor_of, margins
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera
 from hoverproof.plant.goal import hover_goal
 from hoverproof.servo.lyapunov import ERROR_SIZE, linearised_loop

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from hoverproof.design.gain_search import COARSE, GainSearch
-from hoverproof.mission import Gains
+from hoverproof.mission.sections import Gains
 
 STEP = 8.0
 STEPS = 4

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.errors import InputError
-from hoverproof.mission import Gains, Mission
+from hoverproof.mission.sections import Gains, Mission
 from hoverproof.plant import camera, rotors
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import rotation_matrix

@@ -10,7 +10,7 @@ from hoverproof.certification.attraction.verdict import Proved as Region
 from hoverproof.certification.gains import Proved
 from hoverproof.design.gain_search import Objective
 from hoverproof.design.limits import Use
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 
 
 @dataclass(frozen=True)

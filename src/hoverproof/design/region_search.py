@@ -29,7 +29,7 @@ from hoverproof.design.limits import (
     designed_gains,
     highest_k4,
 )
-from hoverproof.mission import Gains, Mission
+from hoverproof.mission.sections import Gains, Mission
 
 Array = NDArray[np.float64]
 ROUNDS = 4

@@ -27,7 +27,7 @@ from hoverproof.design.limits import (
 from hoverproof.design.outcome import Infeasible, RegionTuned
 from hoverproof.design.region_search import GainRegionSearch
 from hoverproof.errors import InputError
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 
 Report = Callable[[int, int], None]
 

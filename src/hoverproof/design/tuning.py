@@ -37,7 +37,7 @@ from hoverproof.design.margins import Questions, margins
 from hoverproof.design.outcome import Infeasible, RegionTuned, Tuned
 from hoverproof.design.region_tuning import region_pareto, tune_region
 from hoverproof.errors import InputError
-from hoverproof.mission import Gains, Mission
+from hoverproof.mission.sections import Gains, Mission
 
 Array = NDArray[np.float64]
 Weights = tuple[Fraction, ...] | Literal["search"]

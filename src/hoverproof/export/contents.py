@@ -19,7 +19,7 @@ from hoverproof.export.flight_law import GAINS, FlightLaw
 from hoverproof.export.precision import PRECISIONS, Precision
 from hoverproof.export.vectors import InputBox, test_vectors
 from hoverproof.export.vehicle import rate_function, sense_function
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.plant.rotors import ROTORS

@@ -18,7 +18,7 @@ from hoverproof.errors import InputError
 from hoverproof.export.flight_law import flight_law
 from hoverproof.export.precision import FLOAT32, FLOAT64
 from hoverproof.export.vectors import Step, law_at, random_step
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 
 COMPILER = "arm-none-eabi-gcc"
 FLAGS = (

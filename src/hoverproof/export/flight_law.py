@@ -20,7 +20,7 @@ from hoverproof.algebra.linear import solve_affine
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.export.closed_form import closed_forms
 from hoverproof.export.quadratic import Coefficients, Variables, quadratic
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera, rigid_body, rotors
 from hoverproof.plant.goal import hover_goal
 from hoverproof.servo.controller import derive_controller

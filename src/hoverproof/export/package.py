@@ -19,7 +19,7 @@ from hoverproof.export.flight_law import flight_law
 from hoverproof.export.names import package_name
 from hoverproof.export.precision import PRECISIONS
 from hoverproof.files import write_text
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.version import __version__
 
 ADAPTERS = {

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hoverproof.algebra.graph import evaluate
 from hoverproof.export.flight_law import FlightLaw
 from hoverproof.export.precision import Precision, Rounded
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 
 NOMINAL = 8
 """Vectors in which nothing is at a limit."""

@@ -10,7 +10,8 @@ import casadi as ca
 from hoverproof.algebra.definite import is_positive_definite
 from hoverproof.algebra.identity import prove_equal, prove_zero
 from hoverproof.algebra.surd import sqrt_enclosure
-from hoverproof.mission import Mission, load
+from hoverproof.mission.reading import load
+from hoverproof.mission.sections import Mission
 from hoverproof.paper.equations import FREE
 from hoverproof.paper.judge import (
     Claim,

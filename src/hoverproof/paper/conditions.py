@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.paper.theorem import k3_limit, printed_conditions
 from hoverproof.plant import camera
 from hoverproof.plant.goal import Interval, hover_goal

@@ -14,7 +14,7 @@ import numpy as np
 from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.surd import Surd
 from hoverproof.errors import InputError
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera
 
 Interval = tuple[Fraction, Fraction]

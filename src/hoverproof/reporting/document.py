@@ -13,7 +13,7 @@ from pathlib import Path
 from hoverproof.certification.gains import Verdict
 from hoverproof.errors import InputError, suggestion
 from hoverproof.files import replacing
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.reporting.page import Origin, render
 from hoverproof.reporting.parts import PARTS, Missing, Parts, Show, gather
 from hoverproof.simulation.plan import check_runs_differ

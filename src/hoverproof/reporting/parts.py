@@ -23,7 +23,7 @@ from hoverproof.errors import InputError
 from hoverproof.export.contents import Standing
 from hoverproof.export.cost import Footprint, Rounding, footprint, rounding
 from hoverproof.export.package import NotCertified, write_package
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.paper.conditions import Demand, printed_demands, where_met
 from hoverproof.paper.judge import Judgement
 from hoverproof.paper.ledger import derive

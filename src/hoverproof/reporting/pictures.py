@@ -16,7 +16,7 @@ from mpl_toolkits.mplot3d import Axes3D
 
 from hoverproof.certification.attraction.verdict import Proved
 from hoverproof.certification.over_box import RegionVerdict
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.reporting.parts import Flown, Map
 from hoverproof.show import attraction, fans, panels, style
 from hoverproof.show.atlas import atlas_figure

@@ -13,7 +13,7 @@ from hoverproof.certification.attraction.verdict import Proved as Attraction
 from hoverproof.certification.bounds import eigenvalue_bounds
 from hoverproof.certification.gains import Proved, Verdict
 from hoverproof.certification.over_box import RegionVerdict
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plausibility import warnings
 from hoverproof.reporting.parts import Firmware, Flown, Missing
 from hoverproof.servo.hover_error import hover_error

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from hoverproof.certification.attraction.verdict import Proved as Attraction
 from hoverproof.certification.gains import Proved, Refuted
 from hoverproof.certification.over_box import RegionVerdict
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts
 from hoverproof.reporting.tables import at_least, at_most, inside, interval, place, short
 

@@ -13,7 +13,7 @@ from typing import ClassVar, Self
 
 import casadi as ca
 
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.rigid_body import E3, skew
 

@@ -20,7 +20,7 @@ from operator import itemgetter
 import casadi as ca
 from scipy.optimize import brentq
 
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, hover_at_height, hover_goal
 from hoverproof.servo.error_chain import Design
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from hoverproof.design.atlas import QUANTITIES, VERDICTS
 from hoverproof.design.limits import bandwidth
 from hoverproof.design.outcome import Tuned
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.show.style import COLOURS, save_figure
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ from matplotlib.patches import Rectangle
 
 from hoverproof.certification.over_box import RegionVerdict
 from hoverproof.certification.region import Box, eigenvalues
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.show.style import COLOURS, save_figure
 

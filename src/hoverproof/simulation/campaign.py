@@ -17,7 +17,7 @@ import xarray as xr
 
 from hoverproof.errors import InputError
 from hoverproof.files import locked
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.simulation import kernel
 from hoverproof.simulation.batch import fly_block
 from hoverproof.simulation.flight_log import OUTCOMES

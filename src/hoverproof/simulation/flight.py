@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.files import write_bytes
-from hoverproof.mission import CONDITIONS, Mission
+from hoverproof.mission.sections import CONDITIONS, Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.plant.rotors import ROTORS, wrench
 from hoverproof.simulation import kernel

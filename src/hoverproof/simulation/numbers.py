@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.servo.error_chain import Design

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.errors import InputError
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.simulation import kernel
 from hoverproof.simulation.numbers import FlightNumbers
 from hoverproof.simulation.realistic import REALISTIC_RECORD, Features, realistic_loop

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from hoverproof.errors import InputError
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.camera import body_points, depth_matrix
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.error_chain import Design

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from hoverproof.certification.attraction.form import derive_form
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.servo.error_chain import Design
 from hoverproof.servo.lyapunov import ERROR_SIZE, thrust_factor
 

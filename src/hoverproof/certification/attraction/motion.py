@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.form import half_squares
 from hoverproof.certification.attraction.verdict import Proved
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.camera import body_points
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState

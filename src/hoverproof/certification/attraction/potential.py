@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hoverproof.certification.region import eigenvalues
 from hoverproof.errors import InputError
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 
 Array = NDArray[np.float64]

@@ -29,7 +29,7 @@ from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import Proved, Reach, Undecided, Verdict
 from hoverproof.certification.certificate import Certificate, exact, seal_content
 from hoverproof.errors import InputError
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 
 BITS = 64

@@ -23,7 +23,7 @@ from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.attraction.starts import Start, State
 from hoverproof.certification.attraction.verdict import Refuted, Undecided
 from hoverproof.certification.certificate import seal_content
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, state_rate

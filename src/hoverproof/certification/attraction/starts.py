@@ -18,7 +18,7 @@ from hoverproof.algebra.decimals import decimal_above
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.region import Box
 from hoverproof.errors import InputError
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import rotation_rows
 
 Interval = tuple[Fraction, Fraction]

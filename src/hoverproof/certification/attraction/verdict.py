@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 
 from hoverproof.certification.attraction.starts import Start, State
 from hoverproof.certification.certificate import Certificate, exact
-from hoverproof.mission import Mission
+from hoverproof.mission.sections import Mission
 
 NOT_COVERED = (
     "goals whose centroid is not straight below",

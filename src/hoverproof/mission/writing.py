@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from hoverproof.errors import InputError
-from hoverproof.mission import Mission, preset_text, presets
+from hoverproof.mission.presets import preset_text, presets
+from hoverproof.mission.sections import Mission
 
 
 def mission_text(mission: Mission, *, name: str | None = None, note: str = "") -> str:

@@ -1,33 +1,24 @@
-"""What a user writes: a vehicle, a target, a goal, gains, bounds and a start, in one TOML file.
+"""The sections of a mission: a vehicle, a target, a goal, gains, bounds and a start.
 
-Numbers are read as exact decimals and stay exact; a float is made of them only where one is
-needed.
+Numbers are exact (`fractions.Fraction`); a float is made of them only where one is needed.
 """
 
 from __future__ import annotations
 
-import re
-import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
-from importlib import resources
-from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from hoverproof.conditions import ModelError, Rotors, Scatter, Sensors, Wind
-from hoverproof.errors import InputError, suggestion
-from hoverproof.quantities import Section as _Section
-from hoverproof.quantities import array as _array
-from hoverproof.quantities import quantity as _quantity
-from hoverproof.quantities import reject as _reject
-from hoverproof.quantities import shown as _shown
+from hoverproof.mission.conditions import ModelError, Rotors, Scatter, Sensors, Wind
+from hoverproof.mission.fields import Section as _Section
+from hoverproof.mission.fields import array as _array
+from hoverproof.mission.fields import quantity as _quantity
+from hoverproof.mission.fields import reject as _reject
+from hoverproof.mission.fields import shown as _shown
 
-MAX_FILE_BYTES = 1_000_000
 MAX_POINTS = 64
-MAX_PARTS = 64
-_DOTTED = re.compile(r"""\.[ \t]*["'A-Za-z_-]|\.\d+[ \t]*(?=\.)""")  # a dot in a key
 CONDITIONS = ("sensors", "rotors", "wind", "model_error", "scatter")
 """Sections that say what a real flight adds to the model."""
 
@@ -119,7 +110,7 @@ class Gains(_Section):
 
 _ends = BeforeValidator(_array("lowest", "highest"))
 _Side = Annotated[tuple[_Length, _Length], _ends]
-_AUTO, _NUMBERS = "auto", "two numbers"  # tags, left out of messages
+TAGS = _AUTO, _NUMBERS = "auto", "two numbers"  # tags, left out of messages
 
 
 class Bounds(_Section):
@@ -286,173 +277,6 @@ def on_one_line(points: Sequence[Sequence[Fraction]]) -> bool:
     return all(
         first[i] * r[j] == first[j] * r[i] for r in rays for i, j in ((0, 1), (0, 2), (1, 2))
     )
-
-
-def presets() -> list[str]:
-    """Return the names of the missions that come with the package."""
-    folder = resources.files("hoverproof") / "presets"
-    return sorted(
-        p.name.removesuffix(".toml") for p in folder.iterdir() if p.name.endswith(".toml")
-    )
-
-
-def preset_text(name: str) -> str:
-    """Return the TOML text of a preset.
-
-    Parameters
-    ----------
-    name : str
-        One of `presets`.
-
-    Raises
-    ------
-    InputError
-        If there is no such preset.
-    """
-    if name not in presets():
-        raise InputError(name, "", f"no such preset ({suggestion(name, presets(), 'there are')})")
-    return (resources.files("hoverproof") / "presets" / f"{name}.toml").read_text(encoding="utf-8")
-
-
-def conditions_text() -> str:
-    """Return a TOML text, all comments, with the keys of sensors, rotors, wind and scatter."""
-    return (resources.files("hoverproof") / "conditions.toml").read_text(encoding="utf-8")
-
-
-def load(source: str | Path, overrides: Mapping[str, object] | None = None) -> Mission:
-    """Read a mission.
-
-    Parameters
-    ----------
-    source : str or Path
-        Name of a preset, or path of a TOML file.
-    overrides : mapping, optional
-        Values to put in place of those in the file, by dotted key: ``{"gains.k4": "0.1"}``.
-        Strings are read as TOML.
-
-    Returns
-    -------
-    Mission
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or anything in it cannot be used; the message names the file,
-        the key and what would be right.
-    """
-    text, where = _read(source)
-    data = _parse(text, where)
-    if "source" in data:  # a field of Mission, but no key of a file
-        raise InputError(where, "source", f"unknown key ({_key_hint((), 'source')})")
-    for key, value in (overrides or {}).items():
-        _override(data, key, value)
-    try:
-        return Mission(**data, source=where)
-    except ValidationError as error:
-        raise _input_error(error, where) from None
-
-
-def _read(source: str | Path) -> tuple[str, str]:
-    path, where = Path(source), str(source)
-    if isinstance(source, str) and source in presets():
-        return preset_text(source), where
-    try:
-        if path.is_file() and path.stat().st_size > MAX_FILE_BYTES:
-            raise InputError(where, "", f"is larger than {MAX_FILE_BYTES} bytes")
-        return path.read_text(encoding="utf-8"), where
-    except FileNotFoundError:
-        near = [*presets(), *map(str, path.parent.glob("*.toml"))]
-        hint = suggestion(where, near, "presets", shown=presets())
-        raise InputError(where, "", f"no such mission file or preset ({hint})") from None
-    except UnicodeDecodeError:
-        raise InputError(where, "", "is not a text file in UTF-8") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(where, "", f"cannot be read: {reason}") from None
-
-
-def _parse(text: str, where: str) -> dict[str, Any]:
-    for count, line in enumerate(text.splitlines(), 1):  # reading takes the square of their number
-        if len(_DOTTED.findall(line)) > MAX_PARTS:
-            raise InputError(where, "", f"line {count} has a key of more than {MAX_PARTS} parts")
-    try:
-        return tomllib.loads(text, parse_float=_exact_decimal)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(where, "", f"is not valid TOML: {error}") from None
-    except (ValueError, RecursionError):  # as for an integer of thousands of digits
-        raise InputError(
-            where, "", "is not a mission: nested too deep or a number too long"
-        ) from None
-
-
-def _exact_decimal(text: str) -> Fraction | float:
-    """Read a TOML float exactly; what is out of any reason stays a float, refused later."""
-    exponent = re.search(r"[eE]([+-]?[0-9_]+)$", text)
-    if len(text) > 400 or (exponent and abs(int(exponent[1])) > 400):
-        return float("nan") if len(text) > 400 else float(text.replace("_", ""))
-    if text.lstrip("+-") in ("inf", "nan"):
-        return float(text)
-    return Fraction(text.replace("_", ""))
-
-
-def _override(data: dict[str, Any], key: str, value: object) -> None:
-    option = f"--set {key}"
-    if isinstance(value, str):
-        try:
-            value = _parse(f"value = {value}", option)["value"]
-        except InputError:
-            if not re.fullmatch(r"[A-Za-z][\w-]*", str(value)):  # a bare word stands for itself
-                raise InputError(option, "", f"{value!r} is not a TOML value") from None
-    *path, last = key.split(".")
-    for depth, part in enumerate([*path, last]):
-        known = _known_keys(path[:depth])
-        if known and part not in known:
-            raise InputError(option, "", f"unknown key ({_key_hint(path[:depth], part)})")
-    for part in path:
-        data = data.setdefault(part, {})
-        if not isinstance(data, dict):
-            raise InputError(option, "", f"{part!r} is not a section")
-    data[last] = value
-
-
-def _input_error(error: ValidationError, where: str) -> InputError:
-    """Turn the most telling finding of pydantic into our own words."""
-    problems = sorted(error.errors(), key=lambda p: p["type"] != "extra_forbidden")
-    first = problems[0]
-    held = [part for part in first["loc"] if part not in (_AUTO, _NUMBERS)]
-    location = [*held, *first.get("ctx", {}).get("key", "").split(".")]
-    key = "".join(f"[{p + 1}]" if isinstance(p, int) else f".{p}" for p in location if p != "")
-    kind, shown = first["type"], _shown(first["input"])
-    short_name = f"must be a short name of letters, digits, '.', '_' and '-', not {shown}"
-    wording = {
-        "missing": "is missing",
-        "model_type": f"must be a section, not {shown}",
-        "too_short": f"must hold at least 2 points, not {shown}",
-        "too_long": f"must hold at most {MAX_POINTS} points, not {shown}",
-        "list_type": f"must be a list of points [x, y, z], not {shown}",
-        "string_type": short_name,
-        "string_pattern_mismatch": short_name,
-    }
-    message = wording.get(kind, first["msg"])
-    if kind == "extra_forbidden":
-        message = f"unknown key ({_key_hint(first['loc'][:-1], str(first['loc'][-1]))})"
-    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
-    return InputError(where, key.removeprefix("."), message + more)
-
-
-def _known_keys(path: Sequence[int | str]) -> list[str]:
-    """Return the keys of a section; none if the path leads to no section."""
-    section: Any = Mission
-    for part in path:
-        field = getattr(section, "model_fields", {}).get(part)
-        section = field and field.annotation
-    return [key for key in getattr(section, "model_fields", ()) if key != "source"]
-
-
-def _key_hint(path: Sequence[int | str], key: str) -> str:
-    """Suggest the nearest key of a section, or the same key where it belongs."""
-    elsewhere = [f"{s}.{key}" for s in _known_keys(()) if key in _known_keys([s])]
-    return suggestion((elsewhere or [key])[0], elsewhere or _known_keys(path), "known here")
 
 
 def _as_text(value: Any) -> Any:

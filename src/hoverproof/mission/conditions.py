@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, model_validator
 
-from hoverproof.quantities import Section, array, quantity, reject, shown
+from hoverproof.mission.fields import Section, array, quantity, reject, shown
 
 _ZERO = Fraction(0)
 _ZEROS = (_ZERO, _ZERO, _ZERO)

@@ -1,0 +1,1 @@
+"""What a user writes: one TOML file, read exactly, and written back."""
