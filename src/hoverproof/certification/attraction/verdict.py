@@ -15,7 +15,7 @@ NOT_COVERED = (
     "sampling, delay and noise of measurements",
     "errors of the model: mass, inertia, wind, drag, limits of the rotors",
     "a camera that loses the target: every point is taken to be seen at all times",
-    "without a barrier the ground: on its way a motion may pass below the target points",
+    "without a barrier the ground: a motion may pass below the target points",
 )
 """What the theorem does not say, in words."""
 
