@@ -11,10 +11,15 @@ demo: .venv/installed
 	@$(BIN)/hoverproof check demo/x4-flyer.cert.json
 	@$(BIN)/hoverproof simulate x4-flyer --out demo/x4-flyer.flight.nc --animate demo/x4-flyer.flight.html
 
-# Everything that CI runs: style, types, the documentation, all tests, and every notebook executed.
-test: .venv/installed-compare lint docs
-	$(BIN)/pytest -n auto --dist worksteal
-	$(BIN)/pytest -n auto --nbmake notebooks
+# Everything that CI runs: style, types, the documentation and all tests. The documentation is built by
+# one processor beside the tests; its own tests come last.
+test: .venv/installed-compare .venv/installed-docs
+	@$(MAKE) --no-print-directory -j3 --output-sync=target lint docs checked
+	$(BIN)/pytest -n auto tests/test_docs.py
+
+.PHONY: checked
+checked: .venv/installed-compare
+	$(BIN)/pytest -n auto --dist worksteal --ignore tests/test_docs.py
 
 # The fast tests only.
 quick: .venv/installed-dev
