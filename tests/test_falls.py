@@ -40,6 +40,9 @@ def command(*words, **options):
 # --- the disk -------------------------------------------------------------------------------------
 
 
+MANY = ("--runs", "20", "--set", "scatter.position=[1,1,1]")
+
+
 def small_files():
     resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
 
@@ -48,7 +51,7 @@ def small_files():
     ("words", "name"),
     [
         (["simulate", "x4-flyer", "--no-figures"], "x4-flyer.flight.nc"),
-        (["simulate", "x4-flyer", "--no-figures", "--runs", "20"], "x4-flyer.flights.nc"),
+        (["simulate", "x4-flyer", "--no-figures", *MANY], "x4-flyer.flights.nc"),
         (["atlas", "x4-flyer", "--cells", "100"], "x4-flyer.atlas.nc"),
     ],
 )
