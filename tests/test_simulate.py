@@ -216,7 +216,7 @@ def test_the_rotation_stays_a_rotation(x4):
     ("change", "outcome"),
     [
         ({"gains.k1": "200", "gains.k2": "300"}, "thrust fell to the singularity at 0 s"),
-        ({"gains.k4": "9000", "sensors.control_rate": "100"}, "diverged before|tipped over at"),
+        ({"gains.k4": "9000", "sensors.control_rate": "100"}, "a target point came behind the camera"),
         (
             {"start.rotation": "[2, 0, 0]"},
             "tipped over at 0 s",
@@ -226,7 +226,7 @@ def test_the_rotation_stays_a_rotation(x4):
 def test_a_flight_that_cannot_go_on_says_so(change, outcome):
     flight = simulate(load("x4-flyer", change), duration=50)
     assert flight.attrs["outcome"] != "flown"
-    assert any(part in flight.attrs["outcome"] for part in outcome.split("|"))
+    assert outcome in flight.attrs["outcome"]
     assert summary(flight)["settled_at"] is None
     assert all(np.isfinite(flight[name].values).all() for name in flight)
 
