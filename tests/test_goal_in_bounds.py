@@ -168,7 +168,7 @@ def test_auto_proves_the_bounds_over_a_box_around_start_and_goal():
 
 
 def test_auto_takes_a_box_of_the_mission():
-    box = "[[-1, 1], [-1, 1], [-4, -2]]"
+    box = "[[-1, 6], [-1, 3], [-5, -2]]"
     mission = load("x4-flyer", AUTO | {"bounds.box": box})
     verdict = certify(mission)
     assert [[float(end) for end in side] for side in verdict.problem.box] == json.loads(box)
@@ -176,11 +176,20 @@ def test_auto_takes_a_box_of_the_mission():
     assert certify_region(mission, default_box(mission)).status == "proved"
 
 
+def test_a_box_of_the_mission_holds_its_start_and_its_goal():
+    goal_only = AUTO | {"bounds.box": "[[-1, 1], [-1, 1], [-4, -2]]"}
+    with pytest.raises(InputError, match=r"bounds\.box: must hold the start"):
+        certify(load("x4-flyer", goal_only))
+    start_only = AUTO | {"bounds.box": "[[4, 6], [2, 3], [-5, -4]]"}
+    with pytest.raises(InputError, match=r"bounds\.box: Q at the goal has eigenvalues"):
+        certify(load("x4-flyer", start_only))
+
+
 @pytest.mark.parametrize(
     ("change", "told"),
     [
         ({"bounds.eigenvalues": "automatic"}, 'must be "auto" or a list [lowest, highest]'),
-        (AUTO | {"bounds.box": "[[-1, 2], [-1, 1], [-2, 1]]"}, "holds a target point"),
+        (AUTO | {"bounds.box": "[[-1, 6], [-1, 3], [-5, 1]]"}, "holds a target point"),
         (AUTO | {"bounds.box": "[[-1, -2], [-1, 1], [-2, -1]]"}, "from its lowest to its highest"),
         ({"bounds.box": "[[-1, 1], [-1, 1], [-4, -2]]"}, 'is for eigenvalues = "auto"'),
         (AUTO | {"bounds.box": "[[-1, 1], [-1, 1]]"}, "must be a list [x, y, z]"),

@@ -216,7 +216,10 @@ def test_the_rotation_stays_a_rotation(x4):
     ("change", "outcome"),
     [
         ({"gains.k1": "200", "gains.k2": "300"}, "thrust fell to the singularity at 0 s"),
-        ({"gains.k4": "9000", "sensors.control_rate": "100"}, "a target point came behind the camera"),
+        (
+            {"gains.k4": "9000", "sensors.control_rate": "100"},
+            "a target point came behind the camera",
+        ),
         (
             {"start.rotation": "[2, 0, 0]"},
             "tipped over at 0 s",

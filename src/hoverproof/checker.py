@@ -442,7 +442,11 @@ def read_setting(c: Any) -> Setting:
     auto = bounds.get("eigenvalues") == "auto"  # to be shown over a box, which may be named
     named = ("box",) if auto and "box" in bounds else ()
     keys(bounds, ("eigenvalues", *named, "thrust" if "thrust" in bounds else "level"), "bounds")
-    numbers(bounds["box"] if named else [], None, 2)
+    if named:
+        numbers(bounds["box"], 3, 2)
+    if not auto:
+        numbers(bounds["eigenvalues"], 2)
+    numbers(bounds["thrust"], 2) if "thrust" in bounds else number(bounds["level"])
     points = numbers(keys(mission["target"], ("points",), "target")["points"], None, 3)
     require(len(points) >= 2, f"a target has 2 to {MAX_POINTS} points")
     goal = mission["goal"]
@@ -479,8 +483,6 @@ def read_mission(c: Any) -> Question:
         require(level > 0, "the level must be positive")
         reach = stiffness * square_root(2 * level * (1 / w[1] + 1 / w[2]))[1]
         thrust = [m * gravity - reach, m * gravity + reach]
-    if bounds["eigenvalues"] != "auto":
-        numbers(bounds["eigenvalues"], 2)
     region = keys(c["region"], ("box", "eigenvalues"), "region")
     eigenvalues, box = numbers(region["eigenvalues"], 2), None
     require(0 < eigenvalues[0] < eigenvalues[1], "the eigenvalue bounds are not in order")

@@ -44,6 +44,9 @@ def proved_bounds(mission: Mission) -> Region | None:
     if isinstance(mission.bounds.eigenvalues, tuple):
         return None
     box = default_box(mission)
+    start = mission.start.position
+    if not all(low <= x <= high for x, (low, high) in zip(start, box, strict=True)):
+        raise InputError(mission.source, "bounds.box", "must hold the start of the mission")
     if holds_target_point(mission, box):
         raise InputError(
             mission.source,
@@ -134,7 +137,8 @@ def goal_box(mission: Mission, bounds: Interval, box: Box | None) -> Box:
         f"[{low:g}, {high:g}]: a verdict would say nothing about a motion that comes to the goal; "
     )
     if box is not None:
-        raise InputError(mission.source, "--box", told + "take a box that holds the goal")
+        key = "bounds.box" if box == mission.bounds.box else "--box"
+        raise InputError(mission.source, key, told + "take a box that holds the goal")
     advice = 'take bounds that hold them, or "auto", which proves bounds around start and goal'
     raise InputError(mission.source, KEY, told + advice)
 

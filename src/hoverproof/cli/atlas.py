@@ -8,7 +8,16 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from hoverproof.cli.certification import parse_weights
-from hoverproof.cli.console import Json, MissionName, Set, app, load_mission, number, print_json
+from hoverproof.cli.console import (
+    NO_FOLDER,
+    Json,
+    MissionName,
+    Set,
+    app,
+    load_mission,
+    number,
+    print_json,
+)
 from hoverproof.cli.tuning import picture_path, progress
 from hoverproof.errors import InputError
 
@@ -43,9 +52,14 @@ def atlas(
         str | None, Parameter(help="Work on a Dask cluster: tcp://host:8786 (extra cluster).")
     ] = None,
     weights: Annotated[str | None, Parameter(help="Weights of L: w1,w2,w3,w4.")] = None,
-    out: Annotated[Path | None, Parameter(help="Map file to write, netCDF-4.")] = None,
+    out: Annotated[
+        Path | None, Parameter(help="Map file to write, netCDF-4.", validator=NO_FOLDER)
+    ] = None,
     figure: Annotated[
-        Path | None, Parameter(help="Figure to write, PNG or SVG; by default beside the map.")
+        Path | None,
+        Parameter(
+            help="Figure to write, PNG or SVG; by default beside the map.", validator=NO_FOLDER
+        ),
     ] = None,
     set_: Set = None,
     json_: Json = False,

@@ -12,6 +12,7 @@ from cyclopts import Parameter
 
 from hoverproof.cli.console import (
     EXIT,
+    NO_FOLDER,
     Json,
     MissionName,
     Set,
@@ -53,7 +54,9 @@ def attraction(
         bool | None,
         Parameter(help="Use that motions do not sink to the target; by default, if it helps."),
     ] = None,
-    out: Annotated[Path | None, Parameter(help="Certificate file to write.")] = None,
+    out: Annotated[
+        Path | None, Parameter(help="Certificate file to write.", validator=NO_FOLDER)
+    ] = None,
     figure: Annotated[bool, Parameter(help="Draw the region beside the file.")] = True,
     set_: Set = None,
     json_: Json = False,

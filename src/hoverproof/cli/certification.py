@@ -12,6 +12,7 @@ from cyclopts import Parameter
 from hoverproof.cli.completion import mission_names
 from hoverproof.cli.console import (
     EXIT,
+    NO_FOLDER,
     Box,
     Boxes,
     Json,
@@ -44,7 +45,10 @@ def certify(
     mission: MissionName,
     *,
     out: Annotated[
-        Path | None, Parameter(help="Certificate to write; by default named after the mission.")
+        Path | None,
+        Parameter(
+            help="Certificate to write; by default named after the mission.", validator=NO_FOLDER
+        ),
     ] = None,
     over_box: Annotated[
         bool,
@@ -152,7 +156,10 @@ def region(
     *,
     box: Box = None,
     out: Annotated[
-        Path | None, Parameter(help="Certificate to write; by default named after the mission.")
+        Path | None,
+        Parameter(
+            help="Certificate to write; by default named after the mission.", validator=NO_FOLDER
+        ),
     ] = None,
     boxes: Boxes = None,
     figure: Annotated[bool, Parameter(help="Draw the region beside the file.")] = True,

@@ -86,6 +86,8 @@ Boxes = Annotated[
         validator=validators.Number(gte=1),
     ),
 ]
+NO_FOLDER = validators.Path(dir_okay=False)
+"""Of options that name a file to write."""
 EXIT = {"proved": 0, "refuted": 1, "undecided": 3}
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from hoverproof.cli.console import (
+    NO_FOLDER,
     Json,
     MissionName,
     Set,
@@ -45,7 +46,10 @@ def simulate(
         Parameter(help="Keep every so many steps; by default about 2000 are kept, of runs 200."),
     ] = None,
     out: Annotated[
-        Path | None, Parameter(help="Flight file to write; by default named after the mission.")
+        Path | None,
+        Parameter(
+            help="Flight file to write; by default named after the mission.", validator=NO_FOLDER
+        ),
     ] = None,
     figures: Annotated[
         list[Literal["motion", "features", "path"]] | None,
@@ -55,7 +59,8 @@ def simulate(
         ),
     ] = None,
     animate: Annotated[
-        Path | None, Parameter(help="Animation to write: FILE.mp4, FILE.gif or FILE.html.")
+        Path | None,
+        Parameter(help="Animation to write: FILE.mp4, FILE.gif or FILE.html.", validator=NO_FOLDER),
     ] = None,
     speed_up: Annotated[
         float | None,

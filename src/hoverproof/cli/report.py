@@ -9,7 +9,16 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter, validators
 
-from hoverproof.cli.console import EXIT, Json, MissionName, Set, app, load_mission, print_json
+from hoverproof.cli.console import (
+    EXIT,
+    NO_FOLDER,
+    Json,
+    MissionName,
+    Set,
+    app,
+    load_mission,
+    print_json,
+)
 
 
 @app.command
@@ -18,7 +27,11 @@ def report(
     *,
     out: Annotated[
         Path | None,
-        Parameter(name=["--out", "-o"], help="File to write; default NAME.report.html."),
+        Parameter(
+            name=["--out", "-o"],
+            help="File to write; default NAME.report.html.",
+            validator=NO_FOLDER,
+        ),
     ] = None,
     without: Annotated[
         list[Literal["atlas", "region", "attraction", "flight", "firmware", "ledger"]] | None,

@@ -15,6 +15,7 @@ from cyclopts import Parameter
 
 from hoverproof.cli.certification import parse_weights
 from hoverproof.cli.console import (
+    NO_FOLDER,
     Json,
     MissionName,
     Set,
@@ -83,7 +84,9 @@ def tune(
     ] = None,
     out: Annotated[
         Path | None,
-        Parameter(help="Mission file to write; with --pareto the figure, PNG or SVG."),
+        Parameter(
+            help="Mission file to write; with --pareto the figure, PNG or SVG.", validator=NO_FOLDER
+        ),
     ] = None,
     set_: Set = None,
     json_: Json = False,

@@ -84,7 +84,7 @@ def write_package(
     ----------
     mission : Mission
     out : str or Path
-        Folder to write to; made if needed. Files of other names in it stay.
+        Folder to write to; made if needed. A package in it is replaced, files of other names stay.
     standing : Standing
         The certificate, which is checked here once more, or none.
     precision : {"float32", "float64"}
@@ -102,7 +102,8 @@ def write_package(
     Raises
     ------
     InputError
-        If an argument cannot be used or the folder cannot be written to.
+        If an argument cannot be used, or the folder cannot be written to or holds files of no
+        package by the names of ours.
     checker.Rejected
         If the certificate does not prove that the gains of this mission work.
     """
@@ -137,6 +138,12 @@ def write_package(
     manifest = _manifest(context, texts)
     texts["manifest.json"] = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
     folder = Path(out)
+    foreign = (
+        [] if (folder / "manifest.json").exists() else [p for p in texts if (folder / p).exists()]
+    )
+    if foreign:
+        reason = f"holds a {foreign[0]} that is of no package; give a folder of its own"
+        raise InputError(str(out), "", reason)
     for path, text in texts.items():  # the manifest last: it stands for the whole
         try:
             (folder / path).parent.mkdir(parents=True, exist_ok=True)

@@ -59,9 +59,11 @@ def _read(source: str | Path) -> tuple[str, str]:
     if isinstance(source, str) and source in presets():
         return preset_text(source), where
     try:
-        if path.is_file() and path.stat().st_size > MAX_FILE_BYTES:
+        with path.open("rb") as file:
+            data = file.read(MAX_FILE_BYTES + 1)  # it may be a device without end
+        if len(data) > MAX_FILE_BYTES:
             raise InputError(where, "", f"is larger than {MAX_FILE_BYTES} bytes")
-        return path.read_text(encoding="utf-8"), where
+        return data.decode("utf-8"), where
     except FileNotFoundError:
         near = [*presets(), *map(str, path.parent.glob("*.toml"))]
         hint = suggestion(where, near, "presets", shown=presets())
@@ -83,15 +85,19 @@ def _parse(text: str, where: str) -> dict[str, Any]:
         raise InputError(where, "", f"is not valid TOML: {error}") from None
     except (ValueError, RecursionError):  # as for an integer of thousands of digits
         raise InputError(
-            where, "", "is not a mission: nested too deep or a number too long"
+            where, "", "is not a mission: nested too deep, or a number of too many digits"
         ) from None
 
 
 def _exact_decimal(text: str) -> Fraction | float:
-    """Read a TOML float exactly; what is out of any reason stays a float, refused later."""
+    """Read a TOML float exactly; what is too large for any reason stays a float, refused later."""
     exponent = re.search(r"[eE]([+-]?[0-9_]+)$", text)
-    if len(text) > 400 or (exponent and abs(int(exponent[1])) > 400):
-        return float("nan") if len(text) > 400 else float(text.replace("_", ""))
+    if len(text) > 400:
+        raise ValueError("a number of so many digits")
+    if exponent and int(exponent[1]) > 400:
+        return float(text.replace("_", ""))
+    if exponent and int(exponent[1]) < -400:
+        raise ValueError("a number so near to zero")
     if text.lstrip("+-") in ("inf", "nan"):
         return float(text)
     return Fraction(text.replace("_", ""))
@@ -104,7 +110,7 @@ def _override(data: dict[str, Any], key: str, value: object) -> None:
             value = _parse(f"value = {value}", option)["value"]
         except InputError:
             if not re.fullmatch(r"[A-Za-z][\w-]*", str(value)):  # a bare word stands for itself
-                raise InputError(option, "", f"{value!r} is not a TOML value") from None
+                raise InputError(option, "", f"{shown(value)} is not a TOML value") from None
     *path, last = key.split(".")
     for depth, part in enumerate([*path, last]):
         known = _known_keys(path[:depth])
