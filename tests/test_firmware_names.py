@@ -166,3 +166,9 @@ def test_a_mission_is_named_in_its_package_even_if_the_name_is_taken(tmp_path):
     made = export(tmp_path, overrides={"name": "vehicle"})
     assert made.name == "m_vehicle"
     assert load("x4-flyer").name == "x4-flyer"
+
+
+@pytest.mark.parametrize("mission", ["x" * 64, "9" * 64, "-" * 64, "a.b-" * 10])
+def test_a_long_name_of_a_mission_is_cut_short(mission):
+    name = package_name(None, mission)
+    assert re.fullmatch(r"[A-Za-z]\w{0,19}", name)

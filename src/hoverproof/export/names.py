@@ -62,7 +62,8 @@ def package_name(name: str | None, mission: str) -> str:
     Parameters
     ----------
     name : str or None
-        The user's; by default made of that of the mission, with ``m_`` before one that is taken.
+        The user's; by default made of that of the mission, cut short if it is long, with ``m_``
+        before one that is taken.
     mission : str
         Name of the mission.
 
@@ -73,10 +74,10 @@ def package_name(name: str | None, mission: str) -> str:
         package.
     """
     chosen = name if name is not None else re.sub(r"\W", "_", mission, flags=re.A).lower()
-    if name is None and chosen[0].isdigit():
-        chosen = f"m{chosen}"
-    if name is None and chosen.lower() in TAKEN:
-        chosen = f"m_{chosen}"
+    if name is None:
+        chosen = chosen[:LONGEST] if chosen[0].isalpha() else f"m{chosen}"[:LONGEST]
+        if chosen.lower() in TAKEN:
+            chosen = f"m_{chosen}"[:LONGEST]
     if not re.fullmatch(rf"[A-Za-z][A-Za-z0-9_]{{0,{LONGEST - 1}}}", chosen, re.A):
         reason = f"must be a C identifier of up to {LONGEST} characters, not {chosen!r}"
         raise InputError("--name", "", reason)
