@@ -84,6 +84,43 @@ def names_taken(path, names):
     return taken & names
 
 
+ANSWERS = HOUSE / "cli" / "answers"
+COMMANDS = [path for path in MODULES if path.is_relative_to(HOUSE / "cli")]
+
+
+@pytest.mark.parametrize("path", COMMANDS, ids=lambda p: str(p.relative_to(HOUSE)))
+def test_what_a_command_says_stands_in_its_answer(path):
+    """A command itself prints nothing but progress and errors, on stderr."""
+    if path == ANSWERS / "answer.py":
+        return
+    for name, call in calls(path):
+        to_stderr = any(option.arg == "file" for option in call.keywords)
+        assert name != "print" or to_stderr, f"line {call.lineno}"
+
+
+@pytest.mark.parametrize("path", sorted(ANSWERS.glob("*.py")), ids=lambda p: p.name)
+def test_an_answer_writes_no_file(path):
+    assert not [name for name, _ in calls(path) if name.startswith(("save", "write", "open"))]
+    assert "hoverproof.files" not in set(imports(path))
+
+
+@pytest.mark.parametrize("path", COMMANDS, ids=lambda p: str(p.relative_to(HOUSE)))
+def test_a_command_parses_calls_and_answers(path):
+    """It may have many options, with their help; what it does with them is short."""
+    for function in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(function, ast.FunctionDef):
+            does = function.body[1:] if ast.get_docstring(function) else function.body
+            lines = does[-1].end_lineno - does[0].lineno + 1 if does else 0
+            assert lines <= 36, f"{function.name} has {lines} lines"
+
+
+def calls(path):
+    """Yield each call in a module, with the last part of the name of what is called."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Call):
+            yield ast.unparse(node.func).split(".")[-1], node
+
+
 def test_the_checker_imports_the_standard_library_alone():
     assert set(imports(HOUSE / "checker.py")) <= sys.stdlib_module_names | {"collections.abc"}
 

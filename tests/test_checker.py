@@ -336,6 +336,14 @@ def asked(*words, capsys):
     return done.value.code, capsys.readouterr().out
 
 
+@pytest.mark.parametrize("margin", [None, "1"], ids=["accepted", "rejected"])
+def test_check_says_just_what_the_checker_alone_says(proved, margin, capsys):
+    content = proved if margin is None else changed(proved, ("claim", "margin"), margin)
+    Path("x4.json").write_text(json.dumps(content))
+    alone = checker.main(["x4.json"]), capsys.readouterr().out
+    assert asked("x4.json", capsys=capsys) == alone
+
+
 def test_check_says_whether_a_certificate_is_about_a_mission(proved, capsys):
     Path("x4.json").write_text(json.dumps(proved))
     status, said = asked("x4.json", "--mission", "x4-flyer", capsys=capsys)

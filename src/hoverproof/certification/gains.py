@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -340,40 +340,3 @@ def _short_multiplier(tau: float) -> Fraction:
 def _rounded(value: float, bits: int) -> Fraction:
     """Round to so many binary digits after the point."""
     return Fraction(round(Fraction(value) * (1 << bits)), 1 << bits)
-
-
-def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
-    """Return a verdict as an object for machines.
-
-    Parameters
-    ----------
-    verdict : Proved, Refuted or Undecided
-    certificate_path : str or None
-        Where the certificate was written.
-    """
-    problem = verdict.problem
-    proved = verdict if isinstance(verdict, Proved) else None
-    refuted = verdict if isinstance(verdict, Refuted) else None
-    above = None if verdict.margin_above is None else float(verdict.margin_above)
-    return {
-        "mission": problem.mission.name,
-        "verdict": verdict.status,
-        "margin": float(proved.margin) if proved else above,
-        "margin_bounds": [float(proved.margin) if proved else None, above],
-        "decay_rate": float(proved.decay_rate) if proved else None,
-        "eigenvalues": _numbers(problem.eigenvalues),
-        "eigenvalue_bounds": problem.origin,
-        "thrust": _numbers(problem.thrust),
-        "goal_centroid": _numbers(problem.goal.centroid_midpoint),
-        "weights": _numbers(problem.weights),
-        "box": None if problem.box is None else [_numbers(side) for side in problem.box],
-        "counterexample": refuted.certificate.content["counterexample"] if refuted else None,
-        "reason": verdict.reason if isinstance(verdict, Undecided) else None,
-        "statement": None if isinstance(verdict, Undecided) else verdict.certificate.statement,
-        "certificate": certificate_path,
-        "units": {"margin": "kg/s", "decay_rate": "1/s", "eigenvalues": "1/m", "thrust": "N"},
-    }
-
-
-def _numbers(values: Sequence[Fraction]) -> list[float]:
-    return [float(x) for x in values]

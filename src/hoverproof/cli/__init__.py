@@ -16,17 +16,20 @@ try:
     from cyclopts import CycloptsError
 
     # A command joins the application where it is defined; this order is the order of the help.
+    # isort: off
     from hoverproof.cli import (  # noqa: F401
+        certification,
+        tuning,
         atlas,
         attraction,
-        certification,
         firmware,
         flight,
         missions,
         paper,
         report,
-        tuning,
     )
+
+    # isort: on
     from hoverproof.cli.console import app, fail, plain_console, usage
     from hoverproof.cli.interruption import STATUS, heard, interruption
     from hoverproof.errors import InputError

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from hoverproof.cli.certification import parse_weights
-from hoverproof.cli.console import (
-    NO_FOLDER,
-    Json,
-    MissionName,
-    Set,
-    app,
-    load_mission,
-    number,
-    print_json,
-)
-from hoverproof.cli.tuning import picture_path, progress
+from hoverproof.cli.answers.answer import tell
+from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, app, load_mission, progress
+from hoverproof.cli.reading import parse_weights, picture_path
 from hoverproof.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from hoverproof.design.atlas import Axis
+    from hoverproof.mission.sections import Mission
 
 VARY = (
     "k1, k2, k3, k4, lowest_eigenvalue, highest_eigenvalue, lowest_thrust, highest_thrust or level"
@@ -73,13 +70,11 @@ def atlas(
 
     Example: `hoverproof atlas x4-flyer --cells 50 --show margin --figure k1-and-k2.svg`
     """
-    import numpy as np
-
-    from hoverproof.design.atlas import NOT_ASKED, VERDICTS, axis, cell_values
+    from hoverproof.cli.answers.atlas import AtlasAnswer
     from hoverproof.design.atlas import atlas as draw_map
+    from hoverproof.design.atlas import axis
+    from hoverproof.design.atlas_summary import atlas_summary
     from hoverproof.files import write_bytes
-    from hoverproof.paper.conditions import where_met
-    from hoverproof.show.atlas import save_atlas_figure
 
     loaded = load_mission(mission, set_)
     if processes is not None and not 1 <= processes <= 1024:
@@ -104,56 +99,20 @@ def atlas(
             report=report,
         )
     write_bytes(path, drawn.to_netcdf(engine="h5netcdf"))
-    save_atlas_figure(
-        loaded, drawn, show, where_met(loaded, cell_values(loaded, across, along)), picture
-    )
-    margin, verdict = drawn["margin"].values, drawn["verdict"].values
-    certified = int((margin > 0).sum())
-    best = np.unravel_index(np.nanargmax(margin), margin.shape) if certified else None
-    counts = {word: int((verdict == code).sum()) for word, code in VERDICTS.items()}
-    asked = verdict != NOT_ASKED
-    result = {
-        "mission": loaded.name,
-        "x": across.name,
-        "y": along.name,
-        "cells": margin.size,
-        "certified": certified,
-        "no_question": int(np.isnan(margin).sum()),
-        "best": None
-        if best is None
-        else {
-            across.name: float(across.values[best[1]]),
-            along.name: float(along.values[best[0]]),
-            "decay_rate": float(drawn["decay_rate"].values[best]),
-        },
-        "decided_exactly": counts if exact_boundary else None,
-        "disagree": int((np.sign(margin[asked]) != verdict[asked]).sum()),
-        "out": str(path),
-        "figure": str(picture),
-    }
-    if json_:
-        print_json(result, loaded)
-        return 0
-    share = 100 * certified / margin.size
-    print(f"{loaded.name}: a map of what is certified")
-    for one in (across, along):
-        ends = f"{number(one.values[0])} to {number(one.values[-1])} {one.quantity.unit}"
-        print(f"  {one.name:23} from {ends}")
-    print(
-        f"  certified               {certified} of {margin.size} cells, {share:.1f} % "
-        "(floating point)"
-    )
-    if best is not None:
-        places = ((across, best[1]), (along, best[0]))
-        words = ", ".join(f"{one.name} = {number(one.values[i])}" for one, i in places)
-        print(f"  best cell               {words}")
-        print(f"  its decay rate          {number(drawn['decay_rate'].values[best])} 1/s")
-    if exact_boundary:
-        words = ", ".join(f"{n} {word}" for word, n in counts.items())
-        print(f"  at the boundary         {words}, exactly; {result['disagree']} unlike the map")
-    print(f"  map                     {path}")
-    print(f"  figure                  {picture}")
-    return 0
+    _draw(loaded, drawn, across, along, show, picture)
+    found = atlas_summary(drawn)
+    answer = AtlasAnswer(loaded.name, across, along, found, exact_boundary, path, picture)
+    return tell(answer, json_, loaded)
+
+
+def _draw(mission: Mission, drawn: xr.Dataset, x: Axis, y: Axis, show: str, picture: Path) -> None:
+    """Draw a map, with the conditions of the printed theorem."""
+    from hoverproof.design.atlas import cell_values
+    from hoverproof.paper.conditions import where_met
+    from hoverproof.show.atlas import save_atlas_figure
+
+    met = where_met(mission, cell_values(mission, x, y))
+    save_atlas_figure(mission, drawn, show, met, picture)
 
 
 def _ends(option: str, text: str | None) -> tuple[float, float] | None:

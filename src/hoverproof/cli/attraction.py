@@ -3,31 +3,20 @@
 from __future__ import annotations
 
 import sys
-import textwrap
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from hoverproof.cli.console import (
-    EXIT,
-    NO_FOLDER,
-    Json,
-    MissionName,
-    Set,
-    app,
-    certificate_stem,
-    interval,
-    load_mission,
-    number,
-    print_json,
-)
+from hoverproof.cli.answers.answer import tell
+from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, app, load_mission
+from hoverproof.cli.reading import certificate_stem
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
     from hoverproof.certification.attraction.starts import Start
-    from hoverproof.certification.attraction.verdict import Proved, Refuted
+    from hoverproof.certification.attraction.verdict import Proved
 
 
 @app.command
@@ -72,122 +61,37 @@ def attraction(
     Example: `hoverproof attraction x4-flyer --objective radius --no-barrier`
     """
     from hoverproof.certification.attraction.proof import attraction as decide
-    from hoverproof.certification.attraction.verdict import NOT_COVERED, Proved, Undecided, as_json
+    from hoverproof.cli.answers.attraction import AttractionAnswer
 
     loaded = load_mission(mission, set_)
-    sizes = {
-        name: _number(f"--{name}", text)
-        for name, text in (("speed", speed), ("tilt", tilt), ("rate", rate), ("thrust", thrust))
-    }
-    starts = None if start is None else [_start(text, sizes) for text in start]
-    if starts is None and any(sizes.values()):
-        p = loaded.start.position
-        starts = [_start(",".join(map(str, p)), sizes)]
+    given = {"speed": speed, "tilt": tilt, "rate": rate, "thrust": thrust}
+    sizes = {name: _number(f"--{name}", text) for name, text in given.items()}
+    if start is None and any(sizes.values()):
+        start = [",".join(map(str, loaded.start.position))]
     verdict = decide(
         loaded,
         objective=objective,
-        starts=starts,
+        starts=None if start is None else [_start(text, sizes) for text in start],
         barrier=barrier,
         progress=lambda text: print(f"{text} ...", file=sys.stderr),
     )
     path = picture = None
-    if not isinstance(verdict, Undecided):
-        ending = "cert" if isinstance(verdict, Proved) else "refutation"
+    if verdict.status != "undecided":
+        ending = "cert" if verdict.status == "proved" else "refutation"
         stem = certificate_stem(loaded, mission, set_)
         path = out or Path(f"{stem}.attraction.{ending}.json")
         verdict.certificate.save(path)
-        if figure and isinstance(verdict, Proved):
+        if figure and verdict.status == "proved":
             picture = _draw(verdict, path)
-    if json_:
-        answer = as_json(verdict, None if path is None else str(path))
-        print_json({**answer, "figure": picture}, loaded)
-        return EXIT[verdict.status]
-    print(f"{loaded.name}: {verdict.status}")
-    if isinstance(verdict, Undecided):
-        for reason in verdict.reason.split("; "):
-            print(textwrap.fill(reason, 80, initial_indent="  ", subsequent_indent="    "))
-        for line in verdict.advice:
-            help_ = f"would help: {line}"
-            print(textwrap.fill(help_, 80, initial_indent="  ", subsequent_indent="    "))
-        return EXIT[verdict.status]
-    if isinstance(verdict, Proved):
-        _print_region(verdict)
-    else:
-        _print_motion(verdict)
-    print(f"  certificate             {path}")
-    if picture:
-        print(f"  figure                  {picture}")
-    print("Not covered:")
-    for line in NOT_COVERED:
-        print(f"  {line}")
-    print(f"Next: hoverproof check {path}")
-    return EXIT[verdict.status]
+    return tell(AttractionAnswer(verdict, path, picture), json_, loaded)
 
 
-def _print_region(verdict: Proved) -> None:
-    reach, height = verdict.reach, verdict.barrier_height
-    at = "" if height is None else f" at least {number(height)} m above the target"
-    print("  the motion converges to the goal: the controller may be switched on, with any")
-    print("  heading and yaw rate, in every")
-    if height is None:
-        print(f"  state with Λ <= {number(verdict.level)} and T > 0; from hover, about the goal:")
-    else:
-        print(f"  level hover with Λ <= {number(verdict.level)}{at},")
-        print("  so about the goal")
-    print(f"  sideways, all round     {number(reach.sideways)} m")
-    print(f"  up                      {number(reach.up)} m")
-    print(f"  down                    {number(reach.down)} m")
-    for start in verdict.starts:
-        print(f"  and from                {_describe(start)}")
-    print("  On the way:")
-    print(f"  weights a2, a3, a4      {', '.join(map(number, verdict.weights))}")
-    print(f"  Λ' <= -(k1/m) ε |Y|²    ε = {number(verdict.rate)}")
-    print(f"  tilt                    {number(verdict.tilt)} rad or less")
-    print(f"  thrust                  in {interval(verdict.thrust)} N")
-    print(f"  eigenvalues of Q        {number(verdict.largest_eigenvalue)} 1/m or less")
-    if height is not None:
-        print(f"  height                  {number(height)} m or more above the target")
-
-
-def _print_motion(verdict: Refuted) -> None:
-    state = verdict.state
-    print(f"  {verdict.reason},")
-    print("  by the exact model, from the state (world axes, yaw rate zero):")
-    for name, sides, unit in (
-        ("position", state.position, "m"),
-        ("velocity", state.velocity, "m/s"),
-        ("body axis e3", state.axis, ""),
-        ("its derivative", state.turning, "1/s"),
-        ("thrust", [state.thrust], "N"),
-    ):
-        middle = ", ".join(number((a + b) / 2) for a, b in sides)
-        print(f"  {name:22}  {middle} {unit}".rstrip())
-
-
-def _describe(start: Start) -> str:
-    point = all(a == b for a, b in start.position)
-    sides = (", " if point else " x ").join(
-        number(a) if a == b else interval((a, b)) for a, b in start.position
-    )
-    sizes = [
-        f"{word} <= {number(value)} {unit}"
-        for word, value, unit in (
-            ("speed", start.speed, "m/s"),
-            ("tilt", start.tilt, "rad"),
-            ("rates", start.rate, "rad/s"),
-            ("|T - m g|", start.thrust, "N"),
-        )
-        if value
-    ]
-    return ", ".join([f"({sides}) m", *(sizes or ["level hover"])])
-
-
-def _draw(verdict: Proved, path: Path) -> str:
+def _draw(verdict: Proved, path: Path) -> Path:
     from hoverproof.show.attraction import save_attraction_figure
 
     picture = path.with_name(f"{path.name.removesuffix('.json').removesuffix('.cert')}.png")
     save_attraction_figure(verdict, picture)
-    return str(picture)
+    return picture
 
 
 def _start(text: str, sizes: dict[str, Fraction]) -> Start:

@@ -2,42 +2,20 @@
 
 from __future__ import annotations
 
-import textwrap
-from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import mission_names
-from hoverproof.cli.console import (
-    EXIT,
-    NO_FOLDER,
-    Box,
-    Boxes,
-    Json,
-    MissionName,
-    Set,
-    app,
-    box_sides,
-    certificate_stem,
-    interval,
-    load_mission,
-    number,
-    position_text,
-    print_json,
-    sides_text,
-)
+from hoverproof.cli.console import NO_FOLDER, Box, Boxes, Json, MissionName, Set, app, load_mission
+from hoverproof.cli.reading import box_sides, certificate_stem, parse_weights
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
+    from hoverproof.certification.gains import Verdict
     from hoverproof.mission.sections import Mission
-
-CLAIM = {
-    "proved": "Σ(Q, T) ≻ 0 for",
-    "refuted": "not Σ(Q, T) ≻ 0 for",
-    "undecided": "not known: whether Σ(Q, T) ≻ 0 for",
-}
 
 
 @app.command
@@ -80,74 +58,44 @@ def certify(
 
     Example: `hoverproof certify x4-flyer --over-box --weights search --json`
     """
-    from hoverproof.certification.gains import Proved, Refuted, Undecided, Verdict, as_json
-    from hoverproof.certification.gains import certify as decide
-    from hoverproof.certification.problem import gain_problem
-    from hoverproof.certification.region import enclose
+    from hoverproof.cli.answers.certify import CertifyAnswer
     from hoverproof.paper.conditions import printed_demands
 
     loaded = load_mission(mission, set_)
     stem = certificate_stem(loaded, mission, set_)
     over_box = over_box or box is not None
-    region = enclose(loaded, box_sides(loaded, box), boxes) if over_box else None
-    verdict: Verdict
-    if over_box and region is None:
-        reason = "the eigenvalues of Q over the box were not enclosed within the limit of boxes"
-        verdict = Undecided(None, reason, gain_problem(loaded))
-    else:
-        verdict = decide(loaded, weights=parse_weights(loaded, weights, region), region=region)
+    stem += ".over-box" if over_box else ""
+    stem += ".weighted" if weights is not None else ""
+    verdict = _over_box(loaded, box, boxes, weights) if over_box else _as_assumed(loaded, weights)
     path = None
-    if not isinstance(verdict, Undecided):
-        ending = "cert" if isinstance(verdict, Proved) else "refutation"
-        kind = [stem, "over-box"] if over_box else [stem]
-        kind += [] if weights is None else ["weighted"]
-        path = out or Path(".".join([*kind, ending, "json"]))
+    if verdict.status != "undecided":
+        ending = "cert" if verdict.status == "proved" else "refutation"
+        path = out or Path(f"{stem}.{ending}.json")
         verdict.certificate.save(path)
     demands = printed_demands(loaded, verdict.problem.eigenvalues)
-    if json_:
-        paper = [{"condition": d.text(), "met": d.met} for d in demands]
-        answer = as_json(verdict, None if path is None else str(path))
-        print_json({**answer, "paper_conditions": paper}, loaded)
-        return EXIT[verdict.status]
+    answer = CertifyAnswer(verdict, path, demands, weighted=weights is not None)
+    return tell(answer, json_, loaded)
 
-    problem = verdict.problem
-    print(f"{loaded.name}: {verdict.status}")
-    print(f"  {CLAIM[verdict.status]} every symmetric Q with eigenvalues in")
-    print(
-        f"  {interval(problem.eigenvalues)} 1/m and every thrust T in {interval(problem.thrust)} N"
-    )
-    if problem.box is not None:
-        print("  (bounds of the eigenvalues proved over the box")
-        print(f"  {sides_text(problem.box)} m)")
-    else:
-        print("  (bounds of the eigenvalues assumed, not proved: see hoverproof region)")
-    if weights is not None:
-        print(f"  weights of L            {', '.join(map(number, problem.weights))}")
-    if isinstance(verdict, Proved):
-        gap = float(verdict.margin_above / verdict.margin - 1)
-        what = "worst eigenvalue of Σ  " if weights is None else "margin, Σ ⪰ margin·W   "
-        print(f"  {what} {number(verdict.margin)} kg/s, proved (tight to {gap:.0e})")
-        print(f"  decay rate of L         {number(verdict.decay_rate)} 1/s, proved")
-        print(f"  certificate             {path}")
-    elif isinstance(verdict, Refuted):
-        print(f"  worst eigenvalue of Σ   {number(verdict.margin_above)} kg/s or less, proved")
-        print("  counterexample, exact:")
-        print(f"    Q = {matrix(verdict.Q)} 1/m")
-        print(f"    f = {verdict.f} 1/m")
-        print(f"    X = ({', '.join(map(str, verdict.X))})")
-        print(f"    XᵀΣX <= {verdict.value} (about {number(verdict.value)}) < 0")
-        print(f"  written to              {path}")
-    else:
-        print(f"  {verdict.reason}")
-        if verdict.margin_above is not None:
-            print(f"  worst eigenvalue of Σ   {number(verdict.margin_above)} kg/s or less, proved")
-    print("Asked for by the printed theorem (which is false, see hoverproof derive):")
-    whole = "; ".join(d.text().replace(" ", "\xa0") for d in demands)  # broken between, not within
-    for line in textwrap.wrap(whole, 76):
-        print("  " + line.replace("\xa0", " "))
-    if path is not None:
-        print(f"Next: hoverproof check {path}")
-    return EXIT[verdict.status]
+
+def _as_assumed(mission: Mission, weights: str | None) -> Verdict:
+    """Decide with the bounds of Q that the mission assumes."""
+    from hoverproof.certification.gains import certify as decide
+
+    return decide(mission, weights=parse_weights(mission, weights, None))
+
+
+def _over_box(mission: Mission, box: str | None, boxes: int | None, weights: str | None) -> Verdict:
+    """Decide with bounds of Q that are proved over a box."""
+    from hoverproof.certification.gains import Undecided
+    from hoverproof.certification.gains import certify as decide
+    from hoverproof.certification.problem import gain_problem
+    from hoverproof.certification.region import enclose
+
+    region = enclose(mission, box_sides(mission, box), boxes)
+    if region is None:
+        reason = "the eigenvalues of Q over the box were not enclosed within the limit of boxes"
+        return Undecided(None, reason, gain_problem(mission))
+    return decide(mission, weights=parse_weights(mission, weights, region), region=region)
 
 
 @app.command
@@ -177,63 +125,27 @@ def region(
     Example: `hoverproof region x4-flyer --box=-1,5,-1,3,-4.5,-2.5 --no-figure`
     """
     from hoverproof.certification.over_box import certify_region
-    from hoverproof.show.region import save_region_figure
+    from hoverproof.cli.answers.region import RegionAnswer
 
     loaded = load_mission(mission, set_)
-    sides = box_sides(loaded, box)
-    verdict = certify_region(loaded, sides, boxes)
-    found, spot, wanted = verdict.enclosure, verdict.outside, verdict.bounds
-    ending = "refutation" if spot else "cert"
+    verdict = certify_region(loaded, box_sides(loaded, box), boxes)
+    ending = "refutation" if verdict.outside else "cert"
     path = out or Path(f"{certificate_stem(loaded, mission, set_)}.region.{ending}.json")
     picture = path.with_name(f"{path.name.removesuffix('.json').removesuffix(f'.{ending}')}.png")
     if verdict.certificate is not None:
         verdict.certificate.save(path)
     if figure:
-        save_region_figure(loaded, verdict, picture)
+        from hoverproof.show.region import save_region_figure
 
-    if json_:
-        witness = spot and {
-            "position": [str(c) for c in spot.position],
-            "eigenvalue": spot.eigenvalue,
-            "bound": spot.bound,
-        }
-        print_json(
-            {
-                "mission": loaded.name,
-                "verdict": verdict.status,
-                "box": [[float(end) for end in side] for side in sides],
-                "bounds": [float(x) for x in wanted],
-                "enclosure": found and [float(x) for x in found.eigenvalues],
-                "attained": found and list(found.attained),
-                "witness": witness,
-                "certificate": str(path) if verdict.certificate else None,
-                "figure": str(picture) if figure else None,
-                "units": {"box": "m", "bounds": "1/m", "enclosure": "1/m", "attained": "1/m"},
-            },
-            loaded,
-        )
-        return EXIT[verdict.status]
-    print(f"{loaded.name}: {verdict.status}")
-    print(f"  bounds {interval(wanted)} 1/m of the eigenvalues of Q")
-    print(f"  for every position in the box {sides_text(sides)} m")
-    if found is None:
-        print("  nothing is proved there within the limit of boxes (--boxes)")
-    else:
-        print(f"  proved there            {interval(found.eigenvalues)} 1/m")
-        print(f"  found there             {interval(found.attained)} 1/m")
-    if spot is not None:
-        value, place = number(spot.eigenvalue), position_text(spot.position)
-        print(f"  {spot.bound} bound broken      {value} 1/m at {place}")
-    if verdict.certificate is not None:
-        contents = {"proved": "the bounds", "refuted": "where they break"}
-        what = contents.get(verdict.status, "what is proved there")
-        print(f"  certificate             {path} ({what})")
-    if figure:
-        print(f"  figure                  {picture}")
-    if found is not None:
-        given = "--over-box" if box is None else f"--box={box}"
-        print(f"Next: hoverproof certify {mission} {given}")
-    return EXIT[verdict.status]
+        save_region_figure(loaded, verdict, picture)
+    answer = RegionAnswer(
+        loaded.name,
+        verdict,
+        path if verdict.certificate else None,
+        picture if figure else None,
+        f"{mission} {'--over-box' if box is None else f'--box={box}'}",
+    )
+    return tell(answer, json_, loaded)
 
 
 @app.command
@@ -265,7 +177,7 @@ def check(
     Example: `hoverproof check x4-flyer.cert.json --json`
     """
     from hoverproof import checker
-    from hoverproof.certification.certificate import differences
+    from hoverproof.cli.answers.check import CheckAnswer
 
     if set_ and mission is None:
         raise InputError("--set", "", "needs --mission")
@@ -274,51 +186,14 @@ def check(
         content = checker.read(certificate)
     except checker.Unreadable as error:
         raise InputError(str(certificate), "", str(error)) from None
-    answer: dict[str, Any] = {"certificate": str(certificate)}
-    if not json_:
-        status = checker.tell(str(certificate), content)
-    else:
-        try:
-            answer |= {"accepted": True, "statement": checker.check(content)}
-        except checker.Rejected as error:
-            answer |= {"accepted": False, "reason": str(error)}
-        status = 0 if answer["accepted"] else 1
-    if wanted is not None:
-        differing = differences(content, wanted) if status == 0 else []
-        if not json_ and status == 0:
-            some = [*differing[:3], *(["..."] if len(differing) > 3 else [])]
-            other = f"is about another mission than {mission}: {'; '.join(some)}"
-            print(f"{certificate}: {other if differing else f'is about the mission {mission}'}")
-        status = 1 if differing else status
-        answer |= {"mission": mission, "about_mission": status == 0, "differences": differing}
-    if json_:
-        print_json(answer)
-    return status
-
-
-def parse_weights(mission: Mission, text: str | None, region: Any) -> tuple[Fraction, ...]:
-    """Read --weights: four numbers, or the best ones; by default ones."""
-    from hoverproof.certification.gains import search_weights
-    from hoverproof.certification.problem import ONES
-
-    if text is None:
-        return ONES
-    if text == "search":
-        return search_weights(mission, region=region)
+    statement = reason = None
+    differing: list[str] = []
     try:
-        weights = tuple(Fraction(part.strip()) for part in text[:400].split(","))
-    except (ValueError, ZeroDivisionError):
-        weights = ()
-    if len(weights) != 4 or not all(0 < w <= 10**9 and w.denominator <= 10**18 for w in weights):
-        raise InputError(
-            "--weights",
-            "",
-            "must be `search` or four positive numbers w1,w2,w3,w4 of at most 18 decimals, "
-            f"not {text!r}",
-        )
-    return weights
+        statement = checker.check(content)
+    except checker.Rejected as error:
+        reason = str(error)
+    if wanted is not None and statement is not None:
+        from hoverproof.certification.certificate import differences
 
-
-def matrix(rows: list[list[Any]]) -> str:
-    """Write a matrix, row by row."""
-    return "[" + "; ".join(", ".join(map(str, row)) for row in rows) + "]"
+        differing = differences(content, wanted)
+    return tell(CheckAnswer(certificate, statement, reason, mission, differing), json_)

@@ -1,15 +1,13 @@
-"""What the commands share: the application, common options, and ways to print."""
+"""What the commands share: the application, common options, missions, and bars of progress."""
 
 from __future__ import annotations
 
 import contextlib
 import itertools
-import json
 import os
 import re
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from fractions import Fraction
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 from cyclopts import (
@@ -88,7 +86,6 @@ Boxes = Annotated[
 ]
 NO_FOLDER = validators.Path(dir_okay=False)
 """Of options that name a file to write."""
-EXIT = {"proved": 0, "refuted": 1, "undecided": 3}
 
 
 def fail(message: str, status: int = 2) -> NoReturn:
@@ -165,67 +162,18 @@ def warn(mission: Mission, known: Mission | None = None) -> None:
             print(f"hoverproof: warning: {mission.source}: {finding}", file=sys.stderr)
 
 
-def certificate_stem(mission: Mission, source: str, settings: list[str] | None) -> str:
-    """Return how the names of certificates begin: with the mission's name.
-
-    Where --set makes another mission of it, eight digits of its hash follow, so that it does not
-    replace a certificate of the mission itself.
-    """
-    from hoverproof.checker import digest
-    from hoverproof.mission.reading import load
-
-    if not settings:
-        return mission.name
-    with contextlib.suppress(InputError):  # it may be of use with --set alone
-        plain = load(source)
-        if plain.name != mission.name or plain.exact() == mission.exact():
-            return mission.name
-    return f"{mission.name}.{digest(mission.exact())[:8]}"
-
-
-def box_sides(mission: Mission, text: str | None) -> Any:
-    """Read --box; by default the box around start and goal."""
-    from hoverproof.certification.region import default_box, parse_box
-
-    return default_box(mission) if text is None else parse_box(text)
-
-
 @contextlib.contextmanager
-def progress(title: str) -> Iterator[Callable[[int, int], None]]:
-    """Give a function (done, total) that shows a bar on stderr, if that is a terminal."""
+def progress(title: str) -> Iterator[Callable[..., None]]:
+    """Give a function (done, total, note="") that shows a bar on stderr, if a person looks."""
+    if not sys.stderr.isatty():
+        yield lambda done, total, note="": None
+        return
     from rich.console import Console
-    from rich.progress import Progress
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+    from rich.progress import TimeRemainingColumn as Remaining
 
-    with Progress(console=Console(stderr=True), disable=not sys.stderr.isatty()) as bar:
-        task = bar.add_task(title)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
-
-
-def print_json(value: dict[str, Any], mission: Mission | None = None) -> None:
-    """Print one JSON object, with what is strange about the mission that it tells of."""
-    if mission is not None:
-        from hoverproof.plausibility import warnings
-
-        value = {**value, "warnings": [str(finding) for finding in warnings(mission)]}
-    plain = "utf" not in (sys.stdout.encoding or "utf").lower()
-    print(json.dumps(value, indent=2, ensure_ascii=plain, allow_nan=False))
-
-
-def number(value: Any) -> str:
-    """Write a number with six digits."""
-    return f"{float(value):.6g}"
-
-
-def interval(ends: Sequence[float | Fraction]) -> str:
-    """Write an interval."""
-    return f"[{number(ends[0])}, {number(ends[1])}]"
-
-
-def sides_text(box: Sequence[Sequence[Fraction]]) -> str:
-    """Write a box as a product of intervals."""
-    return " x ".join(map(interval, box))
-
-
-def position_text(p: Sequence[float | Fraction]) -> str:
-    """Write a position in m."""
-    return "(" + ", ".join(f"{round(float(c), 4) + 0.0:g}" for c in p) + ") m"
+    note = TextColumn("{task.fields[note]}")
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), note)
+    with Progress(*columns, Remaining(), console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=None, note="")
+        yield lambda done, total, note="": bar.update(task, completed=done, total=total, note=note)

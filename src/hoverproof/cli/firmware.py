@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from hoverproof.cli.console import (
-    EXIT,
-    Json,
-    MissionName,
-    Set,
-    app,
-    interval,
-    load_mission,
-    print_json,
-)
+from hoverproof.cli.answers.answer import EXIT, print_json, tell
+from hoverproof.cli.console import Json, MissionName, Set, app, fail, load_mission
 from hoverproof.errors import InputError
 
 
@@ -63,6 +54,7 @@ def export(
 
     Example: `hoverproof export crazyflie-2.1 --out firmware --rotor-limits 0,0.15 --tunable`
     """
+    from hoverproof.cli.answers.export import ExportAnswer, refused_as_json
     from hoverproof.export.package import NotCertified
     from hoverproof.firmware import export_c
 
@@ -79,27 +71,11 @@ def export(
             allow_uncertified=allow_uncertified,
         )
     except NotCertified as error:
-        if json_:
-            print_json({"mission": loaded.name, "verdict": error.status, "out": None}, loaded)
-        else:
-            print(f"hoverproof: {error}", file=sys.stderr)
+        if not json_:
+            fail(str(error), EXIT[error.status])
+        print_json(refused_as_json(loaded.name, error.status), loaded)
         return EXIT[error.status]
-    if json_:
-        print_json({"out": str(out), **manifest}, loaded)
-        return 0
-    standing = "UNCERTIFIED: nothing is proved"
-    if manifest["certified"]:
-        standing = f"certified (bounds of Q {manifest['eigenvalue_bounds']})"
-    print(f"{loaded.name}: firmware written, {precision}, {standing}")
-    print(f"  folder  {out}")
-    print(f"  thrust  {interval(manifest['thrust'])} N, monitored")
-    print(f"  rotors  {interval(manifest['rotor_limits'])} N each")
-    print("SHA-256 of the law, and of the certificate if there is one:")
-    print(f"  {manifest['law_sha256']}")
-    if manifest["certified"]:
-        print(f"  {manifest['certificate_sha256']}")
-    print(f"Next: cd {out} && cmake -B build && cmake --build build --target fly")
-    return 0
+    return tell(ExportAnswer(loaded.name, out, manifest, precision), json_, loaded)
 
 
 def _limits(text: str) -> tuple[Fraction, Fraction]:

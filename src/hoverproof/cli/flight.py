@@ -8,23 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from hoverproof.cli.console import (
-    NO_FOLDER,
-    Json,
-    MissionName,
-    Set,
-    app,
-    load_mission,
-    position_text,
-    print_json,
-    progress,
-)
+from hoverproof.cli.answers.answer import tell
+from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, app, load_mission, progress
 from hoverproof.cli.flights import fly_many
+from hoverproof.cli.reading import refuse_given
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from hoverproof.cli.answers.flight import FlightAnswer
     from hoverproof.mission.sections import Mission
     from hoverproof.show.decay import Decay
 
@@ -109,118 +102,91 @@ def simulate(
     Example: `hoverproof simulate crazyflie-2.1 --controller firmware --step 0.001`
     """
     loaded = load_mission(mission, set_)
-    if runs is not None:
-        firmware = controller == "firmware" or None
-        single = {"--animate": animate, "--speed-up": speed_up, "--controller": firmware}
-        for option, unfit in single.items():
-            if unfit is not None:
-                raise InputError(option, "", "is for a single flight, not for --runs")
-        return fly_many(
-            loaded,
-            out or Path(f"{loaded.name}.flights.nc"),
-            json_=json_,
-            draw=figures is None or bool(figures),
-            runs=runs,
-            seed=seed,
-            duration=duration,
-            step=step,
-            every=every,
-            precision=precision,
-            threads=threads,
-            scheduler=scheduler,
-            resume=resume,
-        )
-    for option, given in (("--resume", resume), ("--scheduler", scheduler), ("--threads", threads)):
-        if given:
-            raise InputError(option, "", "is for --runs")
-    timing = {"duration": duration, "step": step, "every": every, "seed": seed}
-    return _fly_once(loaded, out, figures, animate, speed_up, controller, json_, timing)
+    timing = {"duration": duration, "step": step, "every": every}
+    if runs is None:
+        for_runs = {"--resume": resume, "--scheduler": scheduler, "--threads": threads}
+        refuse_given(for_runs, "is for --runs")
+        _check_animation(animate, speed_up)
+        fly = _fly_firmware if controller == "firmware" else _fly_model
+        flight = fly(loaded, seed, timing)
+        path = out or Path(f"{loaded.name}.flight.nc")
+        return tell(_keep(loaded, flight, path, figures, animate, speed_up), json_, loaded)
+    firmware = controller == "firmware"
+    for_one = {"--animate": animate, "--speed-up": speed_up, "--controller": firmware}
+    refuse_given(for_one, "is for a single flight, not for --runs")
+    answer = fly_many(
+        loaded,
+        out or Path(f"{loaded.name}.flights.nc"),
+        draw=figures is None or bool(figures),
+        runs=runs,
+        seed=seed,
+        precision=precision,
+        threads=threads,
+        scheduler=scheduler,
+        resume=resume,
+        **timing,
+    )
+    return tell(answer, json_, loaded)
 
 
-def _fly_once(
-    mission: Mission,
-    out: Path | None,
-    figures: Sequence[str] | None,
-    animate: Path | None,
-    speed_up: float | None,
-    controller: str,
-    json_: bool,
-    timing: dict[str, Any],
-) -> int:
-    from hoverproof.show.figures import FIGURES, save_figures
-    from hoverproof.simulation.flight import save, summary, without_conditions
-    from hoverproof.simulation.flight import simulate as fly
-
-    if animate is not None:
+def _check_animation(animate: Path | None, speed_up: float | None) -> None:
+    """Refuse an animation that cannot be made, before the flight."""
+    if animate is None:
+        refuse_given({"--speed-up": speed_up}, "is for --animate")
+    else:
         from hoverproof.show.animation import check_request
 
         check_request(animate, speed_up)
-    elif speed_up is not None:
-        raise InputError("--speed-up", "", "is for --animate")
-    path = out or Path(f"{mission.name}.flight.nc")
-    if controller == "firmware":
-        from hoverproof.firmware import fly_firmware
 
-        seed = timing.pop("seed")
-        if seed:
-            raise InputError("--seed", "", "is not for --controller firmware: nothing is drawn")
-        flight = fly_firmware(mission, **timing)
-    else:
-        flight = fly(mission, **timing)
+
+def _fly_model(mission: Mission, seed: int, timing: dict[str, Any]) -> xr.Dataset:
+    from hoverproof.simulation.flight import simulate as fly
+
+    return fly(mission, seed=seed, **timing)
+
+
+def _fly_firmware(mission: Mission, seed: int, timing: dict[str, Any]) -> xr.Dataset:
+    from hoverproof.firmware import fly_firmware
+
+    if seed:
+        raise InputError("--seed", "", "is not for --controller firmware: nothing is drawn")
+    return fly_firmware(mission, **timing)
+
+
+def _keep(
+    mission: Mission,
+    flight: xr.Dataset,
+    path: Path,
+    figures: Sequence[str] | None,
+    animate: Path | None,
+    speed_up: float | None,
+) -> FlightAnswer:
+    """Write a flight, its figures and its animation."""
+    from hoverproof.cli.answers.flight import FlightAnswer
+    from hoverproof.simulation.flight import save, summary, without_conditions
+
     save(flight, path)
-    which = FIGURES if figures is None else figures
-    decay = _certified_decay(mission, flight) if "features" in which else None
-    pictures = save_figures(flight, path.with_suffix(""), which, decay)
+    decay, pictures = _draw(mission, flight, path.with_suffix(""), figures)
     if animate is not None:
         from hoverproof.show.animation import save_animation
 
         with progress("animation") as report:
             save_animation(flight, animate, speed_up=speed_up, report=report)
-    result: dict[str, Any] = {
-        "mission": mission.name,
-        **summary(flight),
-        **without_conditions(mission, flight),
-        "figures": [str(p) for p in pictures],
-        "certified_decay": None if decay is None else {"rate": decay.rate, "until": decay.until},
-        "animation": None if animate is None else str(animate),
-        "out": str(path),
-    }
-    status = 0 if result["outcome"] == "flown" else 1
-    if json_:
-        print_json(result, mission)
-        return status
+    facts = {**summary(flight), **without_conditions(mission, flight)}
+    return FlightAnswer(mission, facts, decay, path, pictures, animate)
 
-    settled = result["settled_at"]
-    print(f"{mission.name}: {result['outcome']}, {result['duration']:g} s")
-    print(f"  {result['steps']} steps in {result['seconds']:.2f} s: {result['machine']}")
-    if result["machine"] == "CasADi virtual machine":
-        print("  (no C compiler works here; with one this is much faster)")
-    print(
-        f"  start     {position_text(result['start_position'])}, {result['start_error']:.3g} m away"
-    )
-    print(
-        f"  end       {position_text(result['final_position'])}, {result['final_error']:.3g} m away"
-    )
-    print(f"  within 10 % of the distance at the start: {_since(settled)}")
-    if "ideal_settled_at" in result:
-        print(f"  without sensors, rotors, wind and errors: {_since(result['ideal_settled_at'])}")
-        print(
-            f"  from that flight at most {result['greatest_distance_from_ideal']:.3g} m away, "
-            f"at the end {result['final_distance_from_ideal']:.3g} m"
-        )
-    if result["frames_lost"] and mission.sensors.width is not None:
-        print(
-            f"  a target point was out of view in {result['frames_lost']} frames, "
-            f"first at {result['left_view_at']:g} s"
-        )
-    print(f"  flight    {path}")
-    for picture in pictures:
-        print(f"  figure    {picture}")
-    if decay is not None:
-        print(f"  drawn in features, {decay.label()}")
-    if animate is not None:
-        print(f"  animation {animate}")
-    return status
+
+def _draw(
+    mission: Mission, flight: xr.Dataset, stem: Path, figures: Sequence[str] | None
+) -> tuple[Decay | None, list[Path]]:
+    """Draw figures of a flight; return the decay that is drawn in them, and their paths."""
+    if figures is not None and not figures:
+        return None, []
+    from hoverproof.show.figures import FIGURES, save_figures
+
+    which = FIGURES if figures is None else figures
+    decay = _certified_decay(mission, flight) if "features" in which else None
+    return decay, save_figures(flight, stem, which, decay)
 
 
 def _certified_decay(mission: Mission, flight: xr.Dataset) -> Decay | None:
@@ -233,7 +199,3 @@ def _certified_decay(mission: Mission, flight: xr.Dataset) -> Decay | None:
     except InputError:  # the mission's bounds pose no question: nothing to draw
         return None
     return decay_along(flight, verdict) if isinstance(verdict, Proved) else None
-
-
-def _since(settled: float | None) -> str:
-    return "not reached" if settled is None else f"from {settled:g} s on"

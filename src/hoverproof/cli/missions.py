@@ -9,8 +9,10 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import preset_names
-from hoverproof.cli.console import Json, app, number, print_json, warn
+from hoverproof.cli.console import Json, app, warn
+from hoverproof.cli.reading import mission_name
 from hoverproof.errors import InputError
 
 AUTO = 'eigenvalues = "auto"          # of Q: proved over a box around start and goal'
@@ -34,48 +36,19 @@ def presets(
 
     Example: `hoverproof presets x4-flyer`
     """
-    from hoverproof.design.gain_search import slowest_rate_at_goal
-    from hoverproof.design.limits import bandwidth
+    from hoverproof.cli.answers.missions import PresetAnswer, PresetsAnswer
     from hoverproof.mission.presets import preset_text
     from hoverproof.mission.presets import presets as names
     from hoverproof.mission.reading import load
 
     if name is not None:
-        text = preset_text(name)
-        if json_:
-            print_json(load(name).exact())
-        else:
-            print(text, end="")
-        return 0
+        return tell(PresetAnswer(preset_text(name), load(name)), json_)
+    from hoverproof.design.gain_search import slowest_rate_at_goal
+    from hoverproof.design.limits import bandwidth
+
     missions = [load(n) for n in names()]
-    times = [1 / slowest_rate_at_goal(m) for m in missions]
-    if json_:
-        facts = [
-            {
-                "name": m.name,
-                "mass": float(m.vehicle.mass),
-                "points": len(m.target.points),
-                "height": None if m.goal.height is None else float(m.goal.height),
-                "bandwidth": bandwidth(m),
-                "time_constant": time,
-            }
-            for m, time in zip(missions, times, strict=True)
-        ]
-        units = {"mass": "kg", "height": "m", "bandwidth": "rad/s", "time_constant": "s"}
-        print_json({"presets": [m.name for m in missions], "missions": facts, "units": units})
-        return 0
-    print(
-        f"{'name':16} {'mass kg':>8} {'points':>7} {'height m':>9} {'rad/s':>7} {'slowest s':>10}"
-    )
-    for m, time in zip(missions, times, strict=True):
-        height = "-" if m.goal.height is None else number(m.goal.height)
-        print(
-            f"{m.name:16} {number(m.vehicle.mass):>8} {len(m.target.points):>7} {height:>9} "
-            f"{bandwidth(m):>7.3g} {time:>10.3g}"
-        )
-    print("rad/s: attitude bandwidth (k1 k2 + k3 + k4)/m; slowest: time constant at goal")
-    print("Next: hoverproof presets NAME prints one; hoverproof certify NAME")
-    return 0
+    facts = [(m, bandwidth(m), 1 / slowest_rate_at_goal(m)) for m in missions]
+    return tell(PresetsAnswer(facts), json_)
 
 
 @app.command
@@ -108,6 +81,7 @@ def new(
 
     Example: `hoverproof new my-flyer.toml --from x4-flyer --force`
     """
+    from hoverproof.cli.answers.missions import NewAnswer
     from hoverproof.cli.interview import interview
     from hoverproof.files import replacing
     from hoverproof.mission.presets import conditions_text, preset_text
@@ -117,7 +91,7 @@ def new(
         raise InputError(str(path), "", "exists already; --force replaces it")
     if not path.parent.is_dir():
         raise InputError(str(path), "", f"there is no folder {path.parent}")
-    name = re.sub(r"[^A-Za-z0-9._-]", "-", path.stem).lstrip("._-")[:64] or "mission"
+    name = mission_name(path)
     asks = not (yes or json_ or preset) and sys.stdin.isatty() and sys.stdout.isatty()
     source = "own vehicle" if asks else preset or "x4-flyer"
     if asks:
@@ -129,12 +103,4 @@ def new(
         beside.write_text(text + conditions_text(), encoding="utf-8")
         made = load(beside)  # nothing is put in place that does not load
     warn(made.model_copy(update={"source": str(path)}))
-    if json_:
-        print_json({"out": str(path), "name": name, "from": source})
-        return 0
-    print(f"{path}: written, {source if asks else f'from preset {source}'}")
-    print("Next:" if asks else "Next: put in your vehicle, target and gains, then")
-    print(f"  hoverproof certify {path}")
-    print(f"  hoverproof tune {path} --out {path.with_stem(f'{path.stem}-tuned')}")
-    print(f"  hoverproof simulate {path}")
-    return 0
+    return tell(NewAnswer(path, name, source, asks), json_)

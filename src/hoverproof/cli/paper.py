@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from hoverproof.cli.console import Json, app, print_json
+from hoverproof.cli.answers.answer import tell
+from hoverproof.cli.console import Json, app
 
 
 @app.command
@@ -34,20 +35,8 @@ def derive(
 
     Example: `hoverproof derive --format markdown`
     """
-    from hoverproof.paper.ledger import all_proved, as_rows
+    from hoverproof.cli.answers.derive import DeriveAnswer
     from hoverproof.paper.ledger import derive as judge
-    from hoverproof.show import ledger as show
 
-    judgements = judge(equation)
-    proved = all_proved(judgements)
-    if json_ or format_ == "json":
-        print_json({"proved": proved, "claims": as_rows(judgements)})
-    elif format_ == "markdown":
-        print(show.ledger_markdown(judgements))
-    elif format_ == "latex":
-        print(show.ledger_latex(judgements))
-    elif equation:
-        print("\n\n".join(map(show.claim_text, judgements)))
-    else:
-        print(show.ledger_text(judgements))
-    return 0 if proved else 1
+    answer = DeriveAnswer(judge(equation), format_, in_full=bool(equation))
+    return tell(answer, json_ or format_ == "json")

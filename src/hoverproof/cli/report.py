@@ -9,16 +9,8 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter, validators
 
-from hoverproof.cli.console import (
-    EXIT,
-    NO_FOLDER,
-    Json,
-    MissionName,
-    Set,
-    app,
-    load_mission,
-    print_json,
-)
+from hoverproof.cli.answers.answer import tell
+from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, app, load_mission
 
 
 @app.command
@@ -61,6 +53,7 @@ def report(
 
     Example: `hoverproof report crazyflie-2.1 --without attraction --json`
     """
+    from hoverproof.cli.answers.report import ReportAnswer
     from hoverproof.reporting.document import report as write
 
     loaded = load_mission(mission, set_)
@@ -77,22 +70,4 @@ def report(
         command=shlex.join(words),
         show=lambda text: print(f"{text} ...", file=sys.stderr),
     )
-    status = written.verdict.status
-    if json_:
-        print_json(
-            {
-                "mission": loaded.name,
-                "verdict": status,
-                "missing": dict(written.missing),
-                "bytes": written.size,
-                "sha256": written.sha256,
-                "out": str(path),
-            },
-            loaded,
-        )
-        return EXIT[status]
-    print(f"{loaded.name}: {status}")
-    print(f"  report                  {path} ({written.size / 1e6:.1f} MB)")
-    for name, reason in written.missing.items():
-        print(f"  without {name}: {reason}")
-    return EXIT[status]
+    return tell(ReportAnswer(loaded.name, written, path), json_, loaded)

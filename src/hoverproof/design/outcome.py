@@ -9,12 +9,29 @@ from typing import ClassVar
 from hoverproof.certification.attraction.verdict import Proved as Region
 from hoverproof.certification.gains import Proved
 from hoverproof.design.gain_search import Objective
-from hoverproof.design.limits import Use
+from hoverproof.design.limits import Use, bandwidth
 from hoverproof.mission.sections import Mission
+from hoverproof.servo.hover_error import HoverError, hover_error
+
+
+class _OfMission:
+    """What follows from the gains of a mission alone."""
+
+    mission: Mission
+
+    @property
+    def bandwidth(self) -> float:
+        """Attitude bandwidth, rad/s."""
+        return bandwidth(self.mission)
+
+    @property
+    def hover_error(self) -> HoverError:
+        """What an error of thrust or mass does to the hover."""
+        return hover_error(self.mission)
 
 
 @dataclass(frozen=True)
-class Tuned:
+class Tuned(_OfMission):
     """Gains that are proved, and what was traded for them.
 
     Attributes
@@ -47,7 +64,7 @@ class Tuned:
 
 
 @dataclass(frozen=True)
-class RegionTuned:
+class RegionTuned(_OfMission):
     """Gains whose region of attraction is proved, and what was traded for it.
 
     Attributes

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from hoverproof.certification.attraction.starts import Start, State
-from hoverproof.certification.certificate import Certificate, exact
+from hoverproof.certification.certificate import Certificate
 from hoverproof.mission.sections import Mission
 
 NOT_COVERED = (
@@ -133,53 +133,3 @@ class Refuted:
 
 
 Verdict = Proved | Refuted | Undecided
-
-
-def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
-    """Return a verdict as an object for machines.
-
-    Parameters
-    ----------
-    verdict : Proved, Refuted or Undecided
-    certificate_path : str or None
-        Where the certificate was written.
-    """
-    answer: dict[str, Any] = {
-        "mission": verdict.mission.name,
-        "verdict": verdict.status,
-        "certificate": certificate_path,
-        "not_covered": list(NOT_COVERED),
-        "advice": list(verdict.advice) if isinstance(verdict, Undecided) else [],
-    }
-    if not isinstance(verdict, Proved):
-        nothing = ("level", "weights", "rate", "tilt", "thrust", "largest_eigenvalue")
-        empty = dict.fromkeys((*nothing, "barrier_height", "reach", "statement", "motion"))
-        answer = {**answer, **empty, "starts": [], "reason": verdict.reason}
-        if isinstance(verdict, Refuted):
-            content = verdict.certificate.content
-            answer |= {"statement": content["statement"], "motion": content["motion"]}
-        return answer
-    reach, height = verdict.reach, verdict.barrier_height
-    return {
-        **answer,
-        "level": float(verdict.level),
-        "weights": [float(a) for a in verdict.weights],
-        "rate": float(verdict.rate),
-        "tilt": float(verdict.tilt),
-        "thrust": [float(x) for x in verdict.thrust],
-        "largest_eigenvalue": float(verdict.largest_eigenvalue),
-        "barrier_height": None if height is None else float(height),
-        "reach": {k: float(getattr(reach, k)) for k in ("sideways", "up", "down")},
-        "starts": [exact(start.content()) for start in verdict.starts],
-        "statement": verdict.certificate.statement,
-        "motion": None,
-        "reason": None,
-        "units": {
-            "rate": "1, of Λ' <= -(k1/m) rate |Y|²",
-            "tilt": "rad",
-            "thrust": "N",
-            "largest_eigenvalue": "1/m",
-            "barrier_height": "m above the mean of the target",
-            "reach": "m from the goal",
-        },
-    }

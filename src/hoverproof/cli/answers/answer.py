@@ -1,0 +1,51 @@
+"""How a command answers: lines for people, or one JSON object for machines, and an exit status."""
+
+from __future__ import annotations
+
+import json
+import sys
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from hoverproof.mission.sections import Mission
+
+EXIT = {"proved": 0, "refuted": 1, "undecided": 3}
+
+
+class Answer(ABC):
+    """What a command has to say."""
+
+    @property
+    def status(self) -> int:
+        """The exit status."""
+        return 0
+
+    @abstractmethod
+    def text(self) -> Iterator[str]:
+        """Yield the lines for people."""
+
+    @abstractmethod
+    def as_json(self) -> dict[str, Any]:
+        """Return the object for machines."""
+
+
+def tell(answer: Answer, json_: bool, mission: Mission | None = None) -> int:
+    """Print an answer and return its status; JSON with what is strange about the mission."""
+    if json_:
+        print_json(answer.as_json(), mission)
+    else:
+        for line in answer.text():
+            print(line)
+    return answer.status
+
+
+def print_json(value: dict[str, Any], mission: Mission | None = None) -> None:
+    """Print one JSON object, with what is strange about the mission that it tells of."""
+    if mission is not None:
+        from hoverproof.plausibility import warnings
+
+        value = {**value, "warnings": [str(finding) for finding in warnings(mission)]}
+    plain = "utf" not in (sys.stdout.encoding or "utf").lower()
+    print(json.dumps(value, indent=2, ensure_ascii=plain, allow_nan=False))

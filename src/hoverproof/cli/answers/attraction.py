@@ -1,0 +1,175 @@
+"""What `attraction` answers."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.attraction.verdict import (
+    NOT_COVERED,
+    Proved,
+    Refuted,
+    Undecided,
+    Verdict,
+)
+from hoverproof.certification.certificate import exact
+from hoverproof.cli.answers.answer import EXIT, Answer
+from hoverproof.cli.answers.words import interval, number, numbers
+
+OF_A_REGION = (
+    "level",
+    "weights",
+    "rate",
+    "tilt",
+    "thrust",
+    "largest_eigenvalue",
+    "barrier_height",
+    "reach",
+)
+
+
+@dataclass(frozen=True)
+class AttractionAnswer(Answer):
+    """A verdict on where the controller may be switched on, and what was written."""
+
+    verdict: Verdict
+    path: Path | None
+    picture: Path | None
+
+    @property
+    def status(self) -> int:
+        """The exit status."""
+        return EXIT[self.verdict.status]
+
+    def text(self) -> Iterator[str]:
+        """Yield the lines for people."""
+        verdict = self.verdict
+        yield f"{verdict.mission.name}: {verdict.status}"
+        if isinstance(verdict, Undecided):
+            for words in (
+                *verdict.reason.split("; "),
+                *(f"would help: {a}" for a in verdict.advice),
+            ):
+                yield textwrap.fill(words, 80, initial_indent="  ", subsequent_indent="    ")
+            return
+        yield from _region(verdict) if isinstance(verdict, Proved) else _motion(verdict)
+        yield f"  certificate             {self.path}"
+        if self.picture is not None:
+            yield f"  figure                  {self.picture}"
+        yield "Not covered:"
+        for line in NOT_COVERED:
+            yield f"  {line}"
+        yield f"Next: hoverproof check {self.path}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object for machines."""
+        verdict = self.verdict
+        found = _region_as_json(verdict) if isinstance(verdict, Proved) else _none_as_json(verdict)
+        return {
+            "mission": verdict.mission.name,
+            "verdict": verdict.status,
+            "certificate": None if self.path is None else str(self.path),
+            "not_covered": list(NOT_COVERED),
+            "advice": list(verdict.advice) if isinstance(verdict, Undecided) else [],
+            **found,
+            "figure": None if self.picture is None else str(self.picture),
+        }
+
+
+def _region(verdict: Proved) -> Iterator[str]:
+    reach, height = verdict.reach, verdict.barrier_height
+    yield "  the motion converges to the goal: the controller may be switched on, with any"
+    yield "  heading and yaw rate, in every"
+    level = number(verdict.level)
+    if height is None:
+        yield f"  state with Λ <= {level} and T > 0; from hover, about the goal:"
+    else:
+        yield f"  level hover with Λ <= {level} at least {number(height)} m above the target,"
+        yield "  so about the goal"
+    yield f"  sideways, all round     {number(reach.sideways)} m"
+    yield f"  up                      {number(reach.up)} m"
+    yield f"  down                    {number(reach.down)} m"
+    for start in verdict.starts:
+        yield f"  and from                {_describe(start)}"
+    yield "  On the way:"
+    yield f"  weights a2, a3, a4      {', '.join(map(number, verdict.weights))}"
+    yield f"  Λ' <= -(k1/m) ε |Y|²    ε = {number(verdict.rate)}"
+    yield f"  tilt                    {number(verdict.tilt)} rad or less"
+    yield f"  thrust                  in {interval(verdict.thrust)} N"
+    yield f"  eigenvalues of Q        {number(verdict.largest_eigenvalue)} 1/m or less"
+    if height is not None:
+        yield f"  height                  {number(height)} m or more above the target"
+
+
+def _motion(verdict: Refuted) -> Iterator[str]:
+    state = verdict.state
+    yield f"  {verdict.reason},"
+    yield "  by the exact model, from the state (world axes, yaw rate zero):"
+    for name, sides, unit in (
+        ("position", state.position, "m"),
+        ("velocity", state.velocity, "m/s"),
+        ("body axis e3", state.axis, ""),
+        ("its derivative", state.turning, "1/s"),
+        ("thrust", [state.thrust], "N"),
+    ):
+        middle = ", ".join(number((a + b) / 2) for a, b in sides)
+        yield f"  {name:22}  {middle} {unit}".rstrip()
+
+
+def _describe(start: Start) -> str:
+    point = all(a == b for a, b in start.position)
+    sides = (", " if point else " x ").join(
+        number(a) if a == b else interval((a, b)) for a, b in start.position
+    )
+    sizes = [
+        f"{word} <= {number(value)} {unit}"
+        for word, value, unit in (
+            ("speed", start.speed, "m/s"),
+            ("tilt", start.tilt, "rad"),
+            ("rates", start.rate, "rad/s"),
+            ("|T - m g|", start.thrust, "N"),
+        )
+        if value
+    ]
+    return ", ".join([f"({sides}) m", *(sizes or ["level hover"])])
+
+
+def _none_as_json(verdict: Refuted | Undecided) -> dict[str, Any]:
+    content = verdict.certificate.content if isinstance(verdict, Refuted) else {}
+    return {
+        **dict.fromkeys(OF_A_REGION),
+        "statement": content.get("statement"),
+        "motion": content.get("motion"),
+        "starts": [],
+        "reason": verdict.reason,
+    }
+
+
+def _region_as_json(verdict: Proved) -> dict[str, Any]:
+    reach, height = verdict.reach, verdict.barrier_height
+    return {
+        "level": float(verdict.level),
+        "weights": numbers(verdict.weights),
+        "rate": float(verdict.rate),
+        "tilt": float(verdict.tilt),
+        "thrust": numbers(verdict.thrust),
+        "largest_eigenvalue": float(verdict.largest_eigenvalue),
+        "barrier_height": None if height is None else float(height),
+        "reach": {way: float(getattr(reach, way)) for way in ("sideways", "up", "down")},
+        "starts": [exact(start.content()) for start in verdict.starts],
+        "statement": verdict.certificate.statement,
+        "motion": None,
+        "reason": None,
+        "units": {
+            "rate": "1, of Λ' <= -(k1/m) rate |Y|²",
+            "tilt": "rad",
+            "thrust": "N",
+            "largest_eigenvalue": "1/m",
+            "barrier_height": "m above the mean of the target",
+            "reach": "m from the goal",
+        },
+    }

@@ -1,0 +1,115 @@
+"""What `certify` answers."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hoverproof.certification.gains import Proved, Refuted, Undecided, Verdict
+from hoverproof.cli.answers.answer import EXIT, Answer
+from hoverproof.cli.answers.words import interval, number, numbers, sides_text
+from hoverproof.paper.conditions import Demand
+
+CLAIM = {
+    "proved": "Σ(Q, T) ≻ 0 for",
+    "refuted": "not Σ(Q, T) ≻ 0 for",
+    "undecided": "not known: whether Σ(Q, T) ≻ 0 for",
+}
+
+
+@dataclass(frozen=True)
+class CertifyAnswer(Answer):
+    """A verdict on the gains, what the paper would ask of them, and where the certificate is."""
+
+    verdict: Verdict
+    path: Path | None
+    demands: Sequence[Demand]
+    weighted: bool
+
+    @property
+    def status(self) -> int:
+        """The exit status."""
+        return EXIT[self.verdict.status]
+
+    def text(self) -> Iterator[str]:
+        """Yield the lines for people."""
+        yield f"{self.verdict.problem.mission.name}: {self.verdict.status}"
+        yield from self._question()
+        match self.verdict:
+            case Proved() as proved:
+                yield from self._proved(proved)
+            case Refuted() as refuted:
+                yield from self._refuted(refuted)
+            case Undecided() as undecided:
+                yield f"  {undecided.reason}"
+                if undecided.margin_above is not None:
+                    yield _worst(undecided)
+        yield "Asked for by the printed theorem (which is false, see hoverproof derive):"
+        # broken between conditions, not within
+        whole = "; ".join(d.text().replace(" ", "\xa0") for d in self.demands)
+        for line in textwrap.wrap(whole, 76):
+            yield "  " + line.replace("\xa0", " ")
+        if self.path is not None:
+            yield f"Next: hoverproof check {self.path}"
+
+    def _question(self) -> Iterator[str]:
+        problem = self.verdict.problem
+        yield f"  {CLAIM[self.verdict.status]} every symmetric Q with eigenvalues in"
+        eigenvalues, thrust = interval(problem.eigenvalues), interval(problem.thrust)
+        yield f"  {eigenvalues} 1/m and every thrust T in {thrust} N"
+        if problem.box is not None:
+            yield "  (bounds of the eigenvalues proved over the box"
+            yield f"  {sides_text(problem.box)} m)"
+        else:
+            yield "  (bounds of the eigenvalues assumed, not proved: see hoverproof region)"
+        if self.weighted:
+            yield f"  weights of L            {', '.join(map(number, problem.weights))}"
+
+    def _proved(self, verdict: Proved) -> Iterator[str]:
+        gap = float(verdict.margin_above / verdict.margin - 1)
+        what = "margin, Σ ⪰ margin·W   " if self.weighted else "worst eigenvalue of Σ  "
+        yield f"  {what} {number(verdict.margin)} kg/s, proved (tight to {gap:.0e})"
+        yield f"  decay rate of L         {number(verdict.decay_rate)} 1/s, proved"
+        yield f"  certificate             {self.path}"
+
+    def _refuted(self, verdict: Refuted) -> Iterator[str]:
+        yield _worst(verdict)
+        yield "  counterexample, exact:"
+        yield f"    Q = [{'; '.join(', '.join(map(str, row)) for row in verdict.Q)}] 1/m"
+        yield f"    f = {verdict.f} 1/m"
+        yield f"    X = ({', '.join(map(str, verdict.X))})"
+        yield f"    XᵀΣX <= {verdict.value} (about {number(verdict.value)}) < 0"
+        yield f"  written to              {self.path}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object for machines."""
+        verdict, problem = self.verdict, self.verdict.problem
+        proved = verdict if isinstance(verdict, Proved) else None
+        refuted = verdict if isinstance(verdict, Refuted) else None
+        above = None if verdict.margin_above is None else float(verdict.margin_above)
+        return {
+            "mission": problem.mission.name,
+            "verdict": verdict.status,
+            "margin": float(proved.margin) if proved else above,
+            "margin_bounds": [float(proved.margin) if proved else None, above],
+            "decay_rate": float(proved.decay_rate) if proved else None,
+            "eigenvalues": numbers(problem.eigenvalues),
+            "eigenvalue_bounds": problem.origin,
+            "thrust": numbers(problem.thrust),
+            "goal_centroid": numbers(problem.goal.centroid_midpoint),
+            "weights": numbers(problem.weights),
+            "box": None if problem.box is None else [numbers(side) for side in problem.box],
+            "counterexample": refuted.certificate.content["counterexample"] if refuted else None,
+            "reason": verdict.reason if isinstance(verdict, Undecided) else None,
+            "statement": None if isinstance(verdict, Undecided) else verdict.certificate.statement,
+            "certificate": None if self.path is None else str(self.path),
+            "units": {"margin": "kg/s", "decay_rate": "1/s", "eigenvalues": "1/m", "thrust": "N"},
+            "paper_conditions": [{"condition": d.text(), "met": d.met} for d in self.demands],
+        }
+
+
+def _worst(verdict: Refuted | Undecided) -> str:
+    return f"  worst eigenvalue of Σ   {number(verdict.margin_above)} kg/s or less, proved"

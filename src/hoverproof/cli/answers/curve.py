@@ -1,0 +1,111 @@
+"""What `tune --pareto` answers: gains along a curve."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+from hoverproof.cli.answers.answer import Answer
+from hoverproof.cli.answers.region_tuned import WAYS, region_tuned_as_json
+from hoverproof.cli.answers.tuned import infeasible_as_json, tuned_as_json
+from hoverproof.cli.answers.words import number
+from hoverproof.design.outcome import Infeasible, RegionTuned, Tuned
+
+GAINS = ("k1", "k2", "k3", "k4")
+Found = Tuned | RegionTuned | Infeasible
+
+
+@dataclass(frozen=True)
+class CurveAnswer(Answer):
+    """What was tuned for each point of a curve, and its figure, if there is anything to see."""
+
+    title: ClassVar[str]
+    along: ClassVar[str]
+    head: ClassVar[str]
+
+    mission: str
+    points: Sequence[tuple[float, Found]]
+    picture: Path | None
+
+    @property
+    def status(self) -> int:
+        """The exit status."""
+        return int(any(isinstance(found, Infeasible) for _, found in self.points))
+
+    @abstractmethod
+    def row(self, at: float, found: Found) -> str:
+        """Write a point of the curve."""
+
+    def text(self) -> Iterator[str]:
+        """Yield the lines for people."""
+        yield f"{self.mission}: {self.title}"
+        yield self.head
+        for at, found in self.points:
+            yield self.row(at, found)
+        if self.picture is not None:
+            yield f"  figure  {self.picture}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object for machines."""
+        return {
+            "mission": self.mission,
+            "points": [{self.along: at, **_as_json(found)} for at, found in self.points],
+            "figure": None if self.picture is None else str(self.picture),
+        }
+
+
+class DecayCurveAnswer(CurveAnswer):
+    """The certified decay against the bandwidth."""
+
+    title = "certified decay rate of L against attitude bandwidth"
+    along = "bandwidth_limit"
+    head = "  ".join(["", f"{'rad/s':>8}", f"{'1/s':>11}", *(f"{k:>9}" for k in GAINS)])
+
+    def row(self, at: float, found: Found) -> str:
+        """Write a point of the curve."""
+        if not isinstance(found, Tuned):
+            return _nothing(f"{at:8.4g}", found)
+        rate = number(found.verdict.decay_rate)
+        return "  ".join(["", f"{at:8.4g}", f"{rate:>11}", *_gains(found, 9)])
+
+
+class RegionCurveAnswer(CurveAnswer):
+    """The certified hovers against the slowest motion."""
+
+    title = "certified hovers against the slowest motion at the goal"
+    along = "minimum_decay"
+    head = "  ".join(
+        [
+            "",
+            *(f"{w:>10}" for w in ("1/s", "sideways m", "up m", "down m")),
+            *(f"{k:>6}" for k in GAINS),
+        ]
+    )
+
+    def row(self, at: float, found: Found) -> str:
+        """Write a point of the curve."""
+        if not isinstance(found, RegionTuned):
+            return _nothing(f"{number(at):>10}", found)
+        far = [found.slowest_rate, *(getattr(found.region.reach, way) for way in WAYS)]
+        return "  ".join(["", *(f"{number(x):>10}" for x in far), *_gains(found, 6)])
+
+
+def _gains(found: Tuned | RegionTuned, width: int) -> list[str]:
+    return [f"{number(getattr(found.mission.gains, k)):>{width}}" for k in GAINS]
+
+
+def _nothing(at: str, found: Found) -> str:
+    return f"  {at}  {found.status}: {getattr(found, 'reason', '')}"
+
+
+def _as_json(found: Found) -> dict[str, Any]:
+    match found:
+        case Tuned():
+            return tuned_as_json(found)
+        case RegionTuned():
+            return region_tuned_as_json(found)
+        case Infeasible():
+            return infeasible_as_json(found)

@@ -1,0 +1,46 @@
+"""What `export` answers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hoverproof.cli.answers.answer import Answer
+from hoverproof.cli.answers.words import interval
+
+
+@dataclass(frozen=True)
+class ExportAnswer(Answer):
+    """A folder of firmware, and its manifest."""
+
+    mission: str
+    out: Path
+    manifest: Mapping[str, Any]
+    precision: str
+
+    def text(self) -> Iterator[str]:
+        """Yield the lines for people."""
+        manifest = self.manifest
+        standing = "UNCERTIFIED: nothing is proved"
+        if manifest["certified"]:
+            standing = f"certified (bounds of Q {manifest['eigenvalue_bounds']})"
+        yield f"{self.mission}: firmware written, {self.precision}, {standing}"
+        yield f"  folder  {self.out}"
+        yield f"  thrust  {interval(manifest['thrust'])} N, monitored"
+        yield f"  rotors  {interval(manifest['rotor_limits'])} N each"
+        yield "SHA-256 of the law, and of the certificate if there is one:"
+        yield f"  {manifest['law_sha256']}"
+        if manifest["certified"]:
+            yield f"  {manifest['certificate_sha256']}"
+        yield f"Next: cd {self.out} && cmake -B build && cmake --build build --target fly"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object for machines."""
+        return {"out": str(self.out), **self.manifest}
+
+
+def refused_as_json(mission: str, verdict: str) -> dict[str, Any]:
+    """Return that nothing was written, since nothing is proved, as an object for machines."""
+    return {"mission": mission, "verdict": verdict, "out": None}

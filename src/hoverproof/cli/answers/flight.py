@@ -1,0 +1,85 @@
+"""What `simulate` answers of a single flight."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hoverproof.cli.answers.answer import Answer
+from hoverproof.cli.answers.words import position_text
+
+if TYPE_CHECKING:
+    from hoverproof.mission.sections import Mission
+    from hoverproof.show.decay import Decay
+
+
+@dataclass(frozen=True)
+class FlightAnswer(Answer):
+    """The facts of a flight (`summary`, `without_conditions`), and what was written."""
+
+    mission: Mission
+    facts: Mapping[str, Any]
+    decay: Decay | None
+    path: Path
+    pictures: Sequence[Path]
+    animation: Path | None
+
+    @property
+    def status(self) -> int:
+        """The exit status."""
+        return int(self.facts["outcome"] != "flown")
+
+    def text(self) -> Iterator[str]:
+        """Yield the lines for people."""
+        facts = self.facts
+        yield f"{self.mission.name}: {facts['outcome']}, {facts['duration']:g} s"
+        yield f"  {facts['steps']} steps in {facts['seconds']:.2f} s: {facts['machine']}"
+        if facts["machine"] == "CasADi virtual machine":
+            yield "  (no C compiler works here; with one this is much faster)"
+        start, end = position_text(facts["start_position"]), position_text(facts["final_position"])
+        yield f"  start     {start}, {facts['start_error']:.3g} m away"
+        yield f"  end       {end}, {facts['final_error']:.3g} m away"
+        settled = _since(facts["settled_at"])
+        yield f"  within 10 % of the distance at the start: {settled}"
+        yield from self._conditions()
+        yield f"  flight    {self.path}"
+        for picture in self.pictures:
+            yield f"  figure    {picture}"
+        if self.decay is not None:
+            yield f"  drawn in features, {self.decay.label()}"
+        if self.animation is not None:
+            yield f"  animation {self.animation}"
+
+    def _conditions(self) -> Iterator[str]:
+        facts = self.facts
+        if "ideal_settled_at" in facts:
+            yield f"  without sensors, rotors, wind and errors: {_since(facts['ideal_settled_at'])}"
+            yield (
+                f"  from that flight at most {facts['greatest_distance_from_ideal']:.3g} m away, "
+                f"at the end {facts['final_distance_from_ideal']:.3g} m"
+            )
+        if facts["frames_lost"] and self.mission.sensors.width is not None:
+            yield (
+                f"  a target point was out of view in {facts['frames_lost']} frames, "
+                f"first at {facts['left_view_at']:g} s"
+            )
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object for machines."""
+        decay = self.decay
+        return {
+            "mission": self.mission.name,
+            **self.facts,
+            "figures": [str(p) for p in self.pictures],
+            "certified_decay": None
+            if decay is None
+            else {"rate": decay.rate, "until": decay.until},
+            "animation": None if self.animation is None else str(self.animation),
+            "out": str(self.path),
+        }
+
+
+def _since(settled: float | None) -> str:
+    return "not reached" if settled is None else f"from {settled:g} s on"

@@ -1,0 +1,91 @@
+"""What `presets` and `new` answer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hoverproof.cli.answers.answer import Answer
+from hoverproof.cli.answers.words import number
+
+if TYPE_CHECKING:
+    from hoverproof.mission.sections import Mission
+
+
+@dataclass(frozen=True)
+class PresetsAnswer(Answer):
+    """The presets, with the bandwidth of each in rad/s and its slowest time constant in s."""
+
+    missions: Sequence[tuple[Mission, float, float]]
+
+    def text(self) -> Iterator[str]:
+        """Yield the lines for people."""
+        yield (
+            f"{'name':16} {'mass kg':>8} {'points':>7} {'height m':>9} {'rad/s':>7} "
+            f"{'slowest s':>10}"
+        )
+        for m, bandwidth, time in self.missions:
+            height = "-" if m.goal.height is None else number(m.goal.height)
+            yield (
+                f"{m.name:16} {number(m.vehicle.mass):>8} {len(m.target.points):>7} {height:>9} "
+                f"{bandwidth:>7.3g} {time:>10.3g}"
+            )
+        yield "rad/s: attitude bandwidth (k1 k2 + k3 + k4)/m; slowest: time constant at goal"
+        yield "Next: hoverproof presets NAME prints one; hoverproof certify NAME"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object for machines."""
+        facts = [
+            {
+                "name": m.name,
+                "mass": float(m.vehicle.mass),
+                "points": len(m.target.points),
+                "height": None if m.goal.height is None else float(m.goal.height),
+                "bandwidth": bandwidth,
+                "time_constant": time,
+            }
+            for m, bandwidth, time in self.missions
+        ]
+        units = {"mass": "kg", "height": "m", "bandwidth": "rad/s", "time_constant": "s"}
+        return {"presets": [m.name for m, *_ in self.missions], "missions": facts, "units": units}
+
+
+@dataclass(frozen=True)
+class PresetAnswer(Answer):
+    """A preset, as its file has it."""
+
+    file: str
+    mission: Mission
+
+    def text(self) -> Iterator[str]:
+        """Yield the lines for people."""
+        yield self.file.removesuffix("\n")
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object for machines."""
+        return self.mission.exact()
+
+
+@dataclass(frozen=True)
+class NewAnswer(Answer):
+    """A mission file that was written, from a preset or from what was ``asked``."""
+
+    path: Path
+    name: str
+    source: str
+    asked: bool
+
+    def text(self) -> Iterator[str]:
+        """Yield the lines for people."""
+        path = self.path
+        yield f"{path}: written, {self.source if self.asked else f'from preset {self.source}'}"
+        yield "Next:" if self.asked else "Next: put in your vehicle, target and gains, then"
+        yield f"  hoverproof certify {path}"
+        yield f"  hoverproof tune {path} --out {path.with_stem(f'{path.stem}-tuned')}"
+        yield f"  hoverproof simulate {path}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object for machines."""
+        return {"out": str(self.path), "name": self.name, "from": self.source}

@@ -1,0 +1,81 @@
+"""What `region` answers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hoverproof.certification.over_box import RegionVerdict
+from hoverproof.cli.answers.answer import EXIT, Answer
+from hoverproof.cli.answers.words import interval, number, numbers, position_text, sides_text
+
+CONTENTS = {
+    "proved": "the bounds",
+    "refuted": "where they break",
+    "undecided": "what is proved there",
+}
+
+
+@dataclass(frozen=True)
+class RegionAnswer(Answer):
+    """A verdict on the bounds of Q over a box, and what was written.
+
+    ``next_arguments`` are those of the `certify` that makes use of it.
+    """
+
+    mission: str
+    verdict: RegionVerdict
+    path: Path | None
+    picture: Path | None
+    next_arguments: str
+
+    @property
+    def status(self) -> int:
+        """The exit status."""
+        return EXIT[self.verdict.status]
+
+    def text(self) -> Iterator[str]:
+        """Yield the lines for people."""
+        verdict = self.verdict
+        found, spot = verdict.enclosure, verdict.outside
+        yield f"{self.mission}: {verdict.status}"
+        yield f"  bounds {interval(verdict.bounds)} 1/m of the eigenvalues of Q"
+        yield f"  for every position in the box {sides_text(verdict.box)} m"
+        if found is None:
+            yield "  nothing is proved there within the limit of boxes (--boxes)"
+        else:
+            yield f"  proved there            {interval(found.eigenvalues)} 1/m"
+            yield f"  found there             {interval(found.attained)} 1/m"
+        if spot is not None:
+            value, place = number(spot.eigenvalue), position_text(spot.position)
+            yield f"  {spot.bound} bound broken      {value} 1/m at {place}"
+        if self.path is not None:
+            yield f"  certificate             {self.path} ({CONTENTS[verdict.status]})"
+        if self.picture is not None:
+            yield f"  figure                  {self.picture}"
+        if found is not None:
+            yield f"Next: hoverproof certify {self.next_arguments}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object for machines."""
+        verdict = self.verdict
+        found, spot = verdict.enclosure, verdict.outside
+        witness = spot and {
+            "position": [str(c) for c in spot.position],
+            "eigenvalue": spot.eigenvalue,
+            "bound": spot.bound,
+        }
+        return {
+            "mission": self.mission,
+            "verdict": verdict.status,
+            "box": [numbers(side) for side in verdict.box],
+            "bounds": numbers(verdict.bounds),
+            "enclosure": found and numbers(found.eigenvalues),
+            "attained": found and list(found.attained),
+            "witness": witness,
+            "certificate": None if self.path is None else str(self.path),
+            "figure": None if self.picture is None else str(self.picture),
+            "units": {"box": "m", "bounds": "1/m", "enclosure": "1/m", "attained": "1/m"},
+        }

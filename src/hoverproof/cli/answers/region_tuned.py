@@ -1,0 +1,114 @@
+"""What `tune --objective region` answers: gains, and how far hovers are certified."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from hoverproof.certification.attraction.verdict import Proved
+from hoverproof.cli.answers.answer import Answer
+from hoverproof.cli.answers.words import (
+    GAIN_UNITS,
+    gains_as_json,
+    gains_text,
+    hover_error_text,
+    limits_as_json,
+    limits_text,
+    number,
+    numbers,
+)
+from hoverproof.design.outcome import RegionTuned
+
+WAYS = ("sideways", "up", "down")
+
+
+@dataclass(frozen=True)
+class RegionTunedAnswer(Answer):
+    """Gains, and the mission file and the certificate that were written."""
+
+    found: RegionTuned
+    written: str | None
+    certificate: Path | None
+
+    def text(self) -> Iterator[str]:
+        """Yield the lines for people."""
+        found = self.found
+        yield f"{found.mission.name}: tuned for the region of attraction, and proved"
+        yield from gains_text(found.mission)
+        yield f"  certified hovers        {reach_text(found.region)} of the goal"
+        own = "not proved" if found.before is None else reach_text(found.before)
+        yield f"    the mission's own gains: {own}"
+        yield from _rates(found)
+        yield from hover_error_text(found.hover_error)
+        yield from limits_text(found.uses)
+        if self.written is None:
+            yield "Next: the same with --out FILE.toml writes a mission file and its certificate"
+        else:
+            yield f"  written to              {self.written}"
+            yield f"  certificate             {self.certificate}"
+            yield f"Next: hoverproof check {self.certificate}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object for machines."""
+        certificate = None if self.certificate is None else str(self.certificate)
+        written = {"out": self.written, "certificate": certificate}
+        return {**region_tuned_as_json(self.found), **written}
+
+
+def reach_text(region: Proved) -> str:
+    """Write how far hovers are certified."""
+    far = [number(getattr(region.reach, way)) for way in WAYS]
+    return f"{far[0]} m sideways, {far[1]} m up, {far[2]} m down"
+
+
+def _rates(found: RegionTuned) -> Iterator[str]:
+    slow, times = found.slowest_rate, found.slowest_rate / found.slowest_rate_before
+    yield (f"  slowest motion at goal  {number(slow)} 1/s, {times:.2f} times that of the own gains")
+    yield f"    time constant:           {number(1 / slow)} s (linearised)"
+    rate = found.decay_rate
+    decay = "not proved" if rate is None else f"{number(rate)} 1/s, proved"
+    yield f"  decay rate of L         {decay} with the bounds of this mission"
+
+
+def region_tuned_as_json(found: RegionTuned) -> dict[str, Any]:
+    """Return gains and regions as an object for machines."""
+    return {
+        "mission": found.mission.name,
+        "status": found.status,
+        "objective": found.objective,
+        "gains": gains_as_json(found.mission),
+        "reach": _reach_as_json(found.region),
+        "reach_before": _reach_as_json(found.before),
+        "level": float(found.region.level),
+        "weights": numbers(found.region.weights),
+        "slowest_rate": found.slowest_rate,
+        "slowest_rate_before": found.slowest_rate_before,
+        "time_constant": 1 / found.slowest_rate,
+        "time_constant_before": 1 / found.slowest_rate_before,
+        "decay_rate": _real(found.decay_rate),
+        "decay_rate_before": _real(found.decay_rate_before),
+        "bandwidth": found.bandwidth,
+        **limits_as_json(found.uses),
+        "hover_error": asdict(found.hover_error),
+        "units": {
+            **GAIN_UNITS,
+            "reach": "m from the goal",
+            "level": "m",
+            "weights": "m",
+            "slowest_rate": "1/s",
+            "time_constant": "s",
+            "decay_rate": "1/s",
+            "bandwidth": "rad/s",
+        },
+    }
+
+
+def _reach_as_json(region: Proved | None) -> dict[str, float] | None:
+    return None if region is None else {w: float(getattr(region.reach, w)) for w in WAYS}
+
+
+def _real(value: Fraction | None) -> float | None:
+    return None if value is None else float(value)

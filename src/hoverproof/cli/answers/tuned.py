@@ -1,0 +1,130 @@
+"""What `tune` answers: gains that are proved, or what stands in the way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from hoverproof.certification.problem import ONES
+from hoverproof.cli.answers.answer import Answer
+from hoverproof.cli.answers.words import (
+    GAIN_UNITS,
+    gains_as_json,
+    gains_text,
+    hover_error_text,
+    limits_as_json,
+    limits_text,
+    number,
+    numbers,
+)
+from hoverproof.design.outcome import Infeasible, Tuned
+
+
+@dataclass(frozen=True)
+class TunedAnswer(Answer):
+    """Gains, and the mission file that was written with them."""
+
+    found: Tuned
+    written: str | None
+
+    def text(self) -> Iterator[str]:
+        """Yield the lines for people."""
+        found, verdict = self.found, self.found.verdict
+        yield (
+            f"{found.mission.name}: tuned for {found.objective}, "
+            f"and proved ({verdict.problem.footing})"
+        )
+        yield from gains_text(found.mission)
+        yield from _rates(found)
+        if verdict.problem.weights != ONES:
+            yield f"  weights of L            {', '.join(map(number, verdict.problem.weights))}"
+        slow = found.slowest_rate
+        yield f"  slowest motion at goal  {number(slow)} 1/s (linearised, floating point)"
+        yield from hover_error_text(found.hover_error)
+        yield from limits_text(found.uses)
+        if not any(use.binds for use in found.uses):
+            yield "  what binds: the bounds of Q and of the thrust"
+        if self.written is None:
+            yield "Next: the same with --out FILE.toml writes a mission file with these gains"
+        else:
+            yield f"  written to              {self.written}"
+            yield f"Next: hoverproof certify {self.written}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object for machines."""
+        return {**tuned_as_json(self.found), "out": self.written}
+
+
+@dataclass(frozen=True)
+class InfeasibleAnswer(Answer):
+    """No gains, and why."""
+
+    found: Infeasible
+
+    @property
+    def status(self) -> int:
+        """The exit status."""
+        return 1
+
+    def text(self) -> Iterator[str]:
+        """Yield the lines for people."""
+        yield f"{self.found.mission.name}: infeasible"
+        yield from ("  " + part for part in self.found.reason.replace("; ", ";\n").split("\n"))
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object for machines."""
+        return {**infeasible_as_json(self.found), "out": None}
+
+
+def _rates(found: Tuned) -> Iterator[str]:
+    rate = found.verdict.decay_rate
+    yield f"  decay rate of L         {number(rate)} 1/s, proved"
+    if found.before is None:
+        yield "    the mission's own gains: not proved"
+    else:
+        times = float(rate / found.before)
+        yield f"    the mission's own gains: {number(found.before)} 1/s, proved; {times:.2f} times"
+    yield f"    before rounding:         {number(found.estimate)} 1/s (floating point)"
+
+
+def tuned_as_json(found: Tuned) -> dict[str, Any]:
+    """Return gains as an object for machines."""
+    verdict, before = found.verdict, found.before
+    rate = verdict.decay_rate
+    return {
+        "mission": found.mission.name,
+        "status": found.status,
+        "objective": found.objective,
+        "gains": gains_as_json(found.mission),
+        "decay_rate": float(rate),
+        "decay_rate_before": None if before is None else float(before),
+        "decay_rate_before_rounding": found.estimate,
+        "improvement": None if before is None else float(rate / before),
+        "margin": float(verdict.margin),
+        "eigenvalues": numbers(verdict.problem.eigenvalues),
+        "eigenvalue_bounds": verdict.problem.origin,
+        "slowest_rate": found.slowest_rate,
+        "bandwidth": found.bandwidth,
+        "weights": numbers(verdict.problem.weights),
+        **limits_as_json(found.uses),
+        "hover_error": asdict(found.hover_error),
+        "units": {
+            **GAIN_UNITS,
+            "decay_rate": "1/s",
+            "margin": "kg/s",
+            "slowest_rate": "1/s",
+            "bandwidth": "rad/s",
+        },
+    }
+
+
+def infeasible_as_json(found: Infeasible) -> dict[str, Any]:
+    """Return what stands in the way as an object for machines."""
+    return {
+        "mission": found.mission.name,
+        "status": found.status,
+        "reason": found.reason,
+        "needed_bandwidth": found.needed_bandwidth,
+        "best": None if found.best is None else tuned_as_json(found.best),
+    }

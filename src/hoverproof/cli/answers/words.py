@@ -1,0 +1,75 @@
+"""What the answers share: how numbers, boxes, gains and limits are written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from hoverproof.design.limits import Use
+    from hoverproof.mission.sections import Mission
+    from hoverproof.servo.hover_error import HoverError
+
+GAIN_UNITS = {"k1": "kg m/s", "k2": "1/m", "k3": "kg/s", "k4": "kg/s", "k_yaw": "kg m²/s"}
+
+
+def number(value: Any) -> str:
+    """Write a number with six digits."""
+    return f"{float(value):.6g}"
+
+
+def numbers(values: Iterable[Any]) -> list[float]:
+    """Return numbers as JSON has them."""
+    return [float(x) for x in values]
+
+
+def interval(ends: Sequence[float | Fraction]) -> str:
+    """Write an interval."""
+    return f"[{number(ends[0])}, {number(ends[1])}]"
+
+
+def sides_text(box: Sequence[Sequence[Fraction]]) -> str:
+    """Write a box as a product of intervals."""
+    return " x ".join(map(interval, box))
+
+
+def position_text(p: Sequence[float | Fraction]) -> str:
+    """Write a position in m."""
+    return "(" + ", ".join(f"{round(float(c), 4) + 0.0:g}" for c in p) + ") m"
+
+
+def gains_text(mission: Mission) -> Iterator[str]:
+    """Yield a line for each gain."""
+    from hoverproof.mission.writing import decimal
+
+    for key, value in mission.gains:
+        yield f"  {key:6} = {decimal(value):12} {GAIN_UNITS[key]}"
+
+
+def gains_as_json(mission: Mission) -> dict[str, float]:
+    """Return the gains by name."""
+    return {key: float(value) for key, value in mission.gains}
+
+
+def limits_text(uses: Iterable[Use]) -> Iterator[str]:
+    """Yield a line for each limit: how much of it is used."""
+    for use in uses:
+        binds = "binds" if use.binds else "does not bind"
+        what = "at least" if use.least else "limit"
+        yield f"  {use.name}: {number(use.value)}, {what} {number(use.limit)} {use.unit}: {binds}"
+
+
+def limits_as_json(uses: Sequence[Use]) -> dict[str, Any]:
+    """Return how much of each limit is used, and which bind."""
+    keys = ("name", "value", "limit", "unit", "binds")
+    return {
+        "limits": [{key: getattr(use, key) for key in keys} for use in uses],
+        "binds": [use.name for use in uses if use.binds],
+    }
+
+
+def hover_error_text(error: HoverError) -> Iterator[str]:
+    """Yield what an error of thrust or mass does to the hover, which no integral action mends."""
+    for name, value in error.rows():
+        yield f"  {name:22}  {value}"

@@ -1,0 +1,86 @@
+"""Options that several commands read, and the names of the files that they write."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hoverproof.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from hoverproof.certification.region import Box, Region
+    from hoverproof.mission.sections import Mission
+
+
+def refuse_given(options: Mapping[str, object], reason: str) -> None:
+    """Refuse options that were given, where there is no use for them."""
+    for option, value in options.items():
+        if value is not None and value is not False:
+            raise InputError(option, "", reason)
+
+
+def box_sides(mission: Mission, text: str | None) -> Box:
+    """Read --box; by default the box around start and goal."""
+    from hoverproof.certification.region import default_box, parse_box
+
+    return default_box(mission) if text is None else parse_box(text)
+
+
+def parse_weights(
+    mission: Mission, text: str | None, region: Region | None
+) -> tuple[Fraction, ...]:
+    """Read --weights: four numbers, or the best ones; by default ones."""
+    from hoverproof.certification.gains import search_weights
+    from hoverproof.certification.problem import ONES
+
+    if text is None:
+        return ONES
+    if text == "search":
+        return search_weights(mission, region=region)
+    try:
+        weights = tuple(Fraction(part.strip()) for part in text[:400].split(","))
+    except (ValueError, ZeroDivisionError):
+        weights = ()
+    if len(weights) != 4 or not all(0 < w <= 10**9 and w.denominator <= 10**18 for w in weights):
+        raise InputError(
+            "--weights",
+            "",
+            "must be `search` or four positive numbers w1,w2,w3,w4 of at most 18 decimals, "
+            f"not {text!r}",
+        )
+    return weights
+
+
+def picture_path(path: Path) -> Path:
+    """Refuse a figure in another format than .png or .svg before the work is done."""
+    if path.suffix.lower() not in (".png", ".svg"):
+        raise InputError(str(path), "", "a figure must end in .png or .svg")
+    return path
+
+
+def mission_name(path: Path) -> str:
+    """Return a mission's name for a file."""
+    return re.sub(r"[^A-Za-z0-9._-]", "-", path.stem).lstrip("._-")[:64] or "mission"
+
+
+def certificate_stem(mission: Mission, source: str, settings: list[str] | None) -> str:
+    """Return how the names of certificates begin: with the mission's name.
+
+    Where --set makes another mission of it, eight digits of its hash follow, so that it does not
+    replace a certificate of the mission itself.
+    """
+    from hoverproof.checker import digest
+    from hoverproof.mission.reading import load
+
+    if not settings:
+        return mission.name
+    with contextlib.suppress(InputError):  # it may be of use with --set alone
+        plain = load(source)
+        if plain.name != mission.name or plain.exact() == mission.exact():
+            return mission.name
+    return f"{mission.name}.{digest(mission.exact())[:8]}"

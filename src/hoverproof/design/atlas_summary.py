@@ -1,0 +1,64 @@
+"""A map of what is certified, in a few numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from hoverproof.design.atlas import NOT_ASKED, VERDICTS
+
+
+@dataclass(frozen=True)
+class AtlasSummary:
+    """How much of a map is certified, and where best.
+
+    Attributes
+    ----------
+    cells, certified, no_question : int
+        Numbers of cells: all, those with a margin above 0, and those that pose no question.
+    best : dict or None
+        Where the margin is largest: the values of x and y by name; None if nothing is certified.
+    best_decay_rate : float or None
+        Decay rate of L there, 1/s.
+    decided : dict
+        Numbers of cells decided exactly, by verdict.
+    disagree : int
+        Number of these that are unlike the map.
+    """
+
+    cells: int
+    certified: int
+    no_question: int
+    best: dict[str, float] | None
+    best_decay_rate: float | None
+    decided: dict[str, int]
+    disagree: int
+
+
+def atlas_summary(drawn: xr.Dataset) -> AtlasSummary:
+    """Sum up a map.
+
+    Parameters
+    ----------
+    drawn : Dataset
+        From `atlas`.
+    """
+    margin, verdict = drawn["margin"].values, drawn["verdict"].values
+    certified, asked = int((margin > 0).sum()), verdict != NOT_ASKED
+    best = rate = None
+    if certified:
+        y, x = (str(name) for name in drawn["margin"].dims)
+        j, i = np.unravel_index(np.nanargmax(margin), margin.shape)
+        best = {x: float(drawn[x].values[i]), y: float(drawn[y].values[j])}
+        rate = float(drawn["decay_rate"].values[j, i])
+    return AtlasSummary(
+        cells=margin.size,
+        certified=certified,
+        no_question=int(np.isnan(margin).sum()),
+        best=best,
+        best_decay_rate=rate,
+        decided={word: int((verdict == code).sum()) for word, code in VERDICTS.items()},
+        disagree=int((np.sign(margin[asked]) != verdict[asked]).sum()),
+    )
