@@ -34,11 +34,11 @@ def presets(
 
     Example: `hoverproof presets x4-flyer`
     """
-    from hoverproof.design.gain_search import slowest_rate_at_goal
     from hoverproof.design.limits import bandwidth
     from hoverproof.mission.presets import preset_text
     from hoverproof.mission.presets import presets as names
     from hoverproof.mission.reading import load
+    from hoverproof.servo.loop import slowest_rate
 
     if name is not None:
         text = preset_text(name)
@@ -48,7 +48,7 @@ def presets(
             print(text, end="")
         return 0
     missions = [load(n) for n in names()]
-    times = [1 / slowest_rate_at_goal(m) for m in missions]
+    times = [1 / slowest_rate(m) for m in missions]
     if json_:
         facts = [
             {
