@@ -210,8 +210,14 @@ def held_rate(
     Parameters
     ----------
     state : RigidBodyState
-    torque, mass, inertia, gravity, drag
-        As in `state_rate`.
+    torque : SX
+        Γ, (3, 1), body frame, N m.
+    mass, gravity : SX
+        kg and m/s².
+    inertia : SX
+        Principal moments, (3, 1), kg m².
+    drag : SX, optional
+        A force beside thrust and weight, (3, 1), body frame, N.
     """
     rate = state_rate(
         state,
