@@ -16,15 +16,15 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from hoverproof.certification.attraction.motion import energy_function, numbers
+from hoverproof.certification.attraction.motion import energy_function
 from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.attraction.verdict import Proved
 from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.error_chain import Design
-from hoverproof.simulation.closed_loop import flight_states, loop_rate
+from hoverproof.servo.loop import LoopNumbers, loop_rate, slowest_rate
+from hoverproof.simulation.closed_loop import flight_states
 from hoverproof.simulation.compiled import runner
-from hoverproof.simulation.flight import slowest_rate
 
 TUNED = {"gains.k1": "1", "gains.k4": "10"}
 CASES = (
@@ -47,8 +47,9 @@ class Case:
 
     def __post_init__(self):
         mission = self.region.mission
-        self.design, self.goal, self.a = numbers(mission, self.region)
-        self.points = np.array(mission.target.points, float).T
+        numbers = LoopNumbers.of(mission)
+        self.design, self.goal, self.points = numbers.design, numbers.goal, numbers.points
+        self.a = np.array([float(w) for w in self.region.weights])
         v, k = mission.vehicle, mission.gains
         self.m, self.weight = float(v.mass), float(v.weight)
         self.k1, self.k2, self.k3 = (float(x) for x in (k.k1, k.k2, k.k3))

@@ -19,10 +19,10 @@ from scipy.integrate import solve_ivp
 
 from closed_loop import DT, TILTED, N, hand_written, numpy_run, plain_rate, plain_step
 from hoverproof.mission.reading import load
+from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import compiled, kernel
 from hoverproof.simulation.batch import fly_raw
 from hoverproof.simulation.closed_loop import flight_states
-from hoverproof.simulation.numbers import FlightNumbers
 from hoverproof.simulation.plan import Plan
 from hoverproof.spread import processors, spread
 from tables import report
@@ -82,7 +82,7 @@ def batch(threads: int) -> Peer:
     return Peer(run, len(parts) * VEHICLES * 10 * STEPS, 10 * STEPS)
 
 
-def one_vehicle(run: Callable, numbers: FlightNumbers, steps: int) -> Peer:
+def one_vehicle(run: Callable, numbers: LoopNumbers, steps: int) -> Peer:
     """Return a runner as a peer."""
     (start,) = flight_states(numbers.start[None], numbers.goal, numbers.points)
 
@@ -104,7 +104,7 @@ def plain_casadi(folder: Path) -> Callable:
     return compiled._machine_code(N, library).run
 
 
-def scipy_peer(numbers: FlightNumbers, steps: int) -> Peer:
+def scipy_peer(numbers: LoopNumbers, steps: int) -> Peer:
     """Return SciPy's solver with the right-hand side in numpy."""
 
     def rate(_: float, x: np.ndarray) -> np.ndarray:
@@ -117,7 +117,7 @@ def scipy_peer(numbers: FlightNumbers, steps: int) -> Peer:
     return Peer(run, steps, steps)
 
 
-def jax_peer(numbers: FlightNumbers, vehicles: int, steps: int) -> Peer:
+def jax_peer(numbers: LoopNumbers, vehicles: int, steps: int) -> Peer:
     """Return the step in JAX: jit, vmap over vehicles, float64, on the processor."""
     import jax
     import jax.numpy as jnp
@@ -170,7 +170,7 @@ def rotorpy_peer(steps: int) -> Peer:
 
 def peers(folder: Path) -> dict[str, Peer]:
     """Return what is timed, by name."""
-    numbers = FlightNumbers.of(load("x4-flyer", TILTED))
+    numbers = LoopNumbers.of(load("x4-flyer", TILTED))
     found = {
         "batch kernel, 1 thread": batch(1),
         "batch kernel, 2 threads": batch(2),
@@ -208,7 +208,7 @@ def main() -> None:
                 peer.seconds = min(peer.seconds, time.perf_counter() - begin)
                 peer.processor_seconds = min(peer.processor_seconds, time.process_time() - used)
                 if end is not None:
-                    numbers = FlightNumbers.of(load("x4-flyer", TILTED))
+                    numbers = LoopNumbers.of(load("x4-flyer", TILTED))
                     wanted = one_vehicle(compiled.runner(N).run, numbers, peer.flight).run()
                     peer.difference = float(np.abs(end - wanted).max())
                     assert peer.difference < 1e-5, peer

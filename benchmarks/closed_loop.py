@@ -21,9 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.mission.reading import load
+from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import compiled
 from hoverproof.simulation.closed_loop import FLIGHT_SIZE, flight_states
-from hoverproof.simulation.flight import FlightNumbers
 from tables import report
 
 HERE = Path(__file__).parent
@@ -159,7 +159,7 @@ def numpy_run(
 
 def measure(peers: list[Peer], reference: Peer) -> None:
     """Time the peers in turn, several times over, and assert that they agree."""
-    numbers = FlightNumbers.of(load("x4-flyer", TILTED))
+    numbers = LoopNumbers.of(load("x4-flyer", TILTED))
     (start,) = flight_states(numbers.start[None], numbers.goal, numbers.points)
 
     def fly(run: Run, peer: Peer) -> Array:

@@ -286,9 +286,9 @@ Say = Callable[[str, str], Fault]
 
 
 def _slowest(mission: Any) -> float:
-    from hoverproof.design.gain_search import slowest_rate_at_goal
+    from hoverproof.servo.loop import slowest_rate
 
-    return slowest_rate_at_goal(mission)
+    return slowest_rate(mission)
 
 
 def _bandwidth(mission: Any) -> float:

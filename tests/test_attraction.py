@@ -28,7 +28,7 @@ from hoverproof.certification.attraction.verdict import Proved, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.servo.error_chain import Design
-from hoverproof.simulation.flight import slowest_rate
+from hoverproof.servo.loop import slowest_rate
 
 F = Fraction
 ROOT = Path(__file__).parents[1]

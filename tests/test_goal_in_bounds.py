@@ -16,11 +16,11 @@ from hoverproof.certification.over_box import certify_region
 from hoverproof.certification.problem import gain_problem, pose
 from hoverproof.certification.region import default_box
 from hoverproof.design.atlas import atlas, axis
-from hoverproof.design.gain_search import slowest_rate_at_goal
 from hoverproof.design.tuning import tune
 from hoverproof.errors import InputError
 from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
+from hoverproof.servo.loop import slowest_rate
 from test_brute_force import random_mission
 
 WITHOUT_GOAL = {"bounds.eigenvalues": "[0.01, 0.1]"}
@@ -115,7 +115,7 @@ def test_the_checker_rejects_a_box_that_does_not_hold_the_goal(goal, moved):
 
 def agrees_with_the_loop(mission, verdict):
     """Hold a certified rate of L against the slowest motion at the goal: L falls as its square."""
-    slowest = slowest_rate_at_goal(mission)
+    slowest = slowest_rate(mission)
     assert slowest > 0
     assert float(verdict.decay_rate) <= 2 * slowest * (1 + 1e-9)
 
@@ -149,7 +149,7 @@ def test_tuned_gains_settle(objective, change):
     tuned = tune(load("x4-flyer", change), objective=objective)
     assert tuned.status == "tuned"
     assert tuned.slowest_rate > 0
-    assert slowest_rate_at_goal(tuned.mission) == pytest.approx(tuned.slowest_rate)
+    assert slowest_rate(tuned.mission) == pytest.approx(tuned.slowest_rate)
 
 
 # --- bounds that are proved ---------------------------------------------------------------------

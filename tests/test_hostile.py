@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import itertools
 import json
 import time
@@ -227,7 +228,6 @@ class Truth:
         self.content = content
         mission = content["mission"]
         self.gains = [floats(mission["gains"][k]) for k in ("k1", "k2", "k3", "k4")]
-        k1, k2, k3, _ = self.gains
         self.m = floats(mission["vehicle"]["mass"])
         self.w = floats(content["weights"])
         self.points = floats(mission["target"]["points"])
@@ -236,6 +236,13 @@ class Truth:
             self.q = (rays / np.linalg.norm(rays, axis=1)[:, None]).sum(axis=0)
         else:
             self.q = floats(mission["goal"]["centroid"])
+        self.eigenvalues = floats(content["region"]["eigenvalues"])
+
+    @functools.cached_property
+    def f(self):
+        """The ends of f(T), 1/m; a claim about Q alone has nothing to do with it."""
+        k1, k2, k3, _ = self.gains
+        mission = self.content["mission"]
         weight, bounds = self.m * floats(mission["vehicle"]["gravity"]), mission["bounds"]
         if "thrust" in bounds:
             thrust = floats(bounds["thrust"])
@@ -246,8 +253,7 @@ class Truth:
         assert weight <= thrust[1] * (1 + ROUNDING)
         singular = k1**2 * k2 / self.m * self.q[2]
         assert thrust[0] > singular
-        self.f = k1 * k2 * (k1 * k2 + k3) / (self.m * (thrust[::-1] - singular))
-        self.eigenvalues = floats(content["region"]["eigenvalues"])
+        return k1 * k2 * (k1 * k2 + k3) / (self.m * (thrust[::-1] - singular))
 
     def sigma(self, f, Q):
         """Return Σ, from the equations of the δs."""

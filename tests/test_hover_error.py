@@ -17,9 +17,9 @@ from hoverproof.reporting.tables import hover_error_table
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.error_chain import Design
 from hoverproof.servo.hover_error import hover_error
-from hoverproof.simulation.closed_loop import parameters, runge_kutta, sense
+from hoverproof.servo.loop import LoopNumbers, command, parameters, sense
+from hoverproof.simulation.closed_loop import runge_kutta
 from hoverproof.simulation.flight import simulate
-from hoverproof.simulation.numbers import FlightNumbers
 
 CRAZYFLIE = "crazyflie-2.1"
 
@@ -32,14 +32,14 @@ def final_height(mission, **overrides):
 
 def thrust_loop(mission, error):
     """One step of the paper's loop whose rotors give (1 + error) times the thrust asked for."""
-    numbers = FlightNumbers.of(mission)
+    numbers = LoopNumbers.of(mission)
     design, points = parameters(numbers.points.shape[1])
     x, dt = ca.SX.sym("x", 19), ca.SX.sym("dt")
 
     def rate(x, _):
         body = RigidBodyState.from_vector(x)
         measured, _, _ = sense(body, points)
-        thrust_rate, torque = derive_controller().function()(measured.vector(), design.vector())
+        thrust_rate, torque = command(measured, design)
         given = RigidBodyState(
             body.position, body.velocity, body.rotation, body.rate, body.thrust * (1 + error)
         )
@@ -75,7 +75,7 @@ def test_one_percent_of_mass_nearly_halves_the_height_of_the_crazyflie_preset():
 
 def test_one_percent_less_thrust_sinks_as_far_as_is_told():
     mission = load(CRAZYFLIE)
-    state = FlightNumbers.of(mission).start
+    state = LoopNumbers.of(mission).start
     end = thrust_loop(mission, -0.01)(state, 0.01, 6000)
     assert -end[2] == pytest.approx(hover_error(mission).less_thrust, rel=1e-3)
 

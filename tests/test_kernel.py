@@ -10,9 +10,9 @@ import pytest
 from scipy import stats
 
 from hoverproof.mission.reading import load
+from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import compiled, kernel, noise
 from hoverproof.simulation.closed_loop import flight_states
-from hoverproof.simulation.numbers import FlightNumbers
 from hoverproof.simulation.realistic import Features, realistic_loop
 
 needs_compiler = pytest.mark.skipif(not compiled.find_compiler(), reason="no C compiler here")
@@ -23,7 +23,7 @@ SCHEDULE = kernel.Schedule(samples=20, every=50)
 @pytest.fixture(scope="module")
 def flights():
     """Numbers of a mission, and 21 scattered starts, one of them too low to go on."""
-    numbers = FlightNumbers.of(load("x4-flyer", TILTED))
+    numbers = LoopNumbers.of(load("x4-flyer", TILTED))
     starts = np.tile(numbers.start, (21, 1))
     starts[:, :3] += np.random.default_rng(0).uniform(-1, 1, (21, 3))
     starts[5, 2] = -0.1

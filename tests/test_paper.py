@@ -43,7 +43,8 @@ from hoverproof.paper.symbols import (
     sk,
 )
 from hoverproof.plant.camera import depth_matrix
-from hoverproof.simulation.flight import FlightNumbers, simulate
+from hoverproof.servo.loop import LoopNumbers
+from hoverproof.simulation.flight import simulate
 
 FALSE = {"conditions", "theorem", "gains"}
 CORRECTED = {
@@ -169,7 +170,7 @@ def test_the_error_rates_are_the_finite_differences_of_a_flight():
     )
     step = 1e-3
     flight = simulate(mission, duration=2, step=step, every=1)
-    numbers = FlightNumbers.of(mission)
+    numbers = LoopNumbers.of(mission)
     world = closed_loop_no_yaw()
     rates = {c.id: right_form(c).right for c in PROVED if c.id in ("22", "23", "26", "27", "34")}
     law_symbols = ca.symvar(ca.vertcat(*(ca.vec(r.value(world)) for r in rates.values())))

@@ -23,8 +23,7 @@ from hoverproof.certification.attraction.verdict import Refuted, Undecided
 from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import rotation_matrix
-from hoverproof.servo.error_chain import Design
-from hoverproof.simulation.closed_loop import loop_rate, parameters
+from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters
 
 F = Fraction
 FALLING = {"start": "{position = [0.1, 0.2, -0.5], velocity = [0.1, 0, 1.5]}"}
@@ -36,8 +35,8 @@ PRESETS = ("x4-flyer", "x4-flyer-tuned", "crazyflie-2.1", "racer-250", "research
 
 
 def numbers(mission):
-    design = [float(x) for x in Design.values(mission, hover_goal(mission).centroid_midpoint)]
-    return np.array(design), np.array(mission.target.points, float)
+    numbers = LoopNumbers.of(mission)
+    return numbers.design, numbers.points.T
 
 
 def fly(mission, start, duration, **options):

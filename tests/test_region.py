@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from hoverproof import checker, cli
 from hoverproof.certification.gains import Proved, certify, search_weights
+from hoverproof.certification.over_box import certify_region
 from hoverproof.certification.region import (
     default_box,
     eigenvalues,
@@ -66,6 +67,34 @@ def test_the_enclosure_holds_a_million_sampled_eigenvalues(mission, region):
         values = sampled(mission, region.box, 100_000, seed)
         assert low < values.min()
         assert values.max() < high
+
+
+UNFLYABLE = {"bounds.thrust": "[0.1, 200]"}  # down to where the law is singular
+
+
+@pytest.mark.parametrize(
+    ("eigenvalues", "status"),
+    [("[0.01, 5]", "proved"), ("[0.2, 0.5]", "refuted"), ('"auto"', "proved")],
+)
+def test_bounds_of_Q_are_decided_whatever_the_thrust(eigenvalues, status):
+    """Q depends on target and place alone; only a question about gains is refused."""
+    mission = load("x4-flyer", {**UNFLYABLE, "bounds.eigenvalues": eigenvalues})
+    verdict = certify_region(mission, default_box(mission))
+    assert verdict.status == status
+    theorem = checker.check(verdict.certificate.content)
+    assert "eigenvalue" in theorem
+    assert "thrust" not in theorem
+    with pytest.raises(InputError, match=r"bounds\.thrust: lets the thrust sink to 0\.1 N"):
+        certify(load("x4-flyer", UNFLYABLE))
+
+
+def test_a_claim_about_gains_still_needs_a_thrust_that_the_law_can_have(mission):
+    content = copy.deepcopy(certify(mission).certificate.content)
+    content["mission"]["bounds"]["thrust"] = ["1/10", "200"]
+    content["mission_sha256"] = checker.digest(content["mission"])
+    content["sha256"] = checker.digest({k: v for k, v in content.items() if k != "sha256"})
+    with pytest.raises(checker.Rejected, match="the thrust interval reaches the singularity"):
+        checker.check(content)
 
 
 def test_the_enclosure_is_tight(region):

@@ -21,7 +21,8 @@ from hoverproof.design.region_tuning import tune_region
 from hoverproof.design.tuning import tune
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
-from hoverproof.simulation.flight import simulate, slowest_rate, summary
+from hoverproof.servo.loop import slowest_rate
+from hoverproof.simulation.flight import simulate, summary
 
 FIVE_TIMES = 0.02337
 """1/s, five times the slowest motion of the paper's gains."""

@@ -18,13 +18,13 @@ from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import rotation_matrix
+from hoverproof.servo.loop import slowest_rate
 from hoverproof.simulation import compiled
 from hoverproof.simulation.flight import (
     default_duration,
     euler_angles,
     save,
     simulate,
-    slowest_rate,
     summary,
 )
 

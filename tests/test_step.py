@@ -9,9 +9,10 @@ from hoverproof.errors import InputError
 from hoverproof.firmware import fly_firmware
 from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
+from hoverproof.servo.loop import slowest_rate
 from hoverproof.simulation.campaign import simulate_batch
 from hoverproof.simulation.flight import simulate
-from hoverproof.simulation.timing import STEP, fastest_rate, flight_step, slowest_rate
+from hoverproof.simulation.timing import STEP, fastest_rate, flight_step
 
 FAST = {"gains.k1": "0.0056", "gains.k2": "4.8", "gains.k3": "0.064", "gains.k4": "8"}
 """Gains for a Crazyflie with an attitude bandwidth of 300 rad/s."""

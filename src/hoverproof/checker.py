@@ -78,6 +78,15 @@ class Question(NamedTuple):
     attained: tuple[Fraction, Fraction]  # every value in it is an f(T), 1/m
 
 
+class Spread(NamedTuple):
+    """What a claim about Q alone rests on: neither gains nor thrust are in Q."""
+
+    name: str
+    points: Matrix  # target, world frame, m
+    eigenvalues: list[Fraction]  # of Q, lowest and highest, 1/m
+    box: list[list[Fraction]] | None  # positions over which they are to be shown, m
+
+
 class Rejected(Exception):
     """The certificate does not prove what it claims."""
 
@@ -468,11 +477,27 @@ def read_setting(c: Any) -> Setting:
     return Setting(mission["name"], m, gravity, g, points, centroid, position)
 
 
+def read_spread(c: Any) -> Spread:
+    """Return target, box and bounds of a claim about Q."""
+    s, bounds = read_setting(c), c["mission"]["bounds"]
+    require(min(numbers(c["weights"], 4)) > 0, "weights must be positive")
+    region = keys(c["region"], ("box", "eigenvalues"), "region")
+    eigenvalues, box = numbers(region["eigenvalues"], 2), None
+    require(0 < eigenvalues[0] < eigenvalues[1], "the eigenvalue bounds are not in order")
+    if region["box"] is None:
+        assumed = region["eigenvalues"] == bounds["eigenvalues"]
+        require(assumed, "without a box, the eigenvalue bounds are those of the mission")
+    else:
+        box = numbers(region["box"], 3, 2)
+        require(all(a <= b for a, b in box), "the box is not in order")
+    return Spread(s.name, s.points, eigenvalues, box)
+
+
 def read_mission(c: Any) -> Question:
     """Return the numbers of the mission that bear on the claim, and enclosures made from them."""
     name, m, gravity, g, points, centroid, goal = read_setting(c)
+    _, _, eigenvalues, box = read_spread(c)
     w, bounds = numbers(c["weights"], 4), c["mission"]["bounds"]
-    require(min(w) > 0, "weights must be positive")
     stiffness = g["k1"] ** 2 * g["k2"] / m
 
     if "thrust" in bounds:
@@ -483,15 +508,6 @@ def read_mission(c: Any) -> Question:
         require(level > 0, "the level must be positive")
         reach = stiffness * square_root(2 * level * (1 / w[1] + 1 / w[2]))[1]
         thrust = [m * gravity - reach, m * gravity + reach]
-    region = keys(c["region"], ("box", "eigenvalues"), "region")
-    eigenvalues, box = numbers(region["eigenvalues"], 2), None
-    require(0 < eigenvalues[0] < eigenvalues[1], "the eigenvalue bounds are not in order")
-    if region["box"] is None:
-        assumed = region["eigenvalues"] == bounds["eigenvalues"]
-        require(assumed, "without a box, the eigenvalue bounds are those of the mission")
-    else:
-        box = numbers(region["box"], 3, 2)
-        require(all(a <= b for a, b in box), "the box is not in order")
 
     def f(thrust: Fraction, q3: Fraction) -> Fraction:
         return factor(m, g, thrust, q3)
@@ -593,14 +609,14 @@ def theorem_of_gains(c: Any, p: Question) -> str:
     )
 
 
-def verify_region(c: Any, p: Question) -> None:
+def verify_region(c: Any, p: Question | Spread) -> None:
     """Verify the eigenvalue bounds over the box, if one is claimed."""
     if p.box is not None:
         shown = eigenvalues_hold(p.points, p.box, p.eigenvalues[0], p.eigenvalues[1])
         require(shown, "the eigenvalue bounds are not shown to hold over the box")
 
 
-def theorem_of_region(c: Any, p: Question) -> str:
+def theorem_of_region(c: Any, p: Question | Spread) -> str:
     """Say in words over which box the eigenvalue bounds hold."""
     require(p.box is not None, "a claim about a region has a box")
     sides = " x ".join(f"[{about(a)}, {about(b)}]" for a, b in p.box or [])
@@ -611,7 +627,7 @@ def theorem_of_region(c: Any, p: Question) -> str:
     )
 
 
-def verify_outside(c: Any, p: Question) -> None:
+def verify_outside(c: Any, p: Spread) -> None:
     """Verify that Q has an eigenvalue out of bounds at a position in the box."""
     spot = c["outside"]
     position, x = numbers(spot["position"], 3), numbers(spot["direction"], 3)
@@ -622,7 +638,7 @@ def verify_outside(c: Any, p: Question) -> None:
     require(out, "the eigenvalue of Q there is not shown to be out of bounds")
 
 
-def theorem_of_outside(c: Any, p: Question) -> str:
+def theorem_of_outside(c: Any, p: Spread) -> str:
     """Say in words what is refuted."""
     spot = keys(c["outside"], ("position", "direction", "bound"), "outside")
     require(spot["bound"] in ("lower", "upper"), "the bound is neither lower nor upper")
@@ -1381,8 +1397,8 @@ KINDS = {
     "counterexample": Kind(
         (*LYAPUNOV, "counterexample"), theorem_of_counterexample, verify_counterexample
     ),
-    "region": Kind(LYAPUNOV, theorem_of_region, verify_region),
-    "outside": Kind((*LYAPUNOV, "outside"), theorem_of_outside, verify_outside),
+    "region": Kind(LYAPUNOV, theorem_of_region, verify_region, read_spread),
+    "outside": Kind((*LYAPUNOV, "outside"), theorem_of_outside, verify_outside, read_spread),
     "attraction": Kind(
         ("weights", "hover", "enclosures", "multipliers", "claim"),
         theorem_of_attraction,

@@ -16,8 +16,8 @@ from hoverproof.export.binding import Firmware
 from hoverproof.export.contents import Standing
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.mission.sections import Mission
+from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import flight as simulation
-from hoverproof.simulation.numbers import FlightNumbers
 from hoverproof.simulation.timing import flight_step, steps_and_interval
 
 LONGEST_STEP = 0.1
@@ -127,7 +127,7 @@ def fly_firmware(
     states = np.column_stack([flown["state"], flown["thrust"]])
     whole = len(states) == steps // every + 1
     kept = slice(None) if whole or len(states) == 1 else slice(-1)
-    numbers = FlightNumbers.of(mission)
+    numbers = LoopNumbers.of(mission)
     record = simulation.flight_record(mission, numbers, states[kept], step * every)
     record["torque"].values[:] = flown["torque"][kept]
     record["rotor_thrust"].values[:] = flown["rotor"][kept]

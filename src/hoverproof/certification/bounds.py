@@ -9,8 +9,6 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
-import numpy as np
-
 from hoverproof import checker
 from hoverproof.certification.region import (
     Box,
@@ -23,6 +21,7 @@ from hoverproof.certification.region import (
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, Interval, hover_goal
+from hoverproof.servo.loop import LoopNumbers
 
 KEY = "bounds.eigenvalues"
 BITS = (24, 18, 12)
@@ -102,8 +101,8 @@ def eigenvalues_at_goal(mission: Mission) -> tuple[float, float]:
     ----------
     mission : Mission
     """
-    place = np.array([[float(x) for x in hover_goal(mission).position]])
-    (values,) = eigenvalues(np.array(mission.target.points, float), place)
+    numbers = LoopNumbers.of(mission)
+    (values,) = eigenvalues(numbers.points.T, numbers.goal[None])
     return float(values[0]), float(values[2])
 
 

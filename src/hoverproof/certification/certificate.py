@@ -13,11 +13,12 @@ from typing import Any
 
 from hoverproof import checker
 from hoverproof.algebra.graph import fingerprint
-from hoverproof.certification.problem import GainProblem, sigma_function
+from hoverproof.certification.problem import ONES, GainProblem, sigma_function
+from hoverproof.certification.region import Box, Region
 from hoverproof.errors import InputError
 from hoverproof.files import write_text
 from hoverproof.mission.sections import Mission
-from hoverproof.plant.goal import hover_goal
+from hoverproof.plant.goal import Interval, hover_goal
 
 
 @dataclass(frozen=True)
@@ -67,16 +68,38 @@ def seal(problem: GainProblem, kind: str, parts: dict[str, Any]) -> Certificate:
     parts : dict
         What belongs to this kind; Fractions become exact strings.
     """
-    own = {
-        "weights": problem.weights,
-        "region": {"box": problem.box, "eigenvalues": problem.eigenvalues},
-        **parts,
-    }
+    held = (problem.box, problem.eigenvalues)
+    return _sealed(problem.mission, problem.weights, held, kind, parts)
+
+
+def seal_region(mission: Mission, region: Region, kind: str, parts: dict[str, Any]) -> Certificate:
+    """Complete a certificate about Q alone: gains and thrust play no part in it.
+
+    Parameters
+    ----------
+    mission : Mission
+    region : Region
+        What is claimed, or refuted.
+    kind : {"region", "outside"}
+    parts : dict
+        See `seal`.
+    """
+    return _sealed(mission, ONES, (region.box, region.eigenvalues), kind, parts)
+
+
+def _sealed(
+    mission: Mission,
+    weights: tuple[Fraction, ...],
+    held: tuple[Box | None, Interval],
+    kind: str,
+    parts: dict[str, Any],
+) -> Certificate:
+    box, eigenvalues = held
+    own = {"weights": weights, "region": {"box": box, "eigenvalues": eigenvalues}, **parts}
     try:
-        return seal_content(problem.mission, kind, own, model_fingerprint())
+        return seal_content(mission, kind, own, model_fingerprint())
     except checker.Rejected as rejected:  # numbers that grew too long, for one
-        where = problem.mission.source
-        raise InputError(where, "", f"makes no certificate: {rejected}") from None
+        raise InputError(mission.source, "", f"makes no certificate: {rejected}") from None
 
 
 def seal_content(mission: Mission, kind: str, parts: dict[str, Any], model: str) -> Certificate:

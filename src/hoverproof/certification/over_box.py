@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hoverproof.certification.bounds import none_proved
-from hoverproof.certification.certificate import Certificate, seal
-from hoverproof.certification.problem import pose
+from hoverproof.certification.certificate import Certificate, seal_region
 from hoverproof.certification.region import Box, Outside, Region, enclose, holds_over, outside
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import Interval
@@ -65,7 +64,7 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Regio
     if not isinstance(wanted, tuple):
         if enclosed is None:
             raise none_proved(mission)
-        certificate = seal(pose(mission, region=enclosed), "region", {})
+        certificate = seal_region(mission, enclosed, "region", {})
         return RegionVerdict("proved", box, enclosed.eigenvalues, enclosed, None, certificate)
     spot = outside(mission, box, wanted)
     if spot is not None:
@@ -75,7 +74,7 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Regio
             "bound": spot.bound,
         }
         shown = Region(box, wanted, (spot.eigenvalue, spot.eigenvalue))
-        refutation = seal(pose(mission, region=shown), "outside", {"outside": point})
+        refutation = seal_region(mission, shown, "outside", {"outside": point})
         return RegionVerdict("refuted", box, wanted, enclosed, spot, refutation)
     proved = holds_over(mission, box, wanted, most)
     held = enclosed
@@ -84,6 +83,6 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Regio
         held = Region(box, wanted, attained)
     if held is None:
         return RegionVerdict("undecided", box, wanted, None, None, None)
-    certificate = seal(pose(mission, region=held), "region", {})
+    certificate = seal_region(mission, held, "region", {})
     status = "proved" if proved else "undecided"
     return RegionVerdict(status, box, wanted, enclosed, None, certificate)

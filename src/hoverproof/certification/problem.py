@@ -26,7 +26,7 @@ from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, Interval, hover_goal
 from hoverproof.servo.error_chain import Design
-from hoverproof.servo.lyapunov import ERROR_SIZE, derive_lyapunov_form, thrust_factor
+from hoverproof.servo.lyapunov import ERROR_SIZE, derive_lyapunov_form, force_function
 
 Rows = list[list[Fraction]]
 Terms = list[tuple[Fraction, list[int]]]
@@ -64,14 +64,6 @@ def _sigma_polynomials() -> list[tuple[int, int, int, Terms]]:
             if terms:
                 entries.append((matrix, row_of_it, column, terms))
     return entries
-
-
-@cache
-def _force_functions() -> ca.Function:
-    d, thrust = Design.symbols(), ca.SX.sym("T")
-    singular = d.stiffness * d.goal_centroid[2]
-    outputs = [d.stiffness, singular, thrust_factor(thrust, d)]
-    return ca.Function("force", [d.vector(), thrust], outputs)
 
 
 @dataclass(frozen=True)
@@ -236,7 +228,7 @@ def pose(
 
     def force(thrust: Fraction, q3: Fraction) -> list[Fraction]:
         q = [box[0][0], box[1][0], q3]
-        outputs = evaluate(_force_functions(), [Design.values(mission, q), [thrust]])
+        outputs = evaluate(force_function(), [Design.values(mission, q), [thrust]])
         return [matrix[0][0] for matrix in outputs]
 
     weight = mission.vehicle.weight

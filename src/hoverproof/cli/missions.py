@@ -37,17 +37,16 @@ def presets(
     Example: `hoverproof presets x4-flyer`
     """
     from hoverproof.cli.answers.missions import PresetAnswer, PresetsAnswer
+    from hoverproof.design.limits import bandwidth
     from hoverproof.mission.presets import preset_text
     from hoverproof.mission.presets import presets as names
     from hoverproof.mission.reading import load
+    from hoverproof.servo.loop import slowest_rate
 
     if name is not None:
         return tell(PresetAnswer(preset_text(name), load(name)), json_)
-    from hoverproof.design.gain_search import slowest_rate_at_goal
-    from hoverproof.design.limits import bandwidth
-
     missions = [load(n) for n in names()]
-    facts = [(m, bandwidth(m), 1 / slowest_rate_at_goal(m)) for m in missions]
+    facts = [(m, bandwidth(m), 1 / slowest_rate(m)) for m in missions]
     return tell(PresetsAnswer(facts), json_)
 
 

@@ -8,21 +8,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cache
-from typing import Any, Literal
+from typing import Literal
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from hoverproof.algebra.graph import evaluate
 from hoverproof.design.limits import FirstCommand, Limits, highest_k4
-from hoverproof.design.margins import Questions, factor_of, margins
-from hoverproof.mission.sections import Mission
-from hoverproof.plant import camera
-from hoverproof.plant.goal import hover_goal
-from hoverproof.servo.lyapunov import ERROR_SIZE, linearised_loop
+from hoverproof.design.margins import Questions, margins
+from hoverproof.servo.loop import slowest_rates
 
 Array = NDArray[np.float64]
 Objective = Literal["decay", "settling"]
@@ -148,56 +142,3 @@ class GainSearch:
         found = [self.climb(z, 1.0, COARSE) for z in self.starts()]
         best, _ = max(found, key=lambda one: one[1])
         return self.climb(best, 2 * COARSE, FINEST)
-
-
-@cache
-def _linearised() -> ca.Function:
-    return linearised_loop()
-
-
-def slowest_rates(mission: Mission, gains: tuple[Array, ...]) -> Array:
-    """Return the decay rate of the slowest motion of the loop linearised at the goal, 1/s, (n,).
-
-    Parameters
-    ----------
-    mission : Mission
-        Its gains do not count.
-    gains : (4,) of (n,)
-        k1…k4.
-    """
-    goal = hover_goal(mission)
-    loops = Questions(
-        mass=float(mission.vehicle.mass),
-        gravity=float(mission.vehicle.gravity),
-        centroid=tuple(float(c) for c in goal.centroid_midpoint),
-        gains=gains,
-        eigenvalues=(1.0, 2.0),
-        thrust=None,
-        level=None,
-        weights=(1.0,) * 4,
-    )
-    points = ca.SX(np.array(mission.target.points, float).T)
-    position = ca.SX([float(c) for c in goal.position])
-    seen = camera.body_points(points, position, ca.SX.eye(3))
-    Q = np.array(ca.DM(ca.evalf(camera.depth_matrix(seen))))
-    f = factor_of(loops, float(mission.vehicle.weight))
-    inputs: list[Any] = [loops.design(), Q.T.ravel(), [f]]
-    rows = evaluate(_linearised(), inputs, float)[0]
-    n = len(gains[0])
-    B = np.zeros((n, ERROR_SIZE, ERROR_SIZE))
-    for i, row in enumerate(rows):
-        for j, entry in enumerate(row):
-            B[:, i, j] = entry
-    return np.asarray(-np.linalg.eigvals(B).real.max(axis=1), np.float64)
-
-
-def slowest_rate_at_goal(mission: Mission) -> float:
-    """Return the decay rate of the slowest motion with a mission's own gains, 1/s.
-
-    Parameters
-    ----------
-    mission : Mission
-    """
-    g = mission.gains
-    gains = tuple(np.array([float(k)]) for k in (g.k1, g.k2, g.k3, g.k4))
-    return float(slowest_rates(mission, gains)[0])

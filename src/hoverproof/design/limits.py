@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Gains, Mission
-from hoverproof.plant import camera, rotors
-from hoverproof.plant.goal import hover_goal
-from hoverproof.plant.rigid_body import rotation_matrix
+from hoverproof.plant import rotors
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.error_chain import Design, errors
+from hoverproof.servo.error_chain import errors
+from hoverproof.servo.loop import LoopNumbers
 
 Array = NDArray[np.float64]
 
@@ -116,13 +115,12 @@ class FirstCommand:
     mission : Mission
     measured : (13,)
         What is measured at the start, in the order of `Measurement`.
-    design : (13,)
-        In the order of `Design`.
+    numbers : LoopNumbers
     """
 
     mission: Mission
     measured: Array
-    design: Array
+    numbers: LoopNumbers
 
     @classmethod
     def of(cls, mission: Mission) -> FirstCommand:
@@ -137,21 +135,8 @@ class FirstCommand:
         InputError
             If the goal of the mission cannot be seen.
         """
-        start = mission.start
-        rotation = rotation_matrix(*map(float, start.rotation))
-        points = ca.SX(np.array(mission.target.points, float).T)
-        position = ca.SX([float(c) for c in start.position])
-        seen = camera.body_points(points, position, ca.SX(rotation))
-        q = ca.DM(ca.evalf(camera.centroid(camera.spherical(camera.pinhole(seen)))))
-        measured = [
-            *np.array(q).ravel(),
-            *(float(v) for v in start.velocity),
-            *(rotation.T @ [0, 0, 1]),
-            *(float(w) for w in start.rates),
-            float(mission.vehicle.weight),
-        ]
-        design = Design.values(mission, hover_goal(mission).centroid_midpoint)
-        return cls(mission, np.array(measured), np.array([float(x) for x in design]))
+        numbers = LoopNumbers.of(mission)
+        return cls(mission, numbers.measured(), numbers)
 
     def __call__(self, gains: tuple[Array, ...]) -> tuple[Array, Array]:
         """Return rotor thrusts, N, (4, n), and the tilt asked for, rad, (n,), for n sets of gains.
@@ -162,12 +147,10 @@ class FirstCommand:
             k1…k4.
         """
         n = len(gains[0])
-        design = np.tile(self.design[:, None], n)
-        design[5:9] = gains
         vehicle = self.mission.vehicle
         thrusts, tilt = _first_command()(
             np.tile(self.measured[:, None], n),
-            design,
+            self.numbers.designs(gains),
             np.full((1, n), float(vehicle.arm)),
             np.full((1, n), float(vehicle.drag_ratio)),
         )

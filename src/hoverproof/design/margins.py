@@ -8,10 +8,8 @@ What a margin is worth is decided elsewhere, exactly.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import Any, NamedTuple
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
@@ -19,8 +17,7 @@ from scipy.sparse.csgraph import connected_components
 
 from hoverproof.algebra.graph import evaluate
 from hoverproof.certification.problem import GainProblem, sigma_function
-from hoverproof.servo.error_chain import Design
-from hoverproof.servo.lyapunov import ERROR_SIZE, thrust_factor
+from hoverproof.servo.lyapunov import ERROR_SIZE, force_function
 
 Array = NDArray[np.float64]
 Numbers = float | Array
@@ -113,17 +110,10 @@ class _Family(NamedTuple):
     uu: Array
 
 
-@cache
-def _force_function() -> ca.Function:
-    d, thrust = Design.symbols(), ca.SX.sym("T")
-    outputs = [d.stiffness, d.stiffness * d.goal_centroid[2], thrust_factor(thrust, d)]
-    return ca.Function("force", [d.vector(), thrust], outputs)
-
-
 def _force(questions: Questions, thrust: Numbers) -> list[Array]:
     """Return c, the singular thrust c q3*, and f(T), (n,) each."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        outputs = evaluate(_force_function(), [questions.design(), [thrust]], float)
+        outputs = evaluate(force_function(), [questions.design(), [thrust]], float)
     return [np.asarray(matrix[0][0], float) for matrix in outputs]
 
 

@@ -22,7 +22,6 @@ from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.attraction.inequality import Loop
 from hoverproof.certification.attraction.potential import Potential, sphere
 from hoverproof.certification.attraction.search import SLACKS, Search, reach_along
-from hoverproof.design.gain_search import slowest_rates
 from hoverproof.design.limits import (
     FirstCommand,
     Limits,
@@ -30,6 +29,7 @@ from hoverproof.design.limits import (
     highest_k4,
 )
 from hoverproof.mission.sections import Gains, Mission
+from hoverproof.servo.loop import slowest_rates
 
 Array = NDArray[np.float64]
 ROUNDS = 4

@@ -18,7 +18,6 @@ from hoverproof.algebra.decimals import decimal_below
 from hoverproof.certification import gains as lyapunov
 from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.attraction.verdict import Proved
-from hoverproof.design.gain_search import slowest_rate_at_goal
 from hoverproof.design.limits import (
     Limits,
     Use,
@@ -28,6 +27,7 @@ from hoverproof.design.outcome import Infeasible, RegionTuned
 from hoverproof.design.region_search import GainRegionSearch
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
+from hoverproof.servo.loop import slowest_rate
 
 Report = Callable[[int, int], None]
 
@@ -55,7 +55,7 @@ def tune_region(
     InputError
         If the goal is not axial, or the mission poses no question.
     """
-    own = slowest_rate_at_goal(mission)
+    own = slowest_rate(mission)
     floor = own if minimum_decay is None else minimum_decay
     if floor <= 0:
         reason = "the mission's own gains do not settle: give a rate in 1/s"
@@ -71,7 +71,7 @@ def tune_region(
             break
     else:
         return Infeasible(mission, "the best gains found are too near the edge to be proved")
-    slowest = slowest_rate_at_goal(tuned)
+    slowest = slowest_rate(tuned)
     wished = Use("slowest motion at the goal", slowest, floor, "1/s", least=True)
     return RegionTuned(
         mission=tuned,
@@ -177,9 +177,9 @@ def region_pareto(
     fastest = fastest_with_region(search)
     lowest = minimum_decay
     if lowest is None and fastest is not None:
-        lowest = min(slowest_rate_at_goal(mission), fastest / 10)
+        lowest = min(slowest_rate(mission), fastest / 10)
     if fastest is None or lowest is None or lowest >= fastest:
-        floor = lowest or slowest_rate_at_goal(mission)
+        floor = lowest or slowest_rate(mission)
         return [(floor, Infeasible(mission, _why_not(replace(search, floor=floor))))]
     points = []
     for i, rate in enumerate(np.geomspace(lowest, fastest, count)):

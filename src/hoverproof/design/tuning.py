@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.gains import Proved, certify, search_weights
 from hoverproof.certification.problem import ONES, GainProblem, gain_problem
-from hoverproof.design.gain_search import GainSearch, slowest_rate_at_goal
+from hoverproof.design.gain_search import GainSearch
 from hoverproof.design.gain_search import Objective as RateObjective
 from hoverproof.design.infeasible import (
     margin_words,
@@ -38,6 +38,7 @@ from hoverproof.design.outcome import Infeasible, RegionTuned, Tuned
 from hoverproof.design.region_tuning import region_pareto, tune_region
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Gains, Mission
+from hoverproof.servo.loop import slowest_rate
 
 Array = NDArray[np.float64]
 Weights = tuple[Fraction, ...] | Literal["search"]
@@ -214,7 +215,7 @@ def _tuned(
     for gains in _short(mission, search, best, value):
         tuned = mission.model_copy(update={"gains": gains})
         verdict = certify(tuned, weights=weights)
-        slowest = slowest_rate_at_goal(tuned)
+        slowest = slowest_rate(tuned)
         if (
             isinstance(verdict, Proved)
             and (search.objective == "decay" or verdict.decay_rate >= search.at_least)

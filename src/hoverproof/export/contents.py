@@ -21,9 +21,10 @@ from hoverproof.export.vectors import InputBox, test_vectors
 from hoverproof.export.vehicle import rate_function, sense_function
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
-from hoverproof.plant.rigid_body import rotation_matrix
+from hoverproof.plant.rigid_body import BODY_SIZE
 from hoverproof.plant.rotors import ROTORS
 from hoverproof.servo.hover_error import hover_error
+from hoverproof.servo.loop import LoopNumbers
 from hoverproof.version import __version__
 
 BODY_VECTORS = ("velocity", "rate", "gravity_direction")
@@ -233,14 +234,14 @@ def _sum_of_squares(names: Sequence[str]) -> str:
 
 def _vehicle_texts(mission: Mission, sensing: str, precision: Precision) -> dict[str, Any]:
     double = PRECISIONS["float64"]
-    v, n, start = mission.vehicle, len(mission.target.points), mission.start
-    x = [f"x[{i}]" for i in range(18)]
+    v, n = mission.vehicle, len(mission.target.points)
+    x = [f"x[{i}]" for i in range(BODY_SIZE)]
     numbers = [double.literal(c) for c in (v.mass, v.gravity, *v.inertia)]
     torque = [f"torque[{i}]" for i in range(3)]
     rate = statements(
         rate_function(),
         [x, ["thrust"], torque, numbers],
-        {"rate": [f"rate[{i}]" for i in range(18)]},
+        {"rate": [f"rate[{i}]" for i in range(BODY_SIZE)]},
         double,
     )
     points = [double.literal(c) for p in mission.target.points for c in p]
@@ -256,11 +257,5 @@ def _vehicle_texts(mission: Mission, sensing: str, precision: Precision) -> dict
     sense = statements(sense_function(n, sensing), [x, points], targets, double)
     if precision.name == "float32":
         sense = [re.sub(r"^(in->.*?) = (.*);$", r"\1 = (float)(\2);", line) for line in sense]
-    turn = rotation_matrix(*map(float, start.rotation)).T.ravel()
-    state = [
-        *map(float, start.position),
-        *map(float, start.velocity),
-        *turn,
-        *map(float, start.rates),
-    ]
-    return {"rate": rate, "sense": sense, "start": ", ".join(repr(float(s) + 0.0) for s in state)}
+    start = ", ".join(repr(float(s) + 0.0) for s in LoopNumbers.of(mission).start[:BODY_SIZE])
+    return {"rate": rate, "sense": sense, "start": start}

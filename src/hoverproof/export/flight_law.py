@@ -25,6 +25,7 @@ from hoverproof.plant import camera, rigid_body, rotors
 from hoverproof.plant.goal import hover_goal
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.error_chain import Design, errors
+from hoverproof.servo.loop import thrust_margin
 
 GAINS = ("k1", "k2", "k3", "k4", "k_yaw")
 GAINS_AT = slice(5, 10)
@@ -251,7 +252,7 @@ def _chain() -> _Chain:
     old, new = ca.vertcat(d1, d3), ca.vertcat(ca.SX.zeros(3), s / scale)  # δ1 is in δ2 and δ3 alone
     rate_of_thrust, turn = ca.substitute([rate_of_thrust, turn], [old], [new])
 
-    gap = thrust - d.stiffness * d.goal_centroid[2]
+    gap = thrust_margin(thrust, d)
     numerator = turn[:2] * gap
     direct = ca.jacobian(numerator, excess)
     shifted = ca.vertcat(z.centroid, z.gravity_direction, z.thrust)

@@ -4,42 +4,20 @@ from __future__ import annotations
 
 import casadi as ca
 
-from hoverproof.plant import camera
-from hoverproof.plant.rigid_body import RigidBodyState, state_rate
-
-BODY_SIZE = 18
-"""ξ, V, R column by column, Ω: the state of the vehicle without its thrust."""
-
-
-def body_rate(state: ca.SX, thrust: ca.SX, torque: ca.SX, vehicle: ca.SX) -> ca.SX:
-    """Return the time derivative of the body's state, (18, 1), thrust and torque held.
-
-    Parameters
-    ----------
-    state : SX
-        (18, 1).
-    thrust, torque : SX
-        T, (1, 1), N and Γ, (3, 1), body frame, N m.
-    vehicle : SX
-        Mass, gravity and inertia, (5, 1).
-    """
-    body = RigidBodyState.from_vector(ca.vertcat(state, thrust))
-    rate = state_rate(
-        body,
-        torque=torque,
-        thrust_rate=ca.SX(0),
-        mass=vehicle[0],
-        inertia=vehicle[2:5],
-        gravity=vehicle[1],
-    )
-    return rate.vector()[:BODY_SIZE]
+from hoverproof.plant.rigid_body import BODY_SIZE, RigidBodyState, held_rate
+from hoverproof.servo.loop import sense
 
 
 def rate_function() -> ca.Function:
-    """Return (state, thrust, torque, vehicle) ↦ (rate)."""
+    """Return (state, thrust, torque, vehicle) ↦ (rate): thrust and torque are held.
+
+    The state is the body's, (18,); the vehicle is its mass, gravity and inertia, (5,).
+    """
     x, T = ca.SX.sym("x", BODY_SIZE), ca.SX.sym("T")
     torque, vehicle = ca.SX.sym("torque", 3), ca.SX.sym("vehicle", 5)
-    rate = ca.cse(body_rate(x, T, torque, vehicle))
+    body = RigidBodyState.from_vector(ca.vertcat(x, T))
+    mass, gravity, inertia = vehicle[0], vehicle[1], vehicle[2:]
+    rate = ca.cse(held_rate(body, torque=torque, mass=mass, inertia=inertia, gravity=gravity))
     names = ["x", "thrust", "torque", "vehicle"]
     return ca.Function("rate", [x, T, torque, vehicle], [rate], names, ["rate"])
 
@@ -58,13 +36,12 @@ def sense_function(n: int, sensing: str) -> ca.Function:
     """
     x, points = ca.SX.sym("x", BODY_SIZE), ca.SX.sym("points", 3, n)
     body = RigidBodyState.from_vector(ca.vertcat(x, 0))
-    image = camera.pinhole(camera.body_points(points, body.position, body.rotation))
-    seen = image if sensing == "points" else camera.centroid(camera.spherical(image))
+    measured, image, _ = sense(body, points)
     outputs = {
-        "seen": seen,
-        "velocity": body.velocity,
-        "rate": body.rate,
-        "gravity_direction": body.gravity_direction,
+        "seen": image if sensing == "points" else measured.centroid,
+        "velocity": measured.velocity,
+        "rate": measured.rate,
+        "gravity_direction": measured.gravity_direction,
     }
     values = ca.cse(list(outputs.values()))
     return ca.Function("sense", [x, points], values, ["x", "points"], list(outputs))

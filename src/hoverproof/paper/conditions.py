@@ -6,17 +6,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.mission.sections import Mission
 from hoverproof.paper.theorem import k3_limit, printed_conditions
-from hoverproof.plant import camera
 from hoverproof.plant.goal import Interval, hover_goal
-from hoverproof.plant.rigid_body import rotation_matrix
-from hoverproof.servo.error_chain import Design, Measurement, errors
-from hoverproof.servo.lyapunov import lyapunov
+from hoverproof.servo.loop import LoopNumbers, readout_function
 
 
 @dataclass(frozen=True)
@@ -118,18 +114,7 @@ def start_level(mission: Mission) -> float:
     ----------
     mission : Mission
     """
-    start = mission.start
-    rotation = rotation_matrix(*map(float, start.rotation))
-    points = ca.SX(np.array(mission.target.points, float).T)
-    seen = camera.body_points(points, ca.SX([float(c) for c in start.position]), ca.SX(rotation))
-    z, d = Measurement.symbols(), Design.symbols()
-    level = ca.Function("level", [z.vector(), d.vector()], [lyapunov(errors(z, d), ca.SX.ones(4))])
-    measured = ca.vertcat(
-        ca.DM(camera.centroid(camera.spherical(camera.pinhole(seen)))),
-        ca.DM([float(v) for v in start.velocity]),
-        ca.DM(rotation.T @ [0, 0, 1]),
-        ca.DM([float(v) for v in start.rates]),
-        float(mission.vehicle.weight),
-    )
-    design = [float(x) for x in Design.values(mission, hover_goal(mission).centroid_midpoint)]
-    return float(level(measured, design))
+    numbers = LoopNumbers.of(mission)
+    read = readout_function(numbers.n)  # L depends on neither of the rotors' lengths
+    seen = read(x=numbers.start, design=numbers.design, points=numbers.points)
+    return float(seen["lyapunov"])

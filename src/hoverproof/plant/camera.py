@@ -45,8 +45,18 @@ def spherical(image: ca.SX) -> ca.SX:
     image : SX
         (2, n), focal length 1.
     """
-    rays = ca.vertcat(image, ca.SX.ones(1, image.shape[1]))
-    return rays / ca.repmat(ca.sqrt(ca.sum1(rays * rays)), 3, 1)
+    return directions(ca.vertcat(image, ca.SX.ones(1, image.shape[1])))
+
+
+def directions(points: ca.SX) -> ca.SX:
+    """Return the unit vectors toward points anywhere about the camera, (3, n).
+
+    Parameters
+    ----------
+    points : SX
+        P, (3, n), camera frame, m.
+    """
+    return points / ca.repmat(ca.sqrt(ca.sum1(points * points)), 3, 1)
 
 
 def centroid(directions: ca.SX) -> ca.SX:

@@ -96,7 +96,7 @@ def hover_at_height(
         x and y near which it is, m; by default those of the goal.
     """
     points = np.array(mission.target.points, float).T
-    look = _level_centroid(points.shape[1])
+    look = level_view(points.shape[1])
     wanted = np.array([float(q) for q in goal.centroid_midpoint])[:2]
 
     def seen(xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -136,19 +136,25 @@ def centroid_seen(
     position : (3,), world frame, m
     """
     arguments = [[c for p in points for c in p], position]
-    look = _level_centroid(len(points)).factory("centroid", ["points", "xi"], ["q"])
+    look = level_view(len(points)).factory("centroid", ["points", "xi"], ["q"])
     (q,) = evaluate(look, [[Surd.of(c) for c in a] for a in arguments], Surd.of)
     return [row[0] for row in q]
 
 
 @cache
-def _level_centroid(n: int) -> ca.Function:
-    """Return (points, position) ↦ (q, Q) of a level camera."""
+def level_view(n: int) -> ca.Function:
+    """Return (points (3, n), position (3,)) ↦ (q (3,), Q (3, 3)) that a level camera sees.
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    """
     points, position = ca.SX.sym("points", 3, n), ca.SX.sym("xi", 3)
     seen = camera.body_points(points, position, ca.SX.eye(3))
     q = camera.centroid(camera.spherical(camera.pinhole(seen)))
     return ca.Function(
-        "level_centroid",
+        "level_view",
         [points, position],
         [q, camera.depth_matrix(seen)],
         ["points", "xi"],
@@ -169,7 +175,7 @@ def _solve(
     Φ(ξ) + wantedᵀξ, and halving a step until that falls makes Newton converge.
     """
     points = np.array(mission.target.points, float)
-    look = _level_centroid(len(points))
+    look = level_view(len(points))
     highest = points[:, 2].min()
 
     def potential(xi: np.ndarray) -> float:

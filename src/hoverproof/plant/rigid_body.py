@@ -87,6 +87,9 @@ class RigidBodyState:
         return self.rotation.T @ E3
 
 
+BODY_SIZE = 18
+"""ξ, V, R column by column, Ω: the state of the vehicle without its thrust."""
+
 STATE_SIZE = 19
 
 
@@ -191,6 +194,41 @@ def state_rate(
         rate=solve_affine(torque_balance(state.rate, alpha, inertia, torque), alpha),
         thrust=thrust_rate,
     )
+
+
+def held_rate(
+    state: RigidBodyState,
+    *,
+    torque: ca.SX,
+    mass: ca.SX,
+    inertia: ca.SX,
+    gravity: ca.SX,
+    drag: ca.SX | None = None,
+) -> ca.SX:
+    """Return the time derivative of the body's state, (18, 1), while the thrust is held.
+
+    Parameters
+    ----------
+    state : RigidBodyState
+    torque : SX
+        Γ, (3, 1), body frame, N m.
+    mass, gravity : SX
+        kg and m/s².
+    inertia : SX
+        Principal moments, (3, 1), kg m².
+    drag : SX, optional
+        A force beside thrust and weight, (3, 1), body frame, N.
+    """
+    rate = state_rate(
+        state,
+        torque=torque,
+        thrust_rate=ca.SX(0),
+        mass=mass,
+        inertia=inertia,
+        gravity=gravity,
+        drag=drag,
+    )
+    return rate.vector()[:BODY_SIZE]
 
 
 def rotation_matrix(roll: float, pitch: float, yaw: float) -> NDArray[np.float64]:

@@ -27,10 +27,11 @@ from hoverproof.mission.sections import Mission
 from hoverproof.paper.conditions import Demand, printed_demands, where_met
 from hoverproof.paper.judge import Judgement
 from hoverproof.paper.ledger import derive
+from hoverproof.servo.loop import slowest_rate
 from hoverproof.show.decay import Decay, decay_along
 from hoverproof.show.panels import beginning
 from hoverproof.simulation.campaign import batch_summary, simulate_batch
-from hoverproof.simulation.flight import simulate, slowest_rate, summary, without_conditions
+from hoverproof.simulation.flight import simulate, summary, without_conditions
 
 PARTS = ("atlas", "region", "attraction", "flight", "firmware", "ledger")
 """The parts that a report may be asked to leave out."""

@@ -84,6 +84,11 @@ class Design(Packed):
         """c = k1² k2/m, N: the force that one unit of error asks for."""
         return self.k1**2 * self.k2 / self.mass
 
+    @property
+    def singular_thrust(self) -> ca.SX:
+        """c q3*, N: at this thrust the controller is singular."""
+        return self.stiffness * self.goal_centroid[2]
+
 
 @dataclass(frozen=True)
 class Measurement(Packed):

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import pairwise
 from operator import itemgetter
 
@@ -23,6 +22,7 @@ from scipy.optimize import brentq
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, hover_at_height, hover_goal
 from hoverproof.servo.error_chain import Design
+from hoverproof.servo.loop import LoopNumbers
 
 PERCENT = 0.01
 DOWN = [2.0**-k for k in range(20)]
@@ -114,7 +114,7 @@ def hover_error(mission: Mission) -> HoverError:
     """
     column = _Column.of(mission)
     q1, q2, q3 = (float(q) for q in column.goal.centroid_midpoint)
-    shift = _shift(mission)
+    shift = LoopNumbers.of(mission).value(_shift)
     highest = math.sqrt(len(mission.target.points) ** 2 - q1**2 - q2**2)
     loads = {
         "less_thrust": 1 / (1 - PERCENT),
@@ -187,8 +187,6 @@ class _Column:
         return None
 
 
-def _shift(mission: Mission) -> float:
+def _shift(d: Design) -> ca.SX:
     """Return m g/c, by which q3 falls for a load of 2 in place of 1."""
-    d = Design.symbols()
-    shift = ca.Function("shift", [d.vector()], [d.mass * d.gravity / d.stiffness])
-    return float(shift([float(x) for x in Design.values(mission, [Fraction(0)] * 3)]))
+    return d.mass * d.gravity / d.stiffness

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import casadi as ca
 
@@ -92,6 +93,14 @@ def thrust_factor(thrust: ca.SX, design: Design) -> ca.SX:
     return numerator / denominator
 
 
+@cache
+def force_function() -> ca.Function:
+    """Return (design, thrust) ↦ (c, c q3*, f(T)): (13,), () to N, N and 1/m."""
+    d, thrust = Design.symbols(), ca.SX.sym("T")
+    outputs = [d.stiffness, d.singular_thrust, thrust_factor(thrust, d)]
+    return ca.Function("force", [d.vector(), thrust], outputs)
+
+
 def thrust_of_factor(f: ca.SX, design: Design) -> ca.SX:
     """Return the thrust T, N, at which f(T) has a given value: the inverse of `thrust_factor`.
 
@@ -109,7 +118,7 @@ def thrust_of_factor(f: ca.SX, design: Design) -> ca.SX:
 def _thrust_factor_parts(thrust: ca.SX, design: Design) -> tuple[ca.SX, ca.SX]:
     d = design
     k12 = d.k1 * d.k2
-    return k12 * (k12 + d.k3), d.mass * (thrust - d.stiffness * d.goal_centroid[2])
+    return k12 * (k12 + d.k3), d.mass * (thrust - d.singular_thrust)
 
 
 def measurement_of_errors(e: ca.SX, thrust: ca.SX, design: Design) -> Measurement:

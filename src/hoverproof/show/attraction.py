@@ -13,17 +13,17 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from hoverproof.certification.attraction.motion import energies, numbers
+from hoverproof.certification.attraction.motion import energies
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.verdict import Proved
 from hoverproof.certification.bounds import eigenvalue_bounds
 from hoverproof.certification.region import eigenvalues
 from hoverproof.files import replacing
 from hoverproof.plant.rigid_body import STATE_SIZE
+from hoverproof.servo.loop import LoopNumbers, slowest_rate
 from hoverproof.show.style import COLOURS
 from hoverproof.simulation.closed_loop import flight_states
 from hoverproof.simulation.compiled import runner
-from hoverproof.simulation.flight import slowest_rate
 
 Array = NDArray[np.float64]
 
@@ -151,8 +151,7 @@ def fly(region: Proved, view: View, count: int = FLIGHTS) -> Flights:
     low = p.height(float(p.points[:, 2].min())) + 0.005 * view.top
     height = low + (view.top - low) * rng.uniform(0, 1, count) ** 2
     places = view.places(across, height)
-    design, _, _ = numbers(mission, region)
-    rate, weight = slowest_rate(mission), float(mission.vehicle.weight)
+    numbers, rate = LoopNumbers.of(mission), slowest_rate(mission)
     gains, mass = mission.gains, float(mission.vehicle.mass)
     fastest = (float(gains.k1 * gains.k2 + gains.k3) + float(gains.k4)) / mass
     step = 1 / (STEPS_PER_FASTEST * fastest)
@@ -161,10 +160,10 @@ def fly(region: Proved, view: View, count: int = FLIGHTS) -> Flights:
     energy = np.full((count, SAMPLES + 1), np.nan)
     settled = np.zeros(count, bool)
     for i, place in enumerate(places):
-        level = (np.zeros(3), np.eye(3).ravel(), np.zeros(3), [weight])
+        level = (np.zeros(3), np.eye(3).ravel(), np.zeros(3), [numbers.weight])
         level_hover = np.concatenate([place, *level])[None]
         (start,) = flight_states(level_hover, p.goal, p.points.T)
-        states, good = machine.run(start, design, p.points.T, step, SAMPLES, every)
+        states, good = machine.run(start, numbers.design, p.points.T, step, SAMPLES, every)
         track = np.vstack([start, states if good else states[:-1]])[:, :STATE_SIZE]
         energy[i, : len(track)] = energies(region, track)
         end = np.linalg.norm(track[-1, :3] - p.goal)

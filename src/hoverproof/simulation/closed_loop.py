@@ -1,4 +1,4 @@
-"""The closed loop as one CasADi graph: plant, camera and controller, and one step of RK4."""
+"""A flight in the closed loop: one step of RK4 as a CasADi graph, and what is noted in it."""
 
 from __future__ import annotations
 
@@ -10,11 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.reciprocals import share_reciprocals
-from hoverproof.plant import camera, rotors
-from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, state_rate
-from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.error_chain import Design, Measurement, errors
-from hoverproof.servo.lyapunov import lyapunov
+from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
+from hoverproof.servo.error_chain import Design
+from hoverproof.servo.loop import loop_rate, parameters, sense, thrust_margin
 from hoverproof.simulation.flight_log import LOG_SIZE, begin, noted
 
 GUARDS = ("depth of the nearest target point", "thrust above the singularity")
@@ -42,62 +40,6 @@ def flight_states(
     return np.hstack([states, guards, begin(goal, points, states[:, :3])])
 
 
-def parameters(n: int) -> tuple[Design, ca.SX]:
-    """Return symbols of the design and of n target points, (3, n), world frame, m.
-
-    Parameters
-    ----------
-    n : int
-        Number of target points.
-    """
-    return Design.symbols(), ca.SX.sym("points", 3, n)
-
-
-def sense(state: RigidBodyState, points: ca.SX) -> tuple[Measurement, ca.SX, ca.SX]:
-    """Return what the vehicle measures, the pinhole image (2, n) and the depths (1, n) in m.
-
-    Parameters
-    ----------
-    state : RigidBodyState
-    points : SX
-        (3, n), world frame, m.
-    """
-    seen = camera.body_points(points, state.position, state.rotation)
-    image = camera.pinhole(seen)
-    measured = Measurement(
-        centroid=camera.centroid(camera.spherical(image)),
-        velocity=state.velocity,
-        gravity_direction=state.gravity_direction,
-        rate=state.rate,
-        thrust=state.thrust,
-    )
-    return measured, image, seen[2, :]
-
-
-def loop_rate(state: ca.SX, design: Design, points: ca.SX) -> ca.SX:
-    """Return the time derivative of the packed state, (19, 1), with the controller in the loop.
-
-    Parameters
-    ----------
-    state : SX
-        (19, 1), packed as by `RigidBodyState`.
-    design : Design
-    points : SX
-        (3, n), world frame, m.
-    """
-    body = RigidBodyState.from_vector(state)
-    measured, _, _ = sense(body, points)
-    thrust_rate, torque = derive_controller().function()(measured.vector(), design.vector())
-    return state_rate(
-        body,
-        torque=torque,
-        thrust_rate=thrust_rate,
-        mass=design.mass,
-        inertia=design.inertia,
-        gravity=design.gravity,
-    ).vector()
-
-
 def guards(state: ca.SX, design: Design, points: ca.SX) -> ca.SX:
     """Return the values named in `GUARDS`, (2, 1).
 
@@ -112,18 +54,6 @@ def guards(state: ca.SX, design: Design, points: ca.SX) -> ca.SX:
     body = RigidBodyState.from_vector(state)
     _, _, depths = sense(body, points)
     return ca.vertcat(ca.mmin(depths), thrust_margin(body.thrust, design))
-
-
-def thrust_margin(thrust: ca.SX, design: Design) -> ca.SX:
-    """Return T - c q3*, (1, 1), N: at zero the controller is singular.
-
-    Parameters
-    ----------
-    thrust : SX
-        T, (1, 1), N.
-    design : Design
-    """
-    return thrust - design.stiffness * design.goal_centroid[2]
 
 
 def runge_kutta(rate: Callable[[ca.SX, int], ca.SX], x: ca.SX, dt: ca.SX) -> ca.SX:
@@ -183,58 +113,3 @@ def step_function(n: int) -> ca.Function:
     inputs = [flight, design.vector(), points, dt]
     outputs = [ca.cse(ca.vertcat(after, lowest, log))]
     return share_reciprocals(ca.Function("hoverproof_step", inputs, outputs))
-
-
-@cache
-def readout_function(n: int) -> ca.Function:
-    """Return (state, design, points, arm, drag_ratio) ↦ what a flight record holds.
-
-    Outputs: image (2, n), centroid (3,), δ1, δ2, δ3 (3,), δ4 (2,), lyapunov, torque (3,) in N m,
-    rotor_thrusts (4,) in N.
-
-    Parameters
-    ----------
-    n : int
-        Number of target points.
-    """
-    design, points = parameters(n)
-    x, arm, drag = ca.SX.sym("x", STATE_SIZE), ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
-    outputs = readout(x, design, points, arm, drag)
-    return ca.Function(
-        "readout",
-        [x, design.vector(), points, arm, drag],
-        list(outputs.values()),
-        ["x", "design", "points", "arm", "drag_ratio"],
-        list(outputs),
-    )
-
-
-def readout(
-    x: ca.SX, design: Design, points: ca.SX, arm: ca.SX, drag_ratio: ca.SX
-) -> dict[str, ca.SX]:
-    """Return the outputs of `readout_function` as expressions of its inputs.
-
-    Parameters
-    ----------
-    x : SX
-        (19, 1), packed as by `RigidBodyState`.
-    design : Design
-    points : SX
-        (3, n), world frame, m.
-    arm, drag_ratio : SX
-        Of the rotors, (1, 1), m.
-    """
-    measured, image, _ = sense(RigidBodyState.from_vector(x), points)
-    e = errors(measured, design)
-    _, torque = derive_controller().function()(measured.vector(), design.vector())
-    return {
-        "image": image,
-        "centroid": measured.centroid,
-        "delta1": e.d1,
-        "delta2": e.d2,
-        "delta3": e.d3,
-        "delta4": e.d4,
-        "lyapunov": lyapunov(e, ca.SX.ones(4)),
-        "torque": torque,
-        "rotor_thrusts": rotors.rotor_thrusts(measured.thrust, torque, arm, drag_ratio),
-    }

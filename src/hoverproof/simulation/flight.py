@@ -20,22 +20,21 @@ from hoverproof.files import write_bytes
 from hoverproof.mission.sections import CONDITIONS, Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.plant.rotors import ROTORS, wrench
+from hoverproof.servo.loop import LoopNumbers, readout_function
 from hoverproof.simulation import kernel
 from hoverproof.simulation.batch import fly_raw, how_it_ended, log_of
 from hoverproof.simulation.closed_loop import (
     GUARDED_SIZE,
     flight_states,
-    readout_function,
     step_function,
 )
 from hoverproof.simulation.compiled import Runner, has_diverged, runner
 from hoverproof.simulation.flight_log import ending, ending_words, settled_at
-from hoverproof.simulation.numbers import FlightNumbers, euler_angles, settled_index
+from hoverproof.simulation.numbers import euler_angles, settled_index
 from hoverproof.simulation.plan import Plan, check_seed, is_ideal
 from hoverproof.simulation.realistic import LAYOUT, place
 from hoverproof.simulation.timing import default_duration as default_duration
 from hoverproof.simulation.timing import flight_step, steps_and_interval
-from hoverproof.simulation.timing import slowest_rate as slowest_rate
 from hoverproof.spread import interruptibly
 from hoverproof.version import __version__
 
@@ -89,7 +88,7 @@ def simulate(
     if not is_ideal(mission):
         plan = Plan(mission, step, steps // every, every, seed, scattered=False)
         return _fly_as_built(plan, compiler)
-    numbers = FlightNumbers.of(mission)
+    numbers = LoopNumbers.of(mission)
     machine = runner(numbers.points.shape[1], compiler=compiler)
     begin = time.perf_counter()
     states, good = _run(machine, numbers, step, steps // every, every)
@@ -202,7 +201,7 @@ def save(flight: xr.Dataset, path: str | Path) -> None:
 
 
 def _run(
-    machine: Runner, numbers: FlightNumbers, step: float, samples: int, every: int
+    machine: Runner, numbers: LoopNumbers, step: float, samples: int, every: int
 ) -> tuple[Array, bool]:
     """Return the flight states from the start on, (1 + samples, k), and whether all are good."""
     (start,) = flight_states(numbers.start[None], numbers.goal, numbers.points)
@@ -256,14 +255,14 @@ def _fly_as_built(plan: Plan, compiler: str | None) -> xr.Dataset:
 
 
 def flight_record(
-    mission: Mission, numbers: FlightNumbers, states: Array, interval: float
+    mission: Mission, numbers: LoopNumbers, states: Array, interval: float
 ) -> xr.Dataset:
     """Return states of a flight as a record, with all that is read off them.
 
     Parameters
     ----------
     mission : Mission
-    numbers : FlightNumbers
+    numbers : LoopNumbers
         Of the mission.
     states : (n, 19)
         Packed, a row each sample; see `hoverproof.plant.rigid_body.RigidBodyState`.
@@ -332,7 +331,7 @@ def flight_record(
 
 
 def _columns(
-    read: ca.Function, mission: Mission, numbers: FlightNumbers, states: Array
+    read: ca.Function, mission: Mission, numbers: LoopNumbers, states: Array
 ) -> dict[str, Array]:
     """Evaluate a readout along the flight; each result is (samples, size)."""
     samples = len(states)

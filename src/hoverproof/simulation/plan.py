@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
+from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import kernel
-from hoverproof.simulation.numbers import FlightNumbers
 from hoverproof.simulation.realistic import REALISTIC_RECORD, Features, realistic_loop
 from hoverproof.version import __version__
 
@@ -126,14 +126,14 @@ class Plan:
         return is_ideal(self.mission, scattered=self.scattered)
 
     @cached_property
-    def numbers(self) -> FlightNumbers:
+    def numbers(self) -> LoopNumbers:
         """The numbers of the mission, rounded."""
-        return FlightNumbers.of(self.mission)
+        return LoopNumbers.of(self.mission)
 
     @cached_property
     def loop(self) -> kernel.Loop:
         """What is compiled."""
-        n = self.numbers.points.shape[1]
+        n = self.numbers.n
         if self.ideal:
             return kernel.ideal_loop(n)
         s, w = self.mission.sensors, self.mission.wind

@@ -14,15 +14,10 @@ import casadi as ca
 
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.plant import camera, rotors
-from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, state_rate
-from hoverproof.servo.controller import derive_controller
+from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, held_rate
 from hoverproof.servo.error_chain import Design, Measurement, Packed
-from hoverproof.simulation.closed_loop import (
-    nearest_rotation,
-    readout,
-    runge_kutta,
-    thrust_margin,
-)
+from hoverproof.servo.loop import command, readout, thrust_margin
+from hoverproof.simulation.closed_loop import nearest_rotation, runge_kutta
 from hoverproof.simulation.flight_log import LOG_SIZE, noted
 from hoverproof.simulation.kernel import Loop
 from hoverproof.simulation.noise import normal_pair
@@ -306,7 +301,7 @@ def decide(
         rate=body.rate + around.gyro_bias + around.gyro_noise * noise[0:3],
         thrust=memory["command"],
     )
-    thrust_rate, torque = derive_controller().function()(measured.vector(), design.vector())
+    thrust_rate, torque = command(measured, design)
     low, high = around.rotor_min, around.rotor_max
     thrust = measured.thrust + around.period * thrust_rate
     thrust = ca.fmin(ca.fmax(thrust, 4 * low), 4 * high)
@@ -345,15 +340,14 @@ def move(
     def rate(x: ca.SX, half: int) -> ca.SX:
         body = RigidBodyState.from_vector(ca.vertcat(x, wrenches[half][0]))
         air = body.rotation.T @ (around.wind + memory["gust"])
-        return state_rate(
+        return held_rate(
             body,
             torque=wrenches[half][1:],
-            thrust_rate=ca.SX(0),
             mass=around.mass,
             inertia=around.inertia,
             gravity=design.gravity,
             drag=around.air_drag * (air - body.velocity),
-        ).vector()[:-1]
+        )
 
     now = memory["state"]
     after = RigidBodyState.from_vector(

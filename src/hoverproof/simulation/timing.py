@@ -10,12 +10,9 @@ import numpy as np
 
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
-from hoverproof.plant.camera import body_points, depth_matrix
 from hoverproof.plant.rigid_body import STATE_SIZE
-from hoverproof.servo.error_chain import Design
-from hoverproof.servo.lyapunov import linearised_loop, thrust_factor
-from hoverproof.simulation.closed_loop import guards, loop_rate, parameters
-from hoverproof.simulation.numbers import FlightNumbers
+from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, slowest_rate
+from hoverproof.simulation.closed_loop import guards
 
 STEP = 0.01
 """The step of a flight, s, unless its loop or its controller is too fast for it."""
@@ -86,12 +83,9 @@ def fastest_rate(mission: Mission) -> float:
     ----------
     mission : Mission
     """
-    numbers = FlightNumbers.of(mission)
-    goal = np.zeros(STATE_SIZE)
-    goal[:3], goal[[6, 10, 14]] = numbers.goal, 1
-    goal[-1] = numbers.start[-1]  # both hover: the thrust is the weight
-    linearise, rates = _linearised(numbers.points.shape[1]), [0.0]
-    for state in (goal, numbers.start):
+    numbers = LoopNumbers.of(mission)
+    linearise, rates = _linearised(numbers.n), [0.0]
+    for state in (numbers.hover, numbers.start):
         slope, margins = (np.array(m) for m in linearise(state, numbers.design, numbers.points))
         if (margins > 0).all() and np.isfinite(slope).all():
             rates.append(float(np.abs(np.linalg.eigvals(slope)).max()))
@@ -188,22 +182,3 @@ def default_duration(mission: Mission) -> float:
     time = 7 / slowest
     digits = 1 - math.floor(math.log10(time))
     return float(round(time, digits))
-
-
-def slowest_rate(mission: Mission) -> float:
-    """Return the decay rate of the slowest motion of the loop linearised at the goal, 1/s.
-
-    Negative if some motion grows.
-
-    Parameters
-    ----------
-    mission : Mission
-    """
-    numbers = FlightNumbers.of(mission)
-    design, thrust = Design.symbols(), ca.SX.sym("T")
-    f = ca.Function("f", [design.vector(), thrust], [thrust_factor(thrust, design)])
-    points = ca.SX(numbers.points)
-    Q = depth_matrix(body_points(points, ca.SX(numbers.goal), ca.SX.eye(3)))
-    weight = float(mission.vehicle.weight)
-    B = linearised_loop()(numbers.design, ca.DM(Q), f(numbers.design, weight))
-    return -float(np.linalg.eigvals(np.array(B)).real.max())

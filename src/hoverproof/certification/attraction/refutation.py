@@ -24,11 +24,8 @@ from hoverproof.certification.attraction.starts import Start, State
 from hoverproof.certification.attraction.verdict import Refuted, Undecided
 from hoverproof.certification.certificate import seal_content
 from hoverproof.mission.sections import Mission
-from hoverproof.plant import camera
-from hoverproof.plant.goal import hover_goal
-from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, state_rate
-from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.error_chain import Design, Measurement
+from hoverproof.plant.rigid_body import STATE_SIZE
+from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters
 
 Array = NDArray[np.float64]
 Vector = tuple[Fraction, ...]
@@ -77,16 +74,9 @@ def flight_rate(n: int) -> ca.Function:
     n : int
         Number of target points.
     """
-    x, d, points = ca.SX.sym("x", STATE_SIZE), Design.symbols(), ca.SX.sym("points", 3, n)
-    body = RigidBodyState.from_vector(x)
-    rays = camera.body_points(points, body.position, body.rotation)
-    q = ca.sum2(rays / ca.repmat(ca.sqrt(ca.sum1(rays * rays)), 3, 1))
-    seen = Measurement(q, body.velocity, body.gravity_direction, body.rate, body.thrust)
-    U, torque = derive_controller().function()(seen.vector(), d.vector())
-    rate = state_rate(
-        body, torque=torque, thrust_rate=U, mass=d.mass, inertia=d.inertia, gravity=d.gravity
-    )
-    return ca.Function("flight", [x, d.vector(), points], [rate.vector()])
+    (design, points), x = parameters(n), ca.SX.sym("x", STATE_SIZE)
+    rate = loop_rate(x, design, points, all_round=True)  # it is followed below the target
+    return ca.Function("flight", [x, design.vector(), points], [rate])
 
 
 def simulate(mission: Mission, start: Array, most: float) -> tuple[Ending, float]:
@@ -102,13 +92,10 @@ def simulate(mission: Mission, start: Array, most: float) -> tuple[Ending, float
     """
     from scipy.integrate import solve_ivp
 
-    hover = hover_goal(mission)
-    design = np.array([float(x) for x in Design.values(mission, hover.centroid_midpoint)])
-    points, goal = np.array(mission.target.points, float), np.array(hover.position, float)
-    lowest, near = points[:, 2].max(), 0.05 * np.linalg.norm(points - goal, axis=1).min()
-    read, weight = flight_rate(len(points)), float(mission.vehicle.weight)
-    gains = mission.gains
-    singular = float(gains.k1**2 * gains.k2 / mission.vehicle.mass) * design[-1]
+    numbers = LoopNumbers.of(mission)
+    design, points, goal = numbers.design, numbers.points, numbers.goal
+    lowest, near = points[2].max(), 0.05 * np.linalg.norm(points.T - goal, axis=1).min()
+    read, singular = flight_rate(numbers.n), numbers.value(lambda d: d.singular_thrust)
     if start[18] <= singular:
         return "breaks off", 0.0
 
@@ -119,12 +106,12 @@ def simulate(mission: Mission, start: Array, most: float) -> tuple[Ending, float
         return float(max(np.linalg.norm(x[:3] - goal), np.linalg.norm(x[3:6])) - near)
 
     def margin(t: float, x: Array) -> float:
-        return float(x[18] - singular - 1e-6 * weight)
+        return float(x[18] - singular - 1e-6 * numbers.weight)
 
     for event in (below, away, margin):
         event.terminal = True  # type: ignore[attr-defined]
     flown = solve_ivp(
-        lambda t, x: np.array(read(x, design, points.T))[:, 0],
+        lambda t, x: np.array(read(x, design, points))[:, 0],
         (0.0, most),
         start,
         method="LSODA",

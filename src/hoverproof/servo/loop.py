@@ -1,0 +1,325 @@
+"""The closed loop that everyone uses: what is sensed, how the state moves, what is read off it.
+
+The graphs are over the packed state of the vehicle, (19, 1), `Design` and the target points;
+`LoopNumbers` are the floating-point numbers of a mission that they run on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.algebra.graph import evaluate
+from hoverproof.mission.sections import Mission
+from hoverproof.plant import camera, rotors
+from hoverproof.plant.goal import hover_goal, level_view
+from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, rotation_matrix, state_rate
+from hoverproof.servo.controller import derive_controller
+from hoverproof.servo.error_chain import Design, Measurement, errors
+from hoverproof.servo.lyapunov import linearised_loop, lyapunov, thrust_factor
+
+Array = NDArray[np.float64]
+
+
+def parameters(n: int) -> tuple[Design, ca.SX]:
+    """Return symbols of the design and of n target points, (3, n), world frame, m.
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    """
+    return Design.symbols(), ca.SX.sym("points", 3, n)
+
+
+def sense(
+    state: RigidBodyState, points: ca.SX, *, all_round: bool = False
+) -> tuple[Measurement, ca.SX, ca.SX]:
+    """Return what the vehicle measures, the pinhole image (2, n) and the depths (1, n) in m.
+
+    Parameters
+    ----------
+    state : RigidBodyState
+    points : SX
+        (3, n), world frame, m.
+    all_round : bool
+        Whether the centroid is that of a camera that sees behind itself too. A pinhole takes a
+        point behind it for one in front; motions and regions go on where a vehicle leans so far,
+        or has sunk to the target. In front both are the same but for rounding.
+    """
+    seen = camera.body_points(points, state.position, state.rotation)
+    image = camera.pinhole(seen)
+    measured = Measurement(
+        centroid=camera.centroid(camera.directions(seen) if all_round else camera.spherical(image)),
+        velocity=state.velocity,
+        gravity_direction=state.gravity_direction,
+        rate=state.rate,
+        thrust=state.thrust,
+    )
+    return measured, image, seen[2, :]
+
+
+def command(measured: Measurement, design: Design) -> tuple[ca.SX, ca.SX]:
+    """Return what the law asks for: U, (1, 1), N/s, and Γ, (3, 1), body frame, N m.
+
+    Parameters
+    ----------
+    measured : Measurement
+    design : Design
+    """
+    thrust_rate, torque = _law()(measured.vector(), design.vector())
+    return thrust_rate, torque
+
+
+@cache
+def _law() -> ca.Function:
+    return derive_controller().function()
+
+
+def loop_rate(state: ca.SX, design: Design, points: ca.SX, *, all_round: bool = False) -> ca.SX:
+    """Return the time derivative of the packed state, (19, 1), with the controller in the loop.
+
+    Parameters
+    ----------
+    state : SX
+        (19, 1), packed as by `RigidBodyState`.
+    design : Design
+    points : SX
+        (3, n), world frame, m.
+    all_round : bool
+        See `sense`.
+    """
+    body = RigidBodyState.from_vector(state)
+    measured, _, _ = sense(body, points, all_round=all_round)
+    thrust_rate, torque = command(measured, design)
+    return state_rate(
+        body,
+        torque=torque,
+        thrust_rate=thrust_rate,
+        mass=design.mass,
+        inertia=design.inertia,
+        gravity=design.gravity,
+    ).vector()
+
+
+def thrust_margin(thrust: ca.SX, design: Design) -> ca.SX:
+    """Return T - c q3*, (1, 1), N: at zero the controller is singular.
+
+    Parameters
+    ----------
+    thrust : SX
+        T, (1, 1), N.
+    design : Design
+    """
+    return thrust - design.singular_thrust
+
+
+def readout(
+    x: ca.SX, design: Design, points: ca.SX, arm: ca.SX, drag_ratio: ca.SX
+) -> dict[str, ca.SX]:
+    """Return the outputs of `readout_function` as expressions of its inputs.
+
+    Parameters
+    ----------
+    x : SX
+        (19, 1), packed as by `RigidBodyState`.
+    design : Design
+    points : SX
+        (3, n), world frame, m.
+    arm, drag_ratio : SX
+        Of the rotors, (1, 1), m.
+    """
+    measured, image, _ = sense(RigidBodyState.from_vector(x), points)
+    e = errors(measured, design)
+    _, torque = command(measured, design)
+    return {
+        "image": image,
+        "centroid": measured.centroid,
+        "delta1": e.d1,
+        "delta2": e.d2,
+        "delta3": e.d3,
+        "delta4": e.d4,
+        "lyapunov": lyapunov(e, ca.SX.ones(4)),
+        "torque": torque,
+        "rotor_thrusts": rotors.rotor_thrusts(measured.thrust, torque, arm, drag_ratio),
+    }
+
+
+@cache
+def readout_function(n: int) -> ca.Function:
+    """Return (state, design, points, arm, drag_ratio) ↦ what a flight record holds.
+
+    Outputs: image (2, n), centroid (3,), δ1, δ2, δ3 (3,), δ4 (2,), lyapunov, torque (3,) in N m,
+    rotor_thrusts (4,) in N.
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    """
+    design, points = parameters(n)
+    x, arm, drag = ca.SX.sym("x", STATE_SIZE), ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
+    outputs = readout(x, design, points, arm, drag)
+    return ca.Function(
+        "readout",
+        [x, design.vector(), points, arm, drag],
+        list(outputs.values()),
+        ["x", "design", "points", "arm", "drag_ratio"],
+        list(outputs),
+    )
+
+
+@cache
+def _loop_at_goal() -> ca.Function:
+    """Return (design, Q, thrust) ↦ B of Ẋ = B X near the goal: (13,), (3, 3), () to (11, 11)."""
+    design, Q, thrust = Design.symbols(), ca.SX.sym("Q", 3, 3), ca.SX.sym("thrust")
+    B = linearised_loop()(design.vector(), Q, thrust_factor(thrust, design))
+    return ca.Function("loop_at_goal", [design.vector(), Q, thrust], [B])
+
+
+@dataclass(frozen=True)
+class LoopNumbers:
+    """The floating-point numbers that the loop of a mission runs on.
+
+    Attributes
+    ----------
+    design : (13,)
+        In the order of `Design`.
+    points : (3, n)
+        Target, world frame, m.
+    goal : (3,)
+        ξ*, world frame, m.
+    start : (19,)
+        Packed state.
+    """
+
+    design: Array
+    points: Array
+    goal: Array
+    start: Array
+
+    @classmethod
+    def of(cls, mission: Mission) -> LoopNumbers:
+        """Round the numbers of a mission.
+
+        Parameters
+        ----------
+        mission : Mission
+
+        Raises
+        ------
+        InputError
+            If no level hover sees the goal of the mission.
+        """
+        goal = hover_goal(mission)
+        start = mission.start
+        state = [
+            *start.position,
+            *start.velocity,
+            *rotation_matrix(*map(float, start.rotation)).T.ravel(),
+            *start.rates,
+            mission.vehicle.weight,
+        ]
+        return cls(
+            design=_floats(Design.values(mission, goal.centroid_midpoint)),
+            points=np.array(mission.target.points, float).T,
+            goal=_floats(goal.position),
+            start=_floats(state),
+        )
+
+    @property
+    def n(self) -> int:
+        """Number of target points."""
+        return int(self.points.shape[1])
+
+    @property
+    def weight(self) -> float:
+        """The thrust of a hover, N."""
+        return float(self.start[-1])
+
+    @property
+    def hover(self) -> Array:
+        """(19,) the packed state of the level hover at the goal."""
+        state = np.zeros(STATE_SIZE)
+        state[:3], state[[6, 10, 14]], state[-1] = self.goal, 1, self.weight
+        return state
+
+    def depth_matrix(self) -> Array:
+        """Return Q as seen from the goal, (3, 3), 1/m."""
+        _, Q = level_view(self.n)(self.points, self.goal)
+        return np.array(Q)
+
+    def measured(self) -> Array:
+        """Return what is measured at the start, (13,), in the order of `Measurement`."""
+        x, points = ca.SX.sym("x", STATE_SIZE), ca.SX.sym("points", *self.points.shape)
+        measured, _, _ = sense(RigidBodyState.from_vector(x), points)
+        look = ca.Function("look", [x, points], [measured.vector()])
+        return np.array(look(self.start, self.points)).ravel()
+
+    def value(self, of: Callable[[Design], ca.SX]) -> float:
+        """Return a number that follows from the design.
+
+        Parameters
+        ----------
+        of : callable
+            Design ↦ SX, (1, 1), of any unit.
+        """
+        design = Design.symbols()
+        return float(ca.Function("value", [design.vector()], [of(design)])(self.design))
+
+    def designs(self, gains: tuple[Array, ...]) -> Array:
+        """Return the design with other gains, (13, m).
+
+        Parameters
+        ----------
+        gains : (4,) of (m,)
+            k1 kg m/s, k2 1/m, k3 and k4 kg/s.
+        """
+        designs = np.tile(self.design[:, None], len(gains[0]))
+        designs[5:9] = gains
+        return designs
+
+
+def slowest_rates(mission: Mission, gains: tuple[Array, ...]) -> Array:
+    """Return the decay rate of the slowest motion of the loop linearised at the goal, 1/s, (m,).
+
+    Parameters
+    ----------
+    mission : Mission
+        Its gains do not count.
+    gains : (4,) of (m,)
+        k1 kg m/s, k2 1/m, k3 and k4 kg/s.
+    """
+    numbers = LoopNumbers.of(mission)
+    return _slowest_rates(numbers, numbers.designs(gains))
+
+
+def slowest_rate(mission: Mission) -> float:
+    """Return the decay rate of the slowest motion with a mission's own gains, 1/s.
+
+    Negative if some motion grows.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    numbers = LoopNumbers.of(mission)
+    return float(_slowest_rates(numbers, numbers.design[:, None])[0])
+
+
+def _slowest_rates(numbers: LoopNumbers, designs: Array) -> Array:
+    inputs: list[Any] = [designs, numbers.depth_matrix().ravel(), [numbers.weight]]
+    rows = evaluate(_loop_at_goal(), inputs, float)[0]
+    count = designs.shape[1]
+    B = np.array([[np.broadcast_to(entry, count) for entry in row] for row in rows])
+    return np.asarray(-np.linalg.eigvals(np.moveaxis(B, -1, 0)).real.max(axis=1), np.float64)
+
+
+def _floats(values: Any) -> Array:
+    return np.array([float(value) for value in values])
