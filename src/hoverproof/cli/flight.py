@@ -145,6 +145,7 @@ def _fly_once(
     from hoverproof.show.figures import FIGURES, save_figures
     from hoverproof.simulation.flight import save, summary, without_conditions
     from hoverproof.simulation.flight import simulate as fly
+    from hoverproof.simulation.numbers import SETTLED
 
     if animate is not None:
         from hoverproof.show.animation import check_request
@@ -186,7 +187,11 @@ def _fly_once(
         return status
 
     settled = result["settled_at"]
-    print(f"{mission.name}: {result['outcome']}, {result['duration']:g} s")
+    whole = result["outcome"] == "flown"  # else it says when it ended
+    length = f", {result['duration']:g} s" if whole else ""
+    print(f"{mission.name}: {result['outcome']}{length}")
+    if whole and result["final_error"] > SETTLED * result["start_error"] > 0:
+        print(f"  did not come to its goal: {result['final_error']:.3g} m away at the end")
     print(f"  {result['steps']} steps in {result['seconds']:.2f} s: {result['machine']}")
     if result["machine"] == "CasADi virtual machine":
         print("  (no C compiler works here; with one this is much faster)")
@@ -198,7 +203,10 @@ def _fly_once(
     )
     print(f"  within 10 % of the distance at the start: {_since(settled)}")
     if "ideal_settled_at" in result:
-        print(f"  without sensors, rotors, wind and errors: {_since(result['ideal_settled_at'])}")
+        told, until = _since(result["ideal_settled_at"]), result["compared_until"]
+        if result["ideal_settled_at"] is None:
+            told = f"not within {until:g} s, to which the two are compared"
+        print(f"  without sensors, rotors, wind and errors: {told}")
         print(
             f"  from that flight at most {result['greatest_distance_from_ideal']:.3g} m away, "
             f"at the end {result['final_distance_from_ideal']:.3g} m"
