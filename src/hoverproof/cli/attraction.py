@@ -69,7 +69,7 @@ def attraction(
     Example: `hoverproof attraction x4-flyer --objective radius --no-barrier`
     """
     from hoverproof.certification.attraction.proof import attraction as decide
-    from hoverproof.certification.attraction.verdict import NOT_COVERED, Proved, Undecided, as_json
+    from hoverproof.certification.attraction.verdict import Proved, Undecided, as_json, not_covered
 
     loaded = load_mission(mission, set_)
     sizes = {
@@ -115,7 +115,7 @@ def attraction(
     if picture:
         print(f"  figure                  {picture}")
     print("Not covered:")
-    for line in NOT_COVERED:
+    for line in not_covered(verdict):
         print(f"  {line}")
     print(f"Next: hoverproof check {path}")
     return EXIT[verdict.status]

@@ -115,6 +115,9 @@ def certify(
     if problem.box is not None:
         print("  (bounds of the eigenvalues proved over the box")
         print(f"  {sides_text(problem.box)} m)")
+        own = loaded.bounds.eigenvalues
+        if over_box and isinstance(own, tuple):
+            print(f"  the mission's own bounds {interval(own)} 1/m are not used")
     else:
         print("  (bounds of the eigenvalues assumed, not proved: see hoverproof region)")
     if weights is not None:
@@ -217,6 +220,11 @@ def region(
     if spot is not None:
         value, place = number(spot.eigenvalue), position_text(spot.position)
         print(f"  {spot.bound} bound broken      {value} 1/m at {place}")
+        low, high = wanted if found is None else found.attained
+        if spot.bound == "lower" and high > wanted[1]:
+            print(f"  upper bound broken too  {number(high)} 1/m found, not in the certificate")
+        if spot.bound == "upper" and low < wanted[0]:
+            print(f"  lower bound broken too  {number(low)} 1/m found, not in the certificate")
     if verdict.certificate is not None:
         contents = {"proved": "the bounds", "refuted": "where they break"}
         what = contents.get(verdict.status, "what is proved there")

@@ -94,6 +94,8 @@ def export(
     print(f"  folder  {out}")
     print(f"  thrust  {interval(manifest['thrust'])} N, monitored")
     print(f"  rotors  {interval(manifest['rotor_limits'])} N each")
+    option = " (see --rotor-limits)" if rotor_limits is None else ""
+    print(f"          {manifest['rotor_limits_from']}{option}")
     print("SHA-256 of the law, and of the certificate if there is one:")
     print(f"  {manifest['law_sha256']}")
     if manifest["certified"]:

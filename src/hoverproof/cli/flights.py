@@ -79,13 +79,14 @@ def fly_many(
     )
     for name, count in result["outcomes"].items():
         if count or name == "flown":
-            print(f"  {name.replace('_', ' '):24}  {count}")
-    print(f"  {'settled within 10 %':24}  {result['settled']}{_range(result['settled_at'], 's')}")
-    print(
-        f"  {'error at the end':24}  {_range(result['final_error'], 'm').strip() or 'none flown'}"
-    )
+            print(f"  {name.replace('_', ' '):28}  {count}")
+    if complete:
+        settled = f"{result['settled']}{_range(result['settled_at'], 's')}"
+        print(f"  {'settled within 10 %':28}  {settled}")
+        error = _range(result["final_error"], "m").strip() or "none flown"
+        print(f"  {'error at the end':28}  {error}")
     if result["runs_that_lost_frames"]:
-        print(f"  {'target left the view':24}  {result['runs_that_lost_frames']}")
+        print(f"  {'target left the view':28}  {result['runs_that_lost_frames']}")
     print(f"  flights   {path}")
     for picture in pictures:
         print(f"  figure    {picture}")

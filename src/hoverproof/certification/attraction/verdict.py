@@ -15,9 +15,21 @@ NOT_COVERED = (
     "sampling, delay and noise of measurements",
     "errors of the model: mass, inertia, wind, drag, limits of the rotors",
     "a camera that loses the target: every point is taken to be seen at all times",
-    "without a barrier the ground: a motion may pass below the target points",
 )
-"""What the theorem does not say, in words."""
+"""What no theorem says, in words."""
+
+GROUND = "the ground: without a barrier, a motion may pass below the target points"
+
+
+def not_covered(verdict: Verdict) -> tuple[str, ...]:
+    """Return what the theorem of a verdict does not say, in words.
+
+    Parameters
+    ----------
+    verdict : Proved, Refuted or Undecided
+    """
+    grounded = isinstance(verdict, Proved) and verdict.barrier_height is None
+    return (*NOT_COVERED, *([GROUND] if grounded else []))
 
 
 @dataclass(frozen=True)
@@ -148,7 +160,7 @@ def as_json(verdict: Verdict, certificate_path: str | None) -> dict[str, Any]:
         "mission": verdict.mission.name,
         "verdict": verdict.status,
         "certificate": certificate_path,
-        "not_covered": list(NOT_COVERED),
+        "not_covered": list(not_covered(verdict)),
         "advice": list(verdict.advice) if isinstance(verdict, Undecided) else [],
     }
     if not isinstance(verdict, Proved):
