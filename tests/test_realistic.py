@@ -267,7 +267,7 @@ def test_a_heavier_vehicle_hovers_where_the_image_error_carries_the_difference()
         [0, 0, -0.0002 * 9.6 * 9.8 / stiffness], abs=1e-6
     )
     sunk = simulate(load("x4-flyer", {"model_error.mass": "0.005"}), duration=100)
-    assert "reached the target at" in sunk.attrs["outcome"]
+    assert "hit the height of the target at" in sunk.attrs["outcome"]
 
 
 def test_thirty_frames_a_second_fifty_ms_late_with_a_pixel_of_noise_still_settle():

@@ -1495,7 +1495,8 @@ def read(path: Any) -> Any:
     except OSError as error:
         raise Unreadable(error.strerror or str(error)) from None
     except (ValueError, RecursionError) as error:
-        raise Unreadable(f"is not JSON: {str(error)[:100]}") from None
+        wanted = "a certificate, as certify, region and attraction write it"
+        raise Unreadable(f"is not JSON, and so not {wanted}: {str(error)[:100]}") from None
 
 
 def check_file(path: Any) -> str:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import tempfile
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from hoverproof.certification.gains import Proved, certify
 from hoverproof.errors import InputError
@@ -18,7 +20,10 @@ from hoverproof.export.package import NotCertified, write_package
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import flight as simulation
+from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.timing import flight_step, steps_and_interval
+
+Array = NDArray[np.float64]
 
 LONGEST_STEP = 0.1
 FAULTS = {
@@ -89,7 +94,8 @@ def fly_firmware(
         From one step of the controller to the next, s, at most 0.1; by default as in
         `hoverproof.simulate`.
     every : int, optional
-        Keep every so many steps; by default about 2000 samples are kept.
+        Keep every so many steps; by default about 2000 samples are kept; a flight that ends early
+        is kept as in `hoverproof.simulate`.
 
     Returns
     -------
@@ -108,7 +114,7 @@ def fly_firmware(
         raise InputError(
             mission.source, unfit[0], "is not flown with --controller firmware; leave it out"
         )
-    step = flight_step(mission, step)
+    step, finer = flight_step(mission, step), simulation.SAMPLES if every is None else None
     if step > LONGEST_STEP:
         raise InputError(
             "--step", "", f"must be at most {LONGEST_STEP} s for the firmware, not {step}"
@@ -121,19 +127,27 @@ def fly_firmware(
         firmware = _exported(mission)
     elif firmware.manifest["mission"] != mission.exact():
         raise InputError(mission.source, "", f"is not the mission of the firmware {firmware.name}")
+    vehicle = firmware
+
+    def fly(samples: int, every: int) -> tuple[Array, bool]:
+        return _good(vehicle.fly(step, samples, every))
+
     begin = time.perf_counter()
     flown = firmware.fly(step, steps // every, every)
     seconds = time.perf_counter() - begin
-    states = np.column_stack([flown["state"], flown["thrust"]])
-    whole = len(states) == steps // every + 1
-    kept = slice(None) if whole or len(states) == 1 else slice(-1)
+    rows, whole = _good(flown)
+    taken, at = every * np.arange(len(rows)), 0
+    if not whole:
+        last = last_good_step(fly, rows, every, None)
+        rows, taken = up_to(fly, rows, every, last, finer)
+        at = 0 if len(flown["status"]) == 1 else last + 1
     numbers = LoopNumbers.of(mission)
-    record = simulation.flight_record(mission, numbers, states[kept], step * every)
-    record["torque"].values[:] = flown["torque"][kept]
-    record["rotor_thrust"].values[:] = flown["rotor"][kept]
+    record = simulation.flight_record(mission, numbers, rows[:, :19], step * taken)
+    record["torque"].values[:] = rows[:, 19:22]
+    record["rotor_thrust"].values[:] = rows[:, 22:26]
     words = "0, or a sum of the bits in the firmware's header"
-    record["firmware_status"] = ("time", flown["status"][kept], {"long_name": words})
-    status = int(flown["status"][-1])
+    record["firmware_status"] = ("time", rows[:, 26].astype(np.uint32), {"long_name": words})
+    status, states = int(flown["status"][-1]), flown["state"]  # the last ones are of the fault
     faults = " and ".join(words for bit, words in FAULTS.items() if status & bit)
     height = float(mission.height_of_target) - states[-1, 2]
     tilt = np.degrees(np.arccos(np.clip(states[-1, 14], -1, 1)))
@@ -142,15 +156,21 @@ def fly_firmware(
         f"tilted by {tilt:.0f} degrees"
     )
     record.attrs |= {
-        "outcome": "flown"
-        if whole
-        else f"ended near {(len(states) - 1) * step * every:g} s: {fault}",
+        "outcome": "flown" if whole else f"ended at {at * step:g} s: {fault}",
         "step": step,
-        "steps": (len(states) - 1) * every,
+        "steps": int(taken[-1]),
         "seconds": seconds,
         "machine": f"firmware, {firmware.manifest['precision']}",
     }
     return record
+
+
+def _good(flown: Mapping[str, Any]) -> tuple[Array, bool]:
+    """Return the samples before a fault, (m, 27), at least the start, and whether there is none."""
+    columns = ("state", "thrust", "torque", "rotor", "status")
+    rows = np.column_stack([flown[name] for name in columns])
+    whole = not int(flown["status"][-1]) & sum(FAULTS)
+    return (rows if whole else rows[: max(1, len(rows) - 1)]), whole
 
 
 def _exported(mission: Mission) -> Firmware:

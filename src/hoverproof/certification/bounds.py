@@ -16,7 +16,6 @@ from hoverproof.certification.region import (
     default_box,
     eigenvalues,
     enclose,
-    holds_target_point,
 )
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
@@ -38,7 +37,7 @@ def proved_bounds(mission: Mission) -> Region | None:
     Raises
     ------
     InputError
-        If nothing can be proved over the box of the mission.
+        If nothing can be proved over the box of the mission, or it holds a target point.
     """
     if isinstance(mission.bounds.eigenvalues, tuple):
         return None
@@ -46,13 +45,6 @@ def proved_bounds(mission: Mission) -> Region | None:
     start = mission.start.position
     if not all(low <= x <= high for x, (low, high) in zip(start, box, strict=True)):
         raise InputError(mission.source, "bounds.box", "must hold the start of the mission")
-    if holds_target_point(mission, box):
-        raise InputError(
-            mission.source,
-            KEY,
-            '"auto" proves bounds over a box around start and goal, but that box holds a target '
-            "point, where Q is infinite; give a smaller one as bounds.box",
-        )
     region = _enclosed(mission, box)
     if region is None:
         raise none_proved(mission)

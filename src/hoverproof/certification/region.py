@@ -129,7 +129,7 @@ def enclose(mission: Mission, box: Box, most: int | None = None) -> Region | Non
         If the box holds a target point, where Q is infinite.
     """
     if holds_target_point(mission, box):
-        raise InputError(mission.source, "--box", "holds a target point, where Q is infinite")
+        raise _infinite_in(mission, box)
     low, high = _extremes(mission, box)
     for slack in SLACKS:
         bounds = (
@@ -139,6 +139,22 @@ def enclose(mission: Mission, box: Box, most: int | None = None) -> Region | Non
         if holds_over(mission, box, bounds, most):
             return Region(box, bounds, (low, high))
     return None
+
+
+def _infinite_in(mission: Mission, box: Box) -> InputError:
+    """Say of a box that it holds a target point, and where the box comes from."""
+    sides = " x ".join(f"[{float(a):g}, {float(b):g}]" for a, b in box)
+    fault = f"{sides} m holds a target point, where Q is infinite"
+    if box != default_box(mission):
+        return InputError(mission.source, "--box", fault)
+    if mission.bounds.box is not None:
+        return InputError(mission.source, "bounds.box", fault)
+    return InputError(
+        mission.source,
+        "start.position",
+        f"the box around start and goal, {fault}; start farther from the target, or give a "
+        "smaller box as bounds.box or --box",
+    )
 
 
 def holds_over(mission: Mission, box: Box, bounds: Interval, most: int | None = None) -> bool:

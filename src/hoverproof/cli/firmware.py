@@ -75,7 +75,8 @@ def export(
             fail(str(error), EXIT[error.status])
         print_json(refused_as_json(loaded.name, error.status), loaded)
         return EXIT[error.status]
-    return tell(ExportAnswer(loaded.name, out, manifest, precision), json_, loaded)
+    answer = ExportAnswer(loaded.name, out, manifest, precision, rotor_limits is not None)
+    return tell(answer, json_, loaded)
 
 
 def _limits(text: str) -> tuple[Fraction, Fraction]:

@@ -219,6 +219,7 @@ def _manifest(context: dict[str, Any], texts: Mapping[str, str]) -> dict[str, An
         "thrust": [float(t) for t in context["thrust"]],
         "tilt_cosine": float(context["tilt_cosine"]),
         "rotor_limits": [float(r) for r in context["rotor_limits"]],
+        "rotor_limits_from": context["rotor_limits_from"],
         "input_box": box.as_json(context["sensing"], n),
         "budgets": {
             "target": "Cortex-M4F, float32, gcc -O2 -fno-math-errno -ffp-contract=off",

@@ -14,9 +14,9 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
-from hoverproof.certification.attraction.verdict import NOT_COVERED
 from hoverproof.certification.attraction.verdict import Proved as Attraction
 from hoverproof.certification.attraction.verdict import Refuted as Sinks
+from hoverproof.certification.attraction.verdict import not_covered
 from hoverproof.certification.certificate import Certificate
 from hoverproof.certification.gains import Proved, Refuted, Undecided
 from hoverproof.certification.over_box import RegionVerdict
@@ -126,7 +126,6 @@ def context(parts: Parts, origin: Origin) -> dict[str, Any]:
         "not_claimed": wording.NOT_REFUTED
         if parts.verdict.status == "refuted"
         else wording.NOT_CLAIMED,
-        "not_covered": NOT_COVERED,
         **vars(origin),
         **_theorem(parts),
         **_tables(parts),
@@ -157,6 +156,7 @@ def _theorem(parts: Parts) -> dict[str, Any]:
     told["ledger_reasons"] = [(id, judged[id].reason) for id in ("conditions", "theorem") if judged]
     told["conditions_words"] = wording.conditions(parts)
     if (attracted := _attraction(parts)) is not None:
+        told["not_covered"] = not_covered(attracted)
         told["attraction_words"] = wording.attraction(attracted)
         told["attraction_statement"] = attracted.certificate.statement
         told["attraction_claim"] = mathematics.attraction_claim(attracted)

@@ -39,7 +39,6 @@ PARTS = ("atlas", "region", "attraction", "flight", "firmware", "ledger")
 MAP_AXES = ("k3", "k4")
 MAP_CELLS = 80
 SHORT = 0.5
-FEW = 100
 CANNOT = (InputError, RuntimeError, ArithmeticError, OSError, np.linalg.LinAlgError)
 """What a part may end with, for the report to say so and go on; anything else is a mistake here."""
 
@@ -260,8 +259,6 @@ def _fly(mission: Mission, verdict: Verdict, runs: int | None) -> Flown:
             f"`hoverproof simulate {mission.source} --duration 20` flies it"
         )
     whole = simulate(mission)
-    if whole.attrs["outcome"] != "flown" and whole.sizes["time"] < FEW:
-        whole = simulate(mission, every=1)  # it ended so soon that hardly a sample was kept
     decay = decay_along(whole, verdict) if isinstance(verdict, Proved) else None
     duration, early = float(whole["time"].values[-1]), 2 * beginning(whole)
     first = simulate(mission, duration=early) if 0 < early < SHORT * duration else None

@@ -6,6 +6,7 @@ import json
 import math
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,8 @@ from hoverproof.simulation.closed_loop import (
     step_function,
 )
 from hoverproof.simulation.compiled import Runner, has_diverged, runner
-from hoverproof.simulation.flight_log import ending, ending_words, settled_at
+from hoverproof.simulation.cut_short import last_good_step, up_to
+from hoverproof.simulation.flight_log import ending, ending_words, is_noted, settled_at
 from hoverproof.simulation.numbers import euler_angles, settled_index
 from hoverproof.simulation.plan import Plan, check_seed, is_ideal
 from hoverproof.simulation.realistic import LAYOUT, place
@@ -62,7 +64,8 @@ def simulate(
     step : float, optional
         Step of the Runge-Kutta method of order 4, s; by default as `flight_step` has it.
     every : int, optional
-        Keep every so many steps; by default about 2000 samples are kept.
+        Keep every so many steps; by default about 2000 samples are kept, also of a flight that
+        ends early. Such a flight has one more sample, of the step at which it ended.
     seed : int
         Of the noise, if the mission names sensors or wind; a number from 0 to 2**63 - 1.
         ``[scatter]`` is for batches.
@@ -81,27 +84,37 @@ def simulate(
         If the duration, the step or the mission cannot be used.
     """
     check_seed(seed)
-    step = flight_step(mission, step)
+    step, finer = flight_step(mission, step), SAMPLES if every is None else None
     steps, every = steps_and_interval(
         mission, duration, step, every, SAMPLES, sample_bytes=sample_bytes(mission)
     )
     if not is_ideal(mission):
         plan = Plan(mission, step, steps // every, every, seed, scattered=False)
-        return _fly_as_built(plan, compiler)
+        return _fly_as_built(plan, compiler, finer)
     numbers = LoopNumbers.of(mission)
     machine = runner(numbers.points.shape[1], compiler=compiler)
     begin = time.perf_counter()
     states, good = _run(machine, numbers, step, steps // every, every)
     seconds = time.perf_counter() - begin
-    log, taken = states[-1][GUARDED_SIZE:], (len(states) - 1) * every
-    kept = states if good else states[:-1]  # the record ends with the last good state
-    flight = flight_record(mission, numbers, kept[:, :STATE_SIZE], step * every)
-    code, at = (0, 0.0) if good else ending(log, diverged=has_diverged(states[-1]))
+    log, outcome = states[-1][GUARDED_SIZE:], "flown"
+    taken = every * np.arange(len(states))
+    if not good:  # the record ends with the last good state
+
+        def fly(samples: int, every: int) -> tuple[Array, bool]:
+            flown, whole = _run(machine, numbers, step, samples, every)
+            return (flown if whole else flown[:-1]), whole
+
+        code, at = ending(log, diverged=has_diverged(states[-1]))
+        told = at if is_noted(code) else None
+        last = last_good_step(fly, states[:-1], every, told)
+        states, taken = up_to(fly, states[:-1], every, last, finer)
+        outcome = ending_words(code, (last if told is not None else last + 1) * step)
+    flight = flight_record(mission, numbers, states[:, :STATE_SIZE], step * taken)
     flight.attrs |= {
-        "outcome": "flown" if good else ending_words(code, at * step),
+        "outcome": outcome,
         "settled_at": float(settled_at(log, step)) if good else math.nan,
         "step": step,
-        "steps": taken,
+        "steps": int(taken[-1]),
         "seconds": seconds,
         "machine": machine.name,
     }
@@ -174,10 +187,18 @@ def without_conditions(mission: Mission, flight: xr.Dataset) -> dict[str, Any]:
     bare = mission.model_copy(update={name: type(getattr(mission, name))() for name in CONDITIONS})
     every = round(float(times[1]) / step)
     ideal = simulate(bare, duration=float(times[-1]), step=step, every=every)
-    both = min(len(times), ideal.sizes["time"])
-    apart = flight["position"].values[:both] - ideal["position"].values[:both]
+    positions, times_of_ideal = ideal["position"].values, ideal["time"].values
+    if len(times) == len(positions) + 1 and ideal.attrs["outcome"] == "flown":  # cut short
+        whole = round(float(times[-1]) / step)
+        end = simulate(bare, duration=float(times[-1]), step=step, every=whole)
+        positions = np.vstack([positions, end["position"].values[-1:]])
+        times_of_ideal = np.append(times_of_ideal, end["time"].values[-1])
+    both = min(len(times), len(positions))
+    same = np.isclose(times[:both], times_of_ideal[:both], rtol=0, atol=step / 2)
+    apart = (flight["position"].values[:both] - positions[:both])[same]
     distance = np.linalg.norm(apart, axis=1)
     return {
+        "compared_until": float(times[:both][same][-1]),
         "ideal_settled_at": summary(ideal)["settled_at"],
         "greatest_distance_from_ideal": float(distance.max()),
         "final_distance_from_ideal": float(distance[-1]),
@@ -209,20 +230,38 @@ def _run(
     return np.vstack([start, states]), good
 
 
-def _fly_as_built(plan: Plan, compiler: str | None) -> xr.Dataset:
-    """Fly once with the sensors, rotors, wind and errors that the mission names."""
+def _fly_as_built(plan: Plan, compiler: str | None, finer: int | None) -> xr.Dataset:
+    """Fly once with the sensors, rotors, wind and errors that the mission names.
+
+    A flight that ends early, with few samples kept, is kept in about `finer` samples.
+    """
     mission = plan.mission
     machine = kernel.machine(plan.loop, plan.schedule, compiler)  # compiled before it is timed
+
+    def fly_all(plan: Plan) -> tuple[Array, Array, int]:
+        stop = kernel.Stop()
+        records, memory, good = interruptibly(
+            lambda: fly_raw(plan, 0, 1, compiler=compiler, stop=stop), stop.set
+        )
+        return records[0, : good[0] + 1], memory[0], int(good[0])
+
+    def fly(samples: int, every: int) -> tuple[Array, bool]:
+        rows, _, good = fly_all(replace(plan, samples=samples, every=every))
+        return rows, good == samples
+
     begin = time.perf_counter()
-    stop = kernel.Stop()
-    records, memory, taken = interruptibly(
-        lambda: fly_raw(plan, 0, 1, compiler=compiler, stop=stop), stop.set
-    )
+    kept, last, good = fly_all(plan)
     seconds = time.perf_counter() - begin
-    kept, last, good = records[0, : taken[0] + 1], memory[0], taken[0]
+    code, at = how_it_ended(plan, last, good)
+    lost, lost_at = (last[place(LAYOUT, name)][0] for name in ("lost", "lost_at"))
+    taken, outcome = plan.every * np.arange(len(kept)), "flown"
+    if code:
+        told = round(at / plan.step) if is_noted(code) else None
+        end = last_good_step(fly, kept, plan.every, told)
+        kept, taken = up_to(fly, kept, plan.every, end, finer)
+        outcome = ending_words(code, (end if told is not None else end + 1) * plan.step)
     parts = {name: kept[:, place(plan.record, name)] for name in plan.record}
-    interval = plan.step * plan.every
-    flight = flight_record(mission, plan.numbers, parts["state"], interval)
+    flight = flight_record(mission, plan.numbers, parts["state"], plan.step * taken)
     arm, drag = (ca.SX(float(x)) for x in (mission.vehicle.arm, mission.vehicle.drag_ratio))
     thrusts = ca.SX.sym("thrusts", 4)
     made = ca.Function("made", [thrusts], [wrench(thrusts, arm, drag)[1:]])
@@ -235,13 +274,11 @@ def _fly_as_built(plan: Plan, compiler: str | None) -> xr.Dataset:
     ):
         values = parts[name].reshape(len(kept), *([3] if len(dims) > 1 else []))
         flight[name] = (dims, values, {"units": units, "long_name": words})
-    code, at = how_it_ended(plan, last, int(good))
-    lost, lost_at = (last[place(LAYOUT, name)][0] for name in ("lost", "lost_at"))
     flight.attrs |= {
-        "outcome": "flown" if code == 0 else ending_words(code, at),
+        "outcome": outcome,
         "settled_at": math.nan if code else float(settled_at(log_of(plan, last), plan.step)),
         "step": plan.step,
-        "steps": int(good) * plan.every,
+        "steps": int(taken[-1]),
         "seconds": seconds,
         "machine": machine.split(",")[0],
         "model_sha256": plan.model_sha256,
@@ -255,7 +292,7 @@ def _fly_as_built(plan: Plan, compiler: str | None) -> xr.Dataset:
 
 
 def flight_record(
-    mission: Mission, numbers: LoopNumbers, states: Array, interval: float
+    mission: Mission, numbers: LoopNumbers, states: Array, times: NDArray[Any]
 ) -> xr.Dataset:
     """Return states of a flight as a record, with all that is read off them.
 
@@ -266,8 +303,8 @@ def flight_record(
         Of the mission.
     states : (n, 19)
         Packed, a row each sample; see `hoverproof.plant.rigid_body.RigidBodyState`.
-    interval : float
-        From sample to sample, s.
+    times : (n,)
+        Of the samples, s.
 
     Returns
     -------
@@ -309,7 +346,7 @@ def flight_record(
             for name, (dims, values, units, words) in variables.items()
         },
         coords={
-            "time": ("time", interval * np.arange(len(states)), {"units": "s"}),
+            "time": ("time", times, {"units": "s"}),
             "axis": axes,
             "body_axis": axes,
             "horizontal_axis": axes[:2],

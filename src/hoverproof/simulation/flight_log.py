@@ -49,7 +49,7 @@ NEVER = 1e250
 OUTCOMES = (
     "flown",
     "target_left_the_view",
-    "reached_the_target",
+    "hit_the_height_of_the_target",
     "tipped_over",
     "target_point_behind_the_camera",
     "thrust_fell_to_the_singularity",
@@ -166,8 +166,19 @@ def ending(log: Array, *, diverged: bool) -> tuple[int, float]:
     if min(low, tipped) > unseen:
         word = "target_point_behind_the_camera"
     else:
-        word = "reached_the_target" if low <= tipped else "tipped_over"
+        word = "hit_the_height_of_the_target" if low <= tipped else "tipped_over"
     return OUTCOMES.index(word), unseen
+
+
+def is_noted(code: int) -> bool:
+    """Tell whether a log holds the step at which a flight ended so.
+
+    Parameters
+    ----------
+    code : int
+        Place in `OUTCOMES`, a bare number.
+    """
+    return OUTCOMES[code] not in ("flown", "target_left_the_view", "diverged")
 
 
 def ending_words(code: int, at: float) -> str:

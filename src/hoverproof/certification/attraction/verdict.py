@@ -15,9 +15,21 @@ NOT_COVERED = (
     "sampling, delay and noise of measurements",
     "errors of the model: mass, inertia, wind, drag, limits of the rotors",
     "a camera that loses the target: every point is taken to be seen at all times",
-    "without a barrier the ground: a motion may pass below the target points",
 )
-"""What the theorem does not say, in words."""
+"""What no theorem says, in words."""
+
+GROUND = "the ground: without a barrier, a motion may pass below the target points"
+
+
+def not_covered(verdict: Verdict) -> tuple[str, ...]:
+    """Return what the theorem of a verdict does not say, in words.
+
+    Parameters
+    ----------
+    verdict : Proved, Refuted or Undecided
+    """
+    grounded = isinstance(verdict, Proved) and verdict.barrier_height is None
+    return (*NOT_COVERED, *([GROUND] if grounded else []))
 
 
 @dataclass(frozen=True)

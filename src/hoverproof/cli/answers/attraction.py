@@ -10,11 +10,11 @@ from typing import Any
 
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import (
-    NOT_COVERED,
     Proved,
     Refuted,
     Undecided,
     Verdict,
+    not_covered,
 )
 from hoverproof.certification.certificate import exact
 from hoverproof.cli.answers.answer import EXIT, Answer
@@ -61,7 +61,7 @@ class AttractionAnswer(Answer):
         if self.picture is not None:
             yield f"  figure                  {self.picture}"
         yield "Not covered:"
-        for line in NOT_COVERED:
+        for line in not_covered(verdict):
             yield f"  {line}"
         yield f"Next: hoverproof check {self.path}"
 
@@ -73,7 +73,7 @@ class AttractionAnswer(Answer):
             "mission": verdict.mission.name,
             "verdict": verdict.status,
             "certificate": None if self.path is None else str(self.path),
-            "not_covered": list(NOT_COVERED),
+            "not_covered": list(not_covered(verdict)),
             "advice": list(verdict.advice) if isinstance(verdict, Undecided) else [],
             **found,
             "figure": None if self.picture is None else str(self.picture),

@@ -63,6 +63,9 @@ class CertifyAnswer(Answer):
         if problem.box is not None:
             yield "  (bounds of the eigenvalues proved over the box"
             yield f"  {sides_text(problem.box)} m)"
+            own = problem.mission.bounds.eigenvalues
+            if isinstance(own, tuple):
+                yield f"  the mission's own bounds {interval(own)} 1/m are not used"
         else:
             yield "  (bounds of the eigenvalues assumed, not proved: see hoverproof region)"
         if self.weighted:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.words import position_text
+from hoverproof.simulation.numbers import SETTLED
 
 if TYPE_CHECKING:
     from hoverproof.mission.sections import Mission
@@ -34,7 +35,11 @@ class FlightAnswer(Answer):
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""
         facts = self.facts
-        yield f"{self.mission.name}: {facts['outcome']}, {facts['duration']:g} s"
+        whole = facts["outcome"] == "flown"  # else it says when it ended
+        length = f", {facts['duration']:g} s" if whole else ""
+        yield f"{self.mission.name}: {facts['outcome']}{length}"
+        if whole and facts["final_error"] > SETTLED * facts["start_error"] > 0:
+            yield f"  did not come to its goal: {facts['final_error']:.3g} m away at the end"
         yield f"  {facts['steps']} steps in {facts['seconds']:.2f} s: {facts['machine']}"
         if facts["machine"] == "CasADi virtual machine":
             yield "  (no C compiler works here; with one this is much faster)"
@@ -55,7 +60,10 @@ class FlightAnswer(Answer):
     def _conditions(self) -> Iterator[str]:
         facts = self.facts
         if "ideal_settled_at" in facts:
-            yield f"  without sensors, rotors, wind and errors: {_since(facts['ideal_settled_at'])}"
+            settled = _since(facts["ideal_settled_at"])
+            if facts["ideal_settled_at"] is None:
+                settled = f"not within {facts['compared_until']:g} s, to which the two are compared"
+            yield f"  without sensors, rotors, wind and errors: {settled}"
             yield (
                 f"  from that flight at most {facts['greatest_distance_from_ideal']:.3g} m away, "
                 f"at the end {facts['final_distance_from_ideal']:.3g} m"

@@ -51,6 +51,11 @@ class RegionAnswer(Answer):
         if spot is not None:
             value, place = number(spot.eigenvalue), position_text(spot.position)
             yield f"  {spot.bound} bound broken      {value} 1/m at {place}"
+            low, high = verdict.bounds if found is None else found.attained
+            if spot.bound == "lower" and high > verdict.bounds[1]:
+                yield f"  upper bound broken too  {number(high)} 1/m found, not in the certificate"
+            if spot.bound == "upper" and low < verdict.bounds[0]:
+                yield f"  lower bound broken too  {number(low)} 1/m found, not in the certificate"
         if self.path is not None:
             yield f"  certificate             {self.path} ({CONTENTS[verdict.status]})"
         if self.picture is not None:

@@ -1,0 +1,142 @@
+"""Answers name what they rest on, and leave out what does not apply."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from hoverproof import cli
+from hoverproof.certification.attraction.verdict import Refuted, not_covered
+from hoverproof.certification.region import default_box, enclose
+from hoverproof.mission.presets import preset_text
+from hoverproof.mission.reading import load
+from hoverproof.simulation import campaign
+
+
+def run(capsys, *arguments):
+    with pytest.raises(SystemExit) as done:
+        cli.main([str(a) for a in arguments])
+    return done.value.code, *capsys.readouterr()
+
+
+def test_runs_of_which_none_is_complete_tell_nothing_of_settling(capsys, monkeypatch):
+    def at_once(*_, **__):
+        raise KeyboardInterrupt
+        yield
+
+    monkeypatch.setattr(campaign, "spread", at_once)
+    scatter = ("--set", "scatter.position=[1,1,1]", "--duration", 1)
+    status, out, _ = run(capsys, "simulate", "x4-flyer", "--runs", 20, *scatter)
+    assert status == 130
+    assert "x4-flyer: 0 of 20 runs" in out
+    assert not re.search("settled|error at the end", out)
+    monkeypatch.undo()
+    assert "settled within 10 %" in run(capsys, "simulate", "x4-flyer", "--runs", 20, *scatter)[1]
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (
+            (),
+            "[0, 47.04] N each\n          an assumption: half the weight; the mission does not say "
+            "(see --rotor-limits)",
+        ),
+        (("--rotor-limits", "0,40"), "[0, 40] N each\n          given to the export"),
+        (
+            ("--set", "rotors.max_thrust=40", "--set", "rotors.min_thrust=1"),
+            "[1, 40] N each\n          from [rotors] of the mission",
+        ),
+    ],
+)
+def test_export_tells_where_the_limits_of_the_rotors_come_from(options, words, capsys):
+    status, out, _ = run(capsys, "export", "x4-flyer", "--out", "firmware", *options)
+    assert status == 0
+    assert f"  rotors  {words}" in out
+    told = json.loads(Path("firmware/manifest.json").read_text("utf-8"))["rotor_limits_from"]
+    assert told in out
+
+
+NEAR = {
+    "start.position": "[0.5, 0.5, -0.1]",
+    "target.points": "[[1,1,0],[1,-1,0],[-1,-1,0],[0,0,0]]",
+}
+
+
+@pytest.mark.parametrize(
+    ("more", "command", "key"),
+    [
+        ((), ["region"], "start.position"),
+        ((), ["certify", "--over-box"], "start.position"),
+        (("bounds.eigenvalues=auto",), ["certify"], "start.position"),
+        (
+            ("bounds.eigenvalues=auto", "bounds.box=[[-2, 2], [-2, 2], [-4, 1]]"),
+            ["certify"],
+            "bounds.box",
+        ),
+        ((), ["region", "--box=-2,2,-2,2,-4,1"], "--box"),
+    ],
+)
+def test_a_box_that_holds_a_target_point_is_named_and_printed(more, command, key, capsys):
+    settings = [f"{k}={v}" for k, v in NEAR.items()] + list(more)
+    options = [part for setting in settings for part in ("--set", setting)]
+    status, out, err = run(capsys, command[0], "x4-flyer", *command[1:], *options)
+    assert (status, out) == (2, "")
+    assert f": {key}: " in err
+    assert re.search(r"\[\S+, \S+\] x \[\S+, \S+\] x \[\S+, \S+\] m holds a target point", err)
+
+
+@pytest.mark.parametrize(
+    ("bounds", "broken"),
+    [("[0.9, 1]", {"lower", "upper"}), ("[0.9, 5]", {"lower"}), ("[0.01, 1]", {"upper"})],
+)
+def test_every_broken_bound_is_told(bounds, broken, capsys):
+    setting = ("--set", f"bounds.eigenvalues={bounds}")
+    status, out, _ = run(capsys, "region", "x4-flyer", "--no-figure", *setting)
+    assert status == 1
+    told = dict(re.findall(r"^  (lower|upper) bound broken.*?([\d.]+) 1/m", out, flags=re.M))
+    assert set(told) == broken
+    mission = load("x4-flyer")
+    extremes = dict(
+        zip(("lower", "upper"), enclose(mission, default_box(mission)).attained, strict=True)
+    )
+    for which, value in told.items():
+        assert float(value) == pytest.approx(extremes[which], rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("options", "without_barrier"),
+    [
+        (("--start", "0.1,0,-3", "--no-barrier"), True),
+        (("--start", "0.1,0,-3", "--barrier"), False),
+    ],
+)
+def test_the_ground_is_left_open_by_a_proof_without_a_barrier_alone(
+    options, without_barrier, capsys
+):
+    status, out, _ = run(capsys, "attraction", "x4-flyer", "--no-figure", *options)
+    assert status == 0
+    assert ("the ground:" in out) == without_barrier
+
+
+def test_a_refuted_start_leaves_no_ground_open():
+    assert not [line for line in not_covered(Refuted(*[None] * 4)) if "ground" in line]
+
+
+def test_check_of_a_mission_says_that_a_certificate_is_wanted(capsys):
+    Path("quad.toml").write_text(preset_text("x4-flyer"), encoding="utf-8")
+    status, _, err = run(capsys, "check", "quad.toml")
+    assert status == 2
+    assert "quad.toml: is not JSON, and so not a certificate, as certify" in err
+
+
+def test_over_a_box_the_bounds_of_the_mission_are_said_to_be_unused(capsys):
+    unused = "the mission's own bounds [0.01, 5] 1/m are not used"
+    assert unused in run(capsys, "certify", "x4-flyer", "--over-box")[1]
+    assert "not used" not in run(capsys, "certify", "x4-flyer")[1]
+    auto = ("--set", "bounds.eigenvalues=auto")
+    assert "not used" not in run(capsys, "certify", "x4-flyer", "--over-box", *auto)[1]
