@@ -57,9 +57,9 @@ def up_to(
     every : int
         Steps between them.
     last : int
-        The last good step, from `last_good_step`.
+        Number of the last good step, from `last_good_step`.
     samples : int or None
-        About how many to keep at least if there are few; None if as many are kept as was asked.
+        Number of samples to keep about, if there are few; None if as many are kept as was asked.
 
     Returns
     -------
