@@ -31,7 +31,7 @@ class ExportAnswer(Answer):
         yield f"  folder  {self.out}"
         yield f"  thrust  {interval(manifest['thrust'])} N, monitored"
         yield f"  rotors  {interval(manifest['rotor_limits'])} N each"
-        option = "" if self.limits_given else " (see --rotor-limits)"
+        option = "" if self.limits_given else " (--rotor-limits)"
         yield f"          {manifest['rotor_limits_from']}{option}"
         yield "SHA-256 of the law, and of the certificate if there is one:"
         yield f"  {manifest['law_sha256']}"

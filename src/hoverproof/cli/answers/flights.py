@@ -45,13 +45,13 @@ class FlightsAnswer(Answer):
         )
         for name, count in facts["outcomes"].items():
             if count or name == "flown":
-                yield f"  {name.replace('_', ' '):28}  {count}"
+                yield f"  {name.replace('_', ' '):24}  {count}"
         if complete:
             settled, error = _range(facts["settled_at"], "s"), _range(facts["final_error"], "m")
-            yield f"  {'settled within 10 %':28}  {facts['settled']}{settled}"
-            yield f"  {'error at the end':28}  {error.strip() or 'none flown'}"
+            yield f"  {'settled within 10 %':24}  {facts['settled']}{settled}"
+            yield f"  {'error at the end':24}  {error.strip() or 'none flown'}"
         if facts["runs_that_lost_frames"]:
-            yield f"  {'target left the view':28}  {facts['runs_that_lost_frames']}"
+            yield f"  {'target left the view':24}  {facts['runs_that_lost_frames']}"
         yield f"  flights   {flown.path}"
         for picture in self.pictures:
             yield f"  figure    {picture}"
