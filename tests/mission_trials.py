@@ -367,13 +367,15 @@ def _attraction(fault: Say, answers: dict[str, Answer], mission: Any) -> Iterato
     """From a start that is proved nothing sinks to the target, and the ideal flight arrives."""
     if answers["attraction"].status != 0:
         return
-    from hoverproof.certification.attraction.refutation import refute
-    from hoverproof.certification.attraction.verdict import Undecided
+    from hoverproof.certification.attraction.refutation import SOON
+    from hoverproof.certification.attraction.refutation import simulate as follow
+    from hoverproof.certification.attraction.starts import State
     from hoverproof.mission.sections import CONDITIONS
     from hoverproof.simulation.flight import simulate, summary
 
-    if refute(mission, None, Undecided("asked for", mission)).status == "refuted":
-        yield fault("attraction", "proved and refuted for one start")
+    state = State.of(mission)
+    if state is not None and follow(mission, state.packed(), SOON)[0] == "sinks to the target":
+        yield fault("attraction", "proved, but within seconds it sinks to the target")
     bare = mission.model_copy(update={name: type(getattr(mission, name))() for name in CONDITIONS})
     try:
         came = summary(simulate(bare))

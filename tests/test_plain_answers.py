@@ -42,13 +42,13 @@ def test_runs_of_which_none_is_complete_tell_nothing_of_settling(capsys, monkeyp
     [
         (
             (),
-            "[0, 47.04] N each\n          an assumption: half the weight; the mission does not say "
-            "(see --rotor-limits)",
+            "[0, 47.04] N each (--rotor-limits)\n"
+            "          an assumption: half the weight; the mission does not say",
         ),
         (("--rotor-limits", "0,40"), "[0, 40] N each\n          given to the export"),
         (
             ("--set", "rotors.max_thrust=40", "--set", "rotors.min_thrust=1"),
-            "[1, 40] N each\n          from [rotors] of the mission",
+            "[1, 40] N each (--rotor-limits)\n          from [rotors] of the mission",
         ),
     ],
 )

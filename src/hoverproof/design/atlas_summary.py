@@ -19,7 +19,7 @@ class AtlasSummary:
     cells, certified, no_question : int
         Numbers of cells: all, those with a margin above 0, and those that pose no question.
     best : dict or None
-        Where the margin is largest: the values of x and y by name; None if nothing is certified.
+        Where the margin is largest: the numbers of x and y by name; None if nothing is certified.
     best_decay_rate : float or None
         Decay rate of L there, 1/s.
     decided : dict

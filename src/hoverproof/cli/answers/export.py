@@ -30,9 +30,9 @@ class ExportAnswer(Answer):
         yield f"{self.mission}: firmware written, {self.precision}, {standing}"
         yield f"  folder  {self.out}"
         yield f"  thrust  {interval(manifest['thrust'])} N, monitored"
-        yield f"  rotors  {interval(manifest['rotor_limits'])} N each"
         option = "" if self.limits_given else " (--rotor-limits)"
-        yield f"          {manifest['rotor_limits_from']}{option}"
+        yield f"  rotors  {interval(manifest['rotor_limits'])} N each{option}"
+        yield f"          {manifest['rotor_limits_from']}"
         yield "SHA-256 of the law, and of the certificate if there is one:"
         yield f"  {manifest['law_sha256']}"
         if manifest["certified"]:
