@@ -363,6 +363,10 @@ def _at_goal(mission: Any) -> Any:
     return eigenvalues(np.array(mission.target.points, float), goal[None])[0]
 
 
+LONG = 5000.0
+"""s; a longer flight takes too long where there is no compiler."""
+
+
 def _attraction(fault: Say, answers: dict[str, Answer], mission: Any) -> Iterator[Fault]:
     """From a start that is proved nothing sinks to the target, and the ideal flight arrives."""
     if answers["attraction"].status != 0:
@@ -372,13 +376,14 @@ def _attraction(fault: Say, answers: dict[str, Answer], mission: Any) -> Iterato
     from hoverproof.certification.attraction.starts import State
     from hoverproof.mission.sections import CONDITIONS
     from hoverproof.simulation.flight import simulate, summary
+    from hoverproof.simulation.timing import default_duration
 
     state = State.of(mission)
     if state is not None and follow(mission, state.packed(), SOON)[0] == "sinks to the target":
         yield fault("attraction", "proved, but within seconds it sinks to the target")
     bare = mission.model_copy(update={name: type(getattr(mission, name))() for name in CONDITIONS})
     try:
-        came = summary(simulate(bare))
+        came = summary(simulate(bare, duration=min(default_duration(bare), LONG)))
     except ValueError as error:  # no default duration, say
         yield fault("simulate", f"attraction is proved from the start, but: {error}")
         return
