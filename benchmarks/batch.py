@@ -6,6 +6,7 @@ RotorPy are timed if they are installed.
 
 from __future__ import annotations
 
+import ctypes
 import subprocess
 import tempfile
 import time
@@ -18,6 +19,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from closed_loop import DT, TILTED, N, hand_written, numpy_run, plain_rate, plain_step
+from hoverproof.compilers import find_compiler
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import compiled, kernel
@@ -99,9 +101,9 @@ def plain_casadi(folder: Path) -> Callable:
     source, library = folder / "plain.c", folder / "plain.so"
     text = compiled.c_source(N).removeprefix(compiled.PREAMBLE)
     source.write_text(f"#define CASADI_SYMBOL_EXPORT static\n{text}")
-    command = [compiled.find_compiler(), *PLAIN_FLAGS, str(source), "-o", str(library), "-lm"]
+    command = [find_compiler(), *PLAIN_FLAGS, str(source), "-o", str(library), "-lm"]
     subprocess.run(command, check=True)
-    return compiled._machine_code(N, library).run
+    return compiled._machine_code(ctypes.CDLL(str(library))).run
 
 
 def scipy_peer(numbers: LoopNumbers, steps: int) -> Peer:

@@ -5,6 +5,7 @@ Run ``python benchmarks/closed_loop.py``; ``--write`` puts the table into the RE
 
 from __future__ import annotations
 
+import ctypes
 import os
 import platform
 import shlex
@@ -20,6 +21,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.compilers import find_compiler
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import compiled
@@ -69,11 +71,11 @@ class Peer:
 def hand_written(flags: Iterable[str], folder: Path) -> Run:
     """Compile closed_loop.c and load it the way the project loads its own."""
     library = Path(tempfile.mkstemp(suffix=".so", dir=folder)[1])
-    compiler = shlex.split(compiled.find_compiler())
+    compiler = shlex.split(find_compiler())
     sizes = (f"-DHP_DIVERGED={compiled.DIVERGED}", f"-DHP_FLIGHT={FLIGHT_SIZE}")
     inputs = (*sizes, str(HERE / "closed_loop.c"))
     subprocess.run([*compiler, *flags, *inputs, "-o", str(library), "-lm"], check=True)
-    return compiled._machine_code(N, library).run
+    return compiled._machine_code(ctypes.CDLL(str(library))).run
 
 
 def plain_rate(xp: ModuleType, x: Array, design: Array, points: Array) -> Array:
@@ -182,7 +184,7 @@ def measure(peers: list[Peer], reference: Peer) -> None:
 
 def table(peers: dict[str, Peer], reference: Peer) -> str:
     """Return the results as a Markdown table, with a line about where they come from."""
-    compiler = shlex.split(compiled.find_compiler())
+    compiler = shlex.split(find_compiler())
     version = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=True)
     rows = [
         f"| {name} | {peer.ns_per_step:,.0f} | {peer.ns_per_step / reference.ns_per_step:,.2f} |"
