@@ -54,7 +54,7 @@ def main(arguments: list[str] | None = None) -> NoReturn:
         time.sleep(0.02)  # until it has been heard, too
     if interruption.heard and status == STATUS:
         sys.stdout.flush()
-        os._exit(STATUS)  # taking the libraries down takes longer than a user waits
+        interruption.leave()  # taking the libraries down takes longer than a user waits
     sys.exit(status if isinstance(status, int) else 0)
 
 
