@@ -115,6 +115,6 @@ def start_level(mission: Mission) -> float:
     mission : Mission
     """
     numbers = LoopNumbers.of(mission)
-    read = readout_function(numbers.n)  # L depends on neither of the rotors' lengths
+    read = readout_function(numbers.target_size)  # L depends on neither of the rotors' lengths
     seen = read(x=numbers.start, design=numbers.design, points=numbers.points)
     return float(seen["lyapunov"])

@@ -234,12 +234,12 @@ class LoopNumbers:
         )
 
     @property
-    def n(self) -> int:
+    def target_size(self) -> int:
         """Number of target points."""
         return int(self.points.shape[1])
 
     @property
-    def weight(self) -> float:
+    def hover_thrust(self) -> float:
         """The thrust of a hover, N."""
         return float(self.start[-1])
 
@@ -247,12 +247,12 @@ class LoopNumbers:
     def hover(self) -> Array:
         """(19,) the packed state of the level hover at the goal."""
         state = np.zeros(STATE_SIZE)
-        state[:3], state[[6, 10, 14]], state[-1] = self.goal, 1, self.weight
+        state[:3], state[[6, 10, 14]], state[-1] = self.goal, 1, self.hover_thrust
         return state
 
     def depth_matrix(self) -> Array:
         """Return Q as seen from the goal, (3, 3), 1/m."""
-        _, Q = level_view(self.n)(self.points, self.goal)
+        _, Q = level_view(self.target_size)(self.points, self.goal)
         return np.array(Q)
 
     def measured(self) -> Array:
@@ -314,7 +314,7 @@ def slowest_rate(mission: Mission) -> float:
 
 
 def _slowest_rates(numbers: LoopNumbers, designs: Array) -> Array:
-    inputs: list[Any] = [designs, numbers.depth_matrix().ravel(), [numbers.weight]]
+    inputs: list[Any] = [designs, numbers.depth_matrix().ravel(), [numbers.hover_thrust]]
     rows = evaluate(_loop_at_goal(), inputs, float)[0]
     count = designs.shape[1]
     B = np.array([[np.broadcast_to(entry, count) for entry in row] for row in rows])

@@ -133,7 +133,7 @@ class Plan:
     @cached_property
     def loop(self) -> kernel.Loop:
         """What is compiled."""
-        n = self.numbers.n
+        n = self.numbers.target_size
         if self.ideal:
             return kernel.ideal_loop(n)
         s, w = self.mission.sensors, self.mission.wind

@@ -84,7 +84,7 @@ def fastest_rate(mission: Mission) -> float:
     mission : Mission
     """
     numbers = LoopNumbers.of(mission)
-    linearise, rates = _linearised(numbers.n), [0.0]
+    linearise, rates = _linearised(numbers.target_size), [0.0]
     for state in (numbers.hover, numbers.start):
         slope, margins = (np.array(m) for m in linearise(state, numbers.design, numbers.points))
         if (margins > 0).all() and np.isfinite(slope).all():

@@ -59,7 +59,7 @@ def energies(region: Proved, states: Array) -> Array:
     """
     numbers, a = LoopNumbers.of(region.mission), np.array([float(w) for w in region.weights])
     k = len(states)
-    read = energy_function(numbers.n).map(k)
+    read = energy_function(numbers.target_size).map(k)
     held = [np.tile(numbers.design[:, None], k), np.tile(numbers.points, k)]
     held += [np.tile(numbers.goal[:, None], k), np.tile(a[:, None], k)]
     value: Array = np.array(read(states.T, *held)[0])[0]

@@ -95,7 +95,7 @@ def simulate(mission: Mission, start: Array, most: float) -> tuple[Ending, float
     numbers = LoopNumbers.of(mission)
     design, points, goal = numbers.design, numbers.points, numbers.goal
     lowest, near = points[2].max(), 0.05 * np.linalg.norm(points.T - goal, axis=1).min()
-    read, singular = flight_rate(numbers.n), numbers.value(lambda d: d.singular_thrust)
+    read, singular = flight_rate(numbers.target_size), numbers.value(lambda d: d.singular_thrust)
     if start[18] <= singular:
         return "breaks off", 0.0
 
@@ -106,7 +106,7 @@ def simulate(mission: Mission, start: Array, most: float) -> tuple[Ending, float
         return float(max(np.linalg.norm(x[:3] - goal), np.linalg.norm(x[3:6])) - near)
 
     def margin(t: float, x: Array) -> float:
-        return float(x[18] - singular - 1e-6 * numbers.weight)
+        return float(x[18] - singular - 1e-6 * numbers.hover_thrust)
 
     for event in (below, away, margin):
         event.terminal = True  # type: ignore[attr-defined]
