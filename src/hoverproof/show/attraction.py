@@ -160,7 +160,7 @@ def fly(region: Proved, view: View, count: int = FLIGHTS) -> Flights:
     energy = np.full((count, SAMPLES + 1), np.nan)
     settled = np.zeros(count, bool)
     for i, place in enumerate(places):
-        level = (np.zeros(3), np.eye(3).ravel(), np.zeros(3), [numbers.weight])
+        level = (np.zeros(3), np.eye(3).ravel(), np.zeros(3), [numbers.hover_thrust])
         level_hover = np.concatenate([place, *level])[None]
         (start,) = flight_states(level_hover, p.goal, p.points.T)
         states, good = machine.run(start, numbers.design, p.points.T, step, SAMPLES, every)
