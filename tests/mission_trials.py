@@ -503,6 +503,7 @@ def spread(numbers: list[int], *, whole: bool, jobs: int, report: Callable[[Any]
                 report(json.loads(line))
             else:
                 pipes.remove(pipe)
+                pipe.close()
     if any(w.wait() for w in workers):
         raise RuntimeError("a worker failed")
 
