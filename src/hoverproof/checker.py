@@ -477,9 +477,9 @@ def read_setting(c: Any) -> Setting:
     return Setting(mission["name"], m, gravity, g, points, centroid, position)
 
 
-def read_spread(c: Any) -> Spread:
-    """Return target, box and bounds of a claim about Q."""
-    s, bounds = read_setting(c), c["mission"]["bounds"]
+def read_spread(c: Any, read: Setting | None = None) -> Spread:
+    """Return target, box and bounds of a claim about Q; the setting may have been read."""
+    s, bounds = read or read_setting(c), c["mission"]["bounds"]
     require(min(numbers(c["weights"], 4)) > 0, "weights must be positive")
     region = keys(c["region"], ("box", "eigenvalues"), "region")
     eigenvalues, box = numbers(region["eigenvalues"], 2), None
@@ -495,8 +495,8 @@ def read_spread(c: Any) -> Spread:
 
 def read_mission(c: Any) -> Question:
     """Return the numbers of the mission that bear on the claim, and enclosures made from them."""
-    name, m, gravity, g, points, centroid, goal = read_setting(c)
-    _, _, eigenvalues, box = read_spread(c)
+    name, m, gravity, g, points, centroid, goal = setting = read_setting(c)
+    _, _, eigenvalues, box = read_spread(c, setting)
     w, bounds = numbers(c["weights"], 4), c["mission"]["bounds"]
     stiffness = g["k1"] ** 2 * g["k2"] / m
 
