@@ -32,7 +32,7 @@ def notebook_of(script):
 def words_and_numbers(text):
     """Return what is printed with # for each number, and the numbers, fractions divided out."""
     text = text.replace("<IPython.core.display.Image object>", "")
-    text = re.sub(r"\b[0-9a-f]{64}\b", "a hash", text)
+    text = re.sub(r"\b(?=\d*[a-f])[0-9a-f]{16,64}\b", "a hash", text)
     numbers = [float(Fraction(n)) for n in NUMBER.findall(text)]
     return " ".join(NUMBER.sub("#", text).split()), numbers
 

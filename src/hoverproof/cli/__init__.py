@@ -6,8 +6,10 @@ Exit status: 0 done or proved, 1 refuted, rejected or a flight cut short, 2 bad 
 
 from __future__ import annotations
 
+import atexit
 import io
 import os
+import signal
 import sys
 import time
 from typing import NoReturn
@@ -40,6 +42,7 @@ except KeyboardInterrupt:  # in the fraction of a second before a command begins
 
 def main(arguments: list[str] | None = None) -> NoReturn:
     """Run a command and exit with its status."""
+    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)  # what is answered stays answered
     for stream in (sys.stdout, sys.stderr):  # a terminal may know few letters
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
