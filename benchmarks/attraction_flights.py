@@ -23,8 +23,8 @@ from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.error_chain import Design
 from hoverproof.servo.loop import LoopNumbers, loop_rate, slowest_rate
-from hoverproof.simulation.closed_loop import flight_states
 from hoverproof.simulation.compiled import runner
+from hoverproof.simulation.step import flight_states
 
 TUNED = {"gains.k1": "1", "gains.k4": "10"}
 CASES = (

@@ -24,8 +24,8 @@ from hoverproof.mission.reading import load
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import compiled, kernel
 from hoverproof.simulation.batch import fly_raw
-from hoverproof.simulation.closed_loop import flight_states
 from hoverproof.simulation.plan import Plan
+from hoverproof.simulation.step import flight_states
 from hoverproof.spread import processors, spread
 from tables import report
 

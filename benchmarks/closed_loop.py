@@ -25,7 +25,7 @@ from hoverproof.compilers import find_compiler
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import compiled
-from hoverproof.simulation.closed_loop import FLIGHT_SIZE, flight_states
+from hoverproof.simulation.step import FLIGHT_SIZE, flight_states
 from tables import report
 
 HERE = Path(__file__).parent

@@ -18,8 +18,8 @@ from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.error_chain import Design
 from hoverproof.servo.hover_error import hover_error
 from hoverproof.servo.loop import LoopNumbers, command, parameters, sense
-from hoverproof.simulation.closed_loop import runge_kutta
 from hoverproof.simulation.flight import simulate
+from hoverproof.simulation.step import runge_kutta
 
 CRAZYFLIE = "crazyflie-2.1"
 

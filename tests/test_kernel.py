@@ -12,8 +12,8 @@ from scipy import stats
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import compiled, kernel, noise
-from hoverproof.simulation.closed_loop import flight_states
 from hoverproof.simulation.realistic import Features, realistic_loop
+from hoverproof.simulation.step import flight_states
 
 needs_compiler = pytest.mark.skipif(not compiled.find_compiler(), reason="no C compiler here")
 TILTED = {"start.rotation": "[0.1, -0.05, 0.4]", "start.rates": "[0.1, -0.1, 0.2]"}

@@ -22,8 +22,8 @@ from hoverproof.files import replacing
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.loop import LoopNumbers, slowest_rate
 from hoverproof.show.style import COLOURS
-from hoverproof.simulation.closed_loop import flight_states
 from hoverproof.simulation.compiled import runner
+from hoverproof.simulation.step import flight_states
 
 Array = NDArray[np.float64]
 

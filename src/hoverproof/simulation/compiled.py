@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from hoverproof.compilers import command_words, find_compiler
 from hoverproof.plant.rigid_body import STATE_SIZE
-from hoverproof.simulation.closed_loop import FLIGHT_SIZE, GUARDED_SIZE, step_function
+from hoverproof.simulation.step import FLIGHT_SIZE, GUARDED_SIZE, step_function
 
 Array = NDArray[np.float64]
 

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.simulation import noise
-from hoverproof.simulation.closed_loop import flight_states
 from hoverproof.simulation.flight_log import begin
 from hoverproof.simulation.plan import Plan
 from hoverproof.simulation.realistic import IMU_NOISE, LAYOUT, Surroundings, place
+from hoverproof.simulation.step import flight_states
 
 Array = NDArray[np.float64]
 

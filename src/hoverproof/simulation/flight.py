@@ -24,17 +24,17 @@ from hoverproof.plant.rotors import ROTORS, wrench
 from hoverproof.servo.loop import LoopNumbers, readout_function
 from hoverproof.simulation import kernel
 from hoverproof.simulation.batch import fly_raw, how_it_ended, log_of
-from hoverproof.simulation.closed_loop import (
-    GUARDED_SIZE,
-    flight_states,
-    step_function,
-)
 from hoverproof.simulation.compiled import Runner, has_diverged, runner
 from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.flight_log import ending, ending_words, is_noted, settled_at
 from hoverproof.simulation.numbers import euler_angles, settled_index
 from hoverproof.simulation.plan import Plan, check_seed, is_ideal
 from hoverproof.simulation.realistic import LAYOUT, place
+from hoverproof.simulation.step import (
+    GUARDED_SIZE,
+    flight_states,
+    step_function,
+)
 from hoverproof.simulation.timing import default_duration as default_duration
 from hoverproof.simulation.timing import flight_step, steps_and_interval
 from hoverproof.spread import interruptibly

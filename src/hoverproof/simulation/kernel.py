@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from hoverproof.compilers import find_compiler
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.loop import parameters, readout
-from hoverproof.simulation.closed_loop import FLIGHT_SIZE, GUARDS, step_function
 from hoverproof.simulation.compiled import DIVERGED
 from hoverproof.simulation.lanes import vector_library, vector_source
 from hoverproof.simulation.noise import FLIGHT, normals
+from hoverproof.simulation.step import FLIGHT_SIZE, GUARDS, step_function
 
 Array = NDArray[np.float64]
 

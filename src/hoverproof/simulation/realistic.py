@@ -17,10 +17,10 @@ from hoverproof.plant import camera, rotors
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, held_rate
 from hoverproof.servo.error_chain import Design, Measurement, Packed
 from hoverproof.servo.loop import command, readout, thrust_margin
-from hoverproof.simulation.closed_loop import nearest_rotation, runge_kutta
 from hoverproof.simulation.flight_log import LOG_SIZE, noted
 from hoverproof.simulation.kernel import Loop
 from hoverproof.simulation.noise import normal_pair
+from hoverproof.simulation.step import nearest_rotation, runge_kutta
 
 LAYOUT = {
     "state": STATE_SIZE,

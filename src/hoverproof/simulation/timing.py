@@ -12,7 +12,7 @@ from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, slowest_rate
-from hoverproof.simulation.closed_loop import guards
+from hoverproof.simulation.step import guards
 
 STEP = 0.01
 """The step of a flight, s, unless its loop or its controller is too fast for it."""

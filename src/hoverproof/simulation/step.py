@@ -1,4 +1,4 @@
-"""A flight in the closed loop: one step of RK4 as a CasADi graph, and what is noted in it."""
+"""One step of a flight in the closed loop: RK4 as a CasADi graph, and what is noted in it."""
 
 from __future__ import annotations
 
