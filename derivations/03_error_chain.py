@@ -17,7 +17,8 @@ from hoverproof.algebra.identity import prove_equal
 from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant import rigid_body
 from hoverproof.plant.rigid_body import E3, skew
-from hoverproof.servo.error_chain import Design, Measurement, errors, measured_rate
+from hoverproof.servo.law import Design, Measurement, measured_rate
+from hoverproof.servo.laws.hamel_mahony import errors
 
 # %% [markdown]
 # ## What is given

@@ -16,13 +16,8 @@ from hoverproof.algebra.identity import prove_equal
 from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant import rigid_body
 from hoverproof.plant.rigid_body import E3, skew
-from hoverproof.servo.error_chain import (
-    Design,
-    Measurement,
-    errors,
-    horizontal_lever,
-    measured_rate,
-)
+from hoverproof.servo.law import Design, Measurement, measured_rate
+from hoverproof.servo.laws.hamel_mahony import errors, horizontal_lever
 from hoverproof.servo.lyapunov import thrust_factor
 
 # %% [markdown]

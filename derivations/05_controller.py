@@ -16,7 +16,8 @@ from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant import rigid_body, rotors
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.error_chain import errors, measured_rate
+from hoverproof.servo.law import measured_rate
+from hoverproof.servo.laws.hamel_mahony import errors
 
 # %% [markdown]
 # ## What is given

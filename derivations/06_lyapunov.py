@@ -19,7 +19,8 @@ from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant import rigid_body
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.error_chain import errors, measured_rate
+from hoverproof.servo.law import measured_rate
+from hoverproof.servo.laws.hamel_mahony import errors
 from hoverproof.servo.lyapunov import lyapunov, thrust_factor
 
 # %% [markdown]

@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 import hoverproof as hp
 from hoverproof import checker
 from hoverproof.certification.problem import gain_problem, sigma_function
-from hoverproof.servo.error_chain import Design
+from hoverproof.servo.law import Design
 from hoverproof.show.style import COLOURS, legend_above
 
 # %matplotlib inline

@@ -27,7 +27,7 @@ from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import Proved, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
-from hoverproof.servo.error_chain import Design
+from hoverproof.servo.law import Design
 from hoverproof.servo.loop import slowest_rate
 
 F = Fraction

@@ -29,7 +29,7 @@ from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rotors import wrench
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.error_chain import Design
+from hoverproof.servo.law import Design
 
 CALM = {"velocity": [0, 0, 0], "rate": [0, 0, 0], "gravity_direction": [0, 0, 1], "dt": 0.001}
 

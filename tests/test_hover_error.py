@@ -15,8 +15,8 @@ from hoverproof.plant.goal import hover_at_height, hover_goal
 from hoverproof.plant.rigid_body import RigidBodyState, state_rate
 from hoverproof.reporting.tables import hover_error_table
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.error_chain import Design
 from hoverproof.servo.hover_error import hover_error
+from hoverproof.servo.law import Design
 from hoverproof.servo.loop import LoopNumbers, command, parameters, sense
 from hoverproof.simulation.flight import simulate
 from hoverproof.simulation.step import runge_kutta

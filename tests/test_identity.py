@@ -17,7 +17,7 @@ from hoverproof.algebra.identity import normal_form, prove_equal, prove_zero
 from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant import camera
 from hoverproof.plant.rigid_body import E3, skew
-from hoverproof.servo.error_chain import Errors
+from hoverproof.servo.law import Errors
 from hoverproof.servo.lyapunov import (
     derive_error_dynamics,
     derive_lyapunov_form,

@@ -12,12 +12,13 @@ from scipy.integrate import solve_ivp
 from hoverproof.mission.presets import conditions_text, preset_text
 from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import rotation_matrix
+from hoverproof.servo.law import place
 from hoverproof.simulation import compiled
 from hoverproof.simulation.batch import fly_raw
 from hoverproof.simulation.draws import memory_and_parameters
 from hoverproof.simulation.flight import simulate, summary, without_conditions
 from hoverproof.simulation.plan import Plan, is_ideal
-from hoverproof.simulation.realistic import LAYOUT, place
+from hoverproof.simulation.realistic import LAYOUT
 
 needs_compiler = pytest.mark.skipif(not compiled.find_compiler(), reason="no C compiler here")
 CAMERA = {"sensors.focal_length": "400"}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from fractions import Fraction
 
 import casadi as ca
@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from hoverproof import checker
 from hoverproof.algebra.graph import evaluate
-from hoverproof.servo import controller
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.error_chain import Design, Measurement, errors, measured_rate
+from hoverproof.servo.law import Design, Measurement
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, errors, wanted_rates
 from hoverproof.servo.lyapunov import (
     Errors,
     derive_error_dynamics,
@@ -40,32 +40,22 @@ def test_the_controller_knows_its_measurements_and_design_and_nothing_else():
     ]
 
 
-def test_a_wish_that_needs_the_depths_is_refused(monkeypatch):
-    wish = controller.wanted_error_rates
+def test_a_wish_that_needs_the_depths_is_refused():
+    def blind(e, measured, design, depth_flow):
+        return wanted_rates(e, measured, design, ca.SX.zeros(3))
 
-    def blind(e, rate, design, depth_flow):
-        return wish(e, rate, design, ca.SX.zeros(3))
-
-    monkeypatch.setattr(controller, "wanted_error_rates", blind)
     with pytest.raises(AssertionError, match="depths"):
-        derive_controller()
+        derive_controller(replace(HAMEL_MAHONY, wanted_rates=blind))
 
 
 def test_the_controller_does_what_it_was_solved_for():
     """δ̇3 and δ̇4 along the closed loop, Ω3 not zero, any depth flow."""
-    law = derive_controller()
-    z, d, y = law.measured, law.design, ca.SX.sym("y", 3)
-    flow = measured_rate(
-        z,
-        d,
-        angular_acceleration=law.angular_acceleration,
-        thrust_rate=law.thrust_rate,
-        depth_flow=y,
-    )
+    controller = derive_controller()
+    z, d, y = controller.measured, controller.design, ca.SX.sym("y", 3)
     e = errors(z, d)
-    wanted = controller.wanted_error_rates(e, z.rate, d, y)
-    got = ca.jtimes(e.vector(), z.vector(), flow)
-    difference = ca.vertcat(got[8] - wanted[0], got[9:11] - wanted[1])
+    wanted = wanted_rates(e, z, d, y)
+    got = ca.jtimes(e.vector(), z.vector(), controller.measured_rate(y))
+    difference = ca.vertcat(got[8] - wanted.d3_vertical, got[9:11] - wanted.d4)
     f = ca.Function("f", [z.vector(), d.vector(), y], [difference, got])
     rng = np.random.default_rng(1)
     for _ in range(50):

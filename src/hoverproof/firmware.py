@@ -13,11 +13,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from hoverproof.certification.gains import Proved, certify
+from hoverproof.certification.problem import pose
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
 from hoverproof.export.contents import Standing
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.mission.sections import Mission
+from hoverproof.servo.law import Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import flight as simulation
 from hoverproof.simulation.cut_short import last_good_step, up_to
@@ -35,7 +38,12 @@ FAULTS = {
 
 
 def export_c(
-    mission: Mission, out: str | Path, *, allow_uncertified: bool = False, **options: Any
+    mission: Mission,
+    out: str | Path,
+    *,
+    allow_uncertified: bool = False,
+    law: Law = HAMEL_MAHONY,
+    **options: Any,
 ) -> dict[str, Any]:
     """Certify a mission and write its control firmware, a C99 package, with the certificate.
 
@@ -46,6 +54,9 @@ def export_c(
         Folder to write to; made if needed.
     allow_uncertified : bool
         Write a package even if the gains are not proved; every file of it then says so.
+    law : Law
+        What the firmware computes; by default the law of the paper, the only one whose gains can be
+        certified.
     **options
         precision, sensing, tunable, name, rotor_limits: see
         `hoverproof.export.package.write_package`.
@@ -58,10 +69,16 @@ def export_c(
     Raises
     ------
     hoverproof.export.package.NotCertified
-        If the gains are refuted or undecided, and that is not allowed; nothing is written.
+        If the gains are refuted or undecided, or the law is another one, and that is not allowed;
+        nothing is written.
     InputError
         If an argument cannot be used or the folder cannot be written to.
     """
+    if law != HAMEL_MAHONY:
+        if not allow_uncertified:
+            why = f"a certificate is about the paper's law, not about {law.name}"
+            raise NotCertified(mission.name, "undecided", why)
+        return write_package(mission, out, Standing(pose(mission).thrust), law=law, **options)
     verdict = certify(mission)
     proved = isinstance(verdict, Proved)
     if not proved and not allow_uncertified:
@@ -77,6 +94,7 @@ def fly_firmware(
     duration: float | None = None,
     step: float | None = None,
     every: int | None = None,
+    law: Law = HAMEL_MAHONY,
 ) -> xr.Dataset:
     """Fly a mission from its start with the exported C as its controller.
 
@@ -96,6 +114,8 @@ def fly_firmware(
     every : int, optional
         Keep every so many steps; by default about 2000 samples are kept; a flight that ends early
         is kept as in `hoverproof.simulate`.
+    law : Law
+        That of the firmware; by default the law of the paper.
 
     Returns
     -------
@@ -114,17 +134,17 @@ def fly_firmware(
         raise InputError(
             mission.source, unfit[0], "is not flown with --controller firmware; leave it out"
         )
-    step, finer = flight_step(mission, step), simulation.SAMPLES if every is None else None
+    step, finer = flight_step(mission, step, law), simulation.SAMPLES if every is None else None
     if step > LONGEST_STEP:
         raise InputError(
             "--step", "", f"must be at most {LONGEST_STEP} s for the firmware, not {step}"
         )
     sample_bytes = simulation.sample_bytes(mission)
     steps, every = steps_and_interval(
-        mission, duration, step, every, simulation.SAMPLES, sample_bytes=sample_bytes
+        mission, duration, step, every, simulation.SAMPLES, sample_bytes=sample_bytes, law=law
     )
     if firmware is None:
-        firmware = _exported(mission)
+        firmware = _exported(mission, law)
     elif firmware.manifest["mission"] != mission.exact():
         raise InputError(mission.source, "", f"is not the mission of the firmware {firmware.name}")
     vehicle = firmware
@@ -141,7 +161,7 @@ def fly_firmware(
         last = last_good_step(fly, rows, every, None)
         rows, taken = up_to(fly, rows, every, last, finer)
         at = 0 if len(flown["status"]) == 1 else last + 1
-    numbers = LoopNumbers.of(mission)
+    numbers = LoopNumbers.of(mission, law)
     record = simulation.flight_record(mission, numbers, rows[:, :19], step * taken)
     record["torque"].values[:] = rows[:, 19:22]
     record["rotor_thrust"].values[:] = rows[:, 22:26]
@@ -173,7 +193,7 @@ def _good(flown: Mapping[str, Any]) -> tuple[Array, bool]:
     return (rows if whole else rows[: max(1, len(rows) - 1)]), whole
 
 
-def _exported(mission: Mission) -> Firmware:
+def _exported(mission: Mission, law: Law) -> Firmware:
     with tempfile.TemporaryDirectory() as folder:
-        export_c(mission, folder, name="firmware", allow_uncertified=True)
+        export_c(mission, folder, name="firmware", allow_uncertified=True, law=law)
         return Firmware(folder)

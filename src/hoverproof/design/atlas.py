@@ -27,6 +27,7 @@ from hoverproof.certification.problem import ONES, gain_problem, pose
 from hoverproof.design.margins import Questions, margins
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Bounds, Gains, Mission
+from hoverproof.servo.law import Design
 from hoverproof.spread import spread
 
 Array = NDArray[np.float64]
@@ -80,10 +81,10 @@ class Quantity:
 
 
 QUANTITIES = {
-    "k1": Quantity("gains.k1", None, "kg m/s", "gain k1"),
-    "k2": Quantity("gains.k2", None, "1/m", "gain k2"),
-    "k3": Quantity("gains.k3", None, "kg/s", "gain k3"),
-    "k4": Quantity("gains.k4", None, "kg/s", "gain k4"),
+    **{
+        name: Quantity(f"gains.{name}", None, Design.units()[name], f"gain {name}")
+        for name in Design.chain_gains()
+    },
     "lowest_eigenvalue": Quantity("bounds.eigenvalues", 0, "1/m", "lowest eigenvalue of Q"),
     "highest_eigenvalue": Quantity("bounds.eigenvalues", 1, "1/m", "highest eigenvalue of Q"),
     "lowest_thrust": Quantity("bounds.thrust", 0, "N", "lowest thrust", "linear"),
@@ -432,7 +433,7 @@ def cell_values(mission: Mission, x: Axis, y: Axis) -> dict[str, Array]:
     """
     pairs = np.stack(np.meshgrid(x.values, y.values), axis=-1).reshape(-1, 2)
     questions = questions_of(mission, x.name, y.name, ONES, pairs)
-    named = dict(zip(("k1", "k2", "k3", "k4"), questions.gains, strict=True))
+    named = dict(zip(Design.chain_gains(), questions.gains, strict=True))
     named |= {"lowest": questions.eigenvalues[0], "highest": questions.eigenvalues[1]}  # type: ignore[dict-item]
     shape = (len(y.values), len(x.values))
     return {k: np.broadcast_to(v, len(pairs)).reshape(shape) for k, v in named.items()}

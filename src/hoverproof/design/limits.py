@@ -16,7 +16,8 @@ from hoverproof.errors import InputError
 from hoverproof.mission.sections import Gains, Mission
 from hoverproof.plant import rotors
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.error_chain import errors
+from hoverproof.servo.law import Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers
 
 Array = NDArray[np.float64]
@@ -113,8 +114,8 @@ class FirstCommand:
     Attributes
     ----------
     mission : Mission
-    measured : (13,)
-        What is measured at the start, in the order of `Measurement`.
+    measured : (k,)
+        What is measured at the start, in the order of the law's measurement.
     numbers : LoopNumbers
     """
 
@@ -144,11 +145,11 @@ class FirstCommand:
         Parameters
         ----------
         gains : (4,) of (n,)
-            k1…k4.
+            Those of the error chain, in the order and units of the law's design.
         """
         n = len(gains[0])
         vehicle = self.mission.vehicle
-        thrusts, tilt = _first_command()(
+        thrusts, tilt = _first_command(self.numbers.law)(
             np.tile(self.measured[:, None], n),
             self.numbers.designs(gains),
             np.full((1, n), float(vehicle.arm)),
@@ -157,16 +158,16 @@ class FirstCommand:
         return np.array(thrusts), np.array(tilt).ravel()
 
 
-def _first_command() -> ca.Function:
+def _first_command(law: Law) -> ca.Function:
     """Return (measurement, design, arm, drag ratio) ↦ (rotor thrusts, tilt asked for).
 
     The force asked for is the F at which δ3 = 0; the thrust that makes it lies along m g ρ - F.
     """
-    law = derive_controller()
-    z, d = law.measured, law.design
+    controller = derive_controller(law)
+    z, d = controller.measured, controller.design
     arm, drag = ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
-    thrusts = rotors.rotor_thrusts(z.thrust, law.torque, arm, drag)
-    asked = d.mass * d.gravity * z.gravity_direction + d.stiffness * errors(z, d).d2
+    thrusts = rotors.rotor_thrusts(z.thrust, controller.torque, arm, drag)
+    asked = d.mass * d.gravity * z.gravity_direction + d.stiffness * law.errors(z, d).d2
     across, along = ca.cross(z.gravity_direction, asked), ca.dot(z.gravity_direction, asked)
     tilt = ca.atan2(ca.norm_2(across), along)
     return ca.Function("first_command", [z.vector(), d.vector(), arm, drag], [thrusts, tilt])
@@ -209,16 +210,18 @@ def highest_k4(
 
 
 def bandwidth(mission: Mission) -> float:
-    """Return the attitude bandwidth (k1 k2 + k3 + k4)/m of a mission, rad/s.
-
-    It is the damping of the loop of δ3 and δ4, the fastest of the error chain.
+    """Return the attitude bandwidth of a mission's gains, rad/s.
 
     Parameters
     ----------
     mission : Mission
     """
-    g = mission.gains
-    return float((g.k1 * g.k2 + g.k3 + g.k4) / mission.vehicle.mass)
+    return float(HAMEL_MAHONY.bandwidth(mission.vehicle.mass, *_chain_gains(mission)))
+
+
+def _chain_gains(mission: Mission) -> list[Fraction]:
+    """Return the gains of the error chain, in the order of the law's design."""
+    return [getattr(mission.gains, name) for name in HAMEL_MAHONY.design.chain_gains()]
 
 
 def uses(limits: Limits, command: FirstCommand, mission: Mission) -> list[Use]:
@@ -231,12 +234,12 @@ def uses(limits: Limits, command: FirstCommand, mission: Mission) -> list[Use]:
     mission : Mission
         The same start and goal as `command`, with the gains in question.
     """
-    g, fastest = mission.gains, bandwidth(mission)
+    fastest = bandwidth(mission)
     used = [Use("bandwidth", fastest, limits.bandwidth, "rad/s")]
     if limits.rate is not None:
         product = fastest / limits.rate
         used.append(Use("bandwidth times sampling period", product, BANDWIDTH_TIMES_SAMPLE, "1"))
-    gains = tuple(np.array([float(k)]) for k in (g.k1, g.k2, g.k3, g.k4))
+    gains = tuple(np.array([float(k)]) for k in _chain_gains(mission))
     thrusts, tilt = command(gains)
     if limits.tilt is not None:
         used.append(Use("tilt asked for at the start", float(tilt[0]), limits.tilt, "rad"))

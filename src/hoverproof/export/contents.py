@@ -15,7 +15,7 @@ from hoverproof.algebra.decimals import decimal_below
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.export.emitter import literals, statements
-from hoverproof.export.flight_law import GAINS, FlightLaw
+from hoverproof.export.flight_law import BODY_SENSORS, FlightLaw
 from hoverproof.export.precision import PRECISIONS, Precision
 from hoverproof.export.vectors import InputBox, test_vectors
 from hoverproof.export.vehicle import rate_function, sense_function
@@ -24,10 +24,9 @@ from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import BODY_SIZE
 from hoverproof.plant.rotors import ROTORS
 from hoverproof.servo.hover_error import hover_error
+from hoverproof.servo.law import Law
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.version import __version__
-
-BODY_VECTORS = ("velocity", "rate", "gravity_direction")
 
 
 @dataclass(frozen=True)
@@ -83,7 +82,8 @@ def contents(
     sha = standing.certificate["sha256"] if standing.certificate is not None else "none"
     origin = f"Made by hoverproof {__version__} from the mission {mission.name}. Do not edit."
     box = InputBox()
-    gains = [getattr(mission.gains, gain) for gain in GAINS]
+    units = law.source.design.gains()
+    gains = [law.source.design.numbers(mission)[gain][0] for gain in units]
     in_ = {
         "points": [f"in->image[{i}][{k}]" for i in range(n) for k in range(2)],
         "centroid": [f"in->centroid[{k}]" for k in range(3)],
@@ -91,7 +91,7 @@ def contents(
     tuned = law.tuned if options["tunable"] else ()
     inputs = [
         in_,
-        *([f"in->{v}[{k}]" for k in range(3)] for v in BODY_VECTORS),
+        *([f"in->{v}[{k}]" for k in range(3)] for v in BODY_SENSORS),
         ["thrust_excess"],
         [f"params->{c}" if c in tuned else c for c in law.coefficients],
     ]
@@ -112,11 +112,11 @@ def contents(
     def from_gains(targets: Mapping[str, str]) -> list[str]:
         """Return the statements that compute some coefficients from the gains."""
         of_gains = law.of_gains
-        inputs = [[f"gains[{i}]" for i in range(5)], [lit(v) for v in law.fixed]]
+        inputs = [[f"gains[{i}]" for i in range(len(gains))], [lit(v) for v in law.fixed]]
         results = {of_gains.name_out(0): [targets.get(c) for c in law.coefficients]}
         return statements(of_gains, inputs, results, precision)
 
-    vehicle = _vehicle_texts(mission, options["sensing"], precision)
+    vehicle = _vehicle_texts(mission, options["sensing"], precision, law.source)
     return {
         **options,
         **vehicle,
@@ -141,7 +141,7 @@ def contents(
         "tells_gains": options["tunable"] or not certified,
         "interval_kind": "certified" if certified else "assumed",
         "tilt_words": tilt_words,
-        "hover_error": hover_error(mission).rows(),
+        "hover_error": hover_error(mission, law.source).rows(),
         "tilt_cosine": cosine,
         "lit": lit,
         "zero": lit(0),
@@ -152,6 +152,7 @@ def contents(
         "braces": lambda values: "{ " + ", ".join(map(lit, values)) + " }",
         "goal_centroid": goal,
         "gains": gains,
+        "gains_text": ", ".join(f"{k} {unit}" for k, unit in units.items()).replace("²", "^2"),
         "gains_status": f"{name.upper()}_{'OK' if certified else 'GAINS'}",
         "weight": weight,
         "weight_text": repr(float(weight)),
@@ -232,7 +233,9 @@ def _sum_of_squares(names: Sequence[str]) -> str:
     return " +\n      ".join(squares)
 
 
-def _vehicle_texts(mission: Mission, sensing: str, precision: Precision) -> dict[str, Any]:
+def _vehicle_texts(
+    mission: Mission, sensing: str, precision: Precision, law: Law
+) -> dict[str, Any]:
     double = PRECISIONS["float64"]
     v, n = mission.vehicle, len(mission.target.points)
     x = [f"x[{i}]" for i in range(BODY_SIZE)]
@@ -249,12 +252,9 @@ def _vehicle_texts(mission: Mission, sensing: str, precision: Precision) -> dict
         "seen": [f"in->image[{i}][{k}]" for i in range(n) for k in range(2)]
         if sensing == "points"
         else [f"in->centroid[{k}]" for k in range(3)],
-        **{
-            u: [f"in->{u}[{k}]" for k in range(3)]
-            for u in ("velocity", "rate", "gravity_direction")
-        },
+        **{u: [f"in->{u}[{k}]" for k in range(3)] for u in BODY_SENSORS},
     }
-    sense = statements(sense_function(n, sensing), [x, points], targets, double)
+    sense = statements(sense_function(n, sensing, law), [x, points], targets, double)
     if precision.name == "float32":
         sense = [re.sub(r"^(in->.*?) = (.*);$", r"\1 = (float)(\2);", line) for line in sense]
     start = ", ".join(repr(float(s) + 0.0) for s in LoopNumbers.of(mission).start[:BODY_SIZE])

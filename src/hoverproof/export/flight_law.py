@@ -24,12 +24,14 @@ from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera, rigid_body, rotors
 from hoverproof.plant.goal import hover_goal
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.error_chain import Design, errors
-from hoverproof.servo.loop import thrust_margin
+from hoverproof.servo.law import Design, Law, place
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 
-GAINS = ("k1", "k2", "k3", "k4", "k_yaw")
-GAINS_AT = slice(5, 10)
-"""Where they stand among the numbers of `Design`."""
+ROTORS = {"arm": 1, "drag_ratio": 1}
+"""What the firmware needs beside the design of its law, both in m."""
+
+BODY_SENSORS = ("velocity", "rate", "gravity_direction")
+"""What the firmware takes in of the body, each (3,), in its own order."""
 
 AXES = ("x", "y", "z")
 
@@ -46,15 +48,17 @@ class FlightLaw:
     coefficients : dict of str to Fraction
         The numbers, exact, in the order of the last input.
     meanings : dict of str to str
-        The closed form of each in m, g, I1, I2, I3, k1, k2, k3, k4, k_yaw, q = q*, d and kappa.
+        The closed form of each in m, g, I1, I2, I3, the gains by name, q = q*, d and kappa.
     of_gains : casadi.Function
-        (gains (5,), rest of the design) ↦ coefficients, the gains in the order of `GAINS`.
+        (gains (5,), rest of the design) ↦ coefficients, the gains in the order of the law's design.
     fixed : list of Fractions
         The rest of the design, (10,): vehicle and q*.
     tuned : tuple of str
         The coefficients that depend on the gains.
     singular_excess : Fraction
         T - m g at which the law is singular, N.
+    source : Law
+        The law that it computes.
     """
 
     function: ca.Function
@@ -64,9 +68,16 @@ class FlightLaw:
     fixed: list[Fraction]
     tuned: tuple[str, ...]
     singular_excess: Fraction
+    source: Law
 
 
-def flight_law(mission: Mission, *, sensing: str = "points", tunable: bool = False) -> FlightLaw:
+def flight_law(
+    mission: Mission,
+    *,
+    sensing: str = "points",
+    tunable: bool = False,
+    law: Law = HAMEL_MAHONY,
+) -> FlightLaw:
     """Return the law of a mission.
 
     Parameters
@@ -78,45 +89,53 @@ def flight_law(mission: Mission, *, sensing: str = "points", tunable: bool = Fal
     tunable : bool
         Keep the five gains as parameters: a coefficient is then left out only if it vanishes
         whatever they are.
+    law : Law
+        By default that of the paper.
 
     Raises
     ------
     AssertionError
         If the graph is not the derived controller, compared in exact arithmetic.
     """
-    chain = _chain()
-    here = _design_values(mission)
-    samples = [here, *(_with_gains(here, g) for g in _other_gains(here))] if tunable else [here]
-    numbers = Coefficients(chain.design, samples)
+    chain = _chain(law)
+    here = _design_values(mission, law)
+    samples = [here, *(_with_gains(law, here, g) for g in _other_gains(law, here))]
+    numbers = Coefficients(chain.design, samples if tunable else [here])
     by_centroid = _function(_scheme(chain, numbers, ca.SX.sym("centroid", 3)), chain, numbers)
     forms = closed_forms(ca.vertcat(*numbers.expressions.values()))
     expressions = ca.vertcat(*(form.value for form in forms))
     at_samples = numbers.at_samples(expressions)
-    for i, sample in enumerate(samples):
-        assert_is_the_controller(by_centroid, sample, [values[i] for values in at_samples])
+    for i, sample in enumerate(numbers.samples):
+        assert_is_the_controller(by_centroid, sample, [values[i] for values in at_samples], law)
     function = by_centroid
     if sensing == "points":  # the same behind the camera's own equations
         image = ca.SX.sym("image", 2, len(mission.target.points))
         function = _function(_scheme(chain, numbers, image), chain, numbers)
-    gains, rest = chain.design[GAINS_AT], ca.vertcat(chain.design[:5], chain.design[10:])
+    tuned, rest = _gains_and_rest(law)
     (singular,) = numbers.at_samples(chain.singular)
     return FlightLaw(
         function=function,
         coefficients={k: v[0] for k, v in zip(numbers.expressions, at_samples, strict=True)},
         meanings={k: form.text for k, form in zip(numbers.expressions, forms, strict=True)},
-        of_gains=ca.Function("of_gains", [gains, rest], [ca.cse(expressions)]),
-        fixed=[*here[:5], *here[10:]],
+        of_gains=ca.Function(
+            "of_gains", [chain.design[tuned], chain.design[rest]], [ca.cse(expressions)]
+        ),
+        fixed=[here[i] for i in rest],
         tuned=tuple(
             k
             for k, form in zip(numbers.expressions, forms, strict=True)
-            if ca.depends_on(form.value, gains)
+            if ca.depends_on(form.value, chain.design[tuned])
         ),
         singular_excess=singular[0],
+        source=law,
     )
 
 
 def assert_is_the_controller(
-    function: ca.Function, design: Sequence[Fraction], coefficients: Sequence[Fraction]
+    function: ca.Function,
+    design: Sequence[Fraction],
+    coefficients: Sequence[Fraction],
+    law: Law = HAMEL_MAHONY,
 ) -> None:
     """Compare a law with the derived controller and rotor mixing, exactly, at random points.
 
@@ -128,9 +147,10 @@ def assert_is_the_controller(
     function : casadi.Function
         The law by its centroid, as in `FlightLaw`.
     design : sequence of Fractions
-        (15,): that of `Design`, then the arm in m and the drag ratio in m.
+        That of the law, then the arm in m and the drag ratio in m.
     coefficients : sequence of Fractions
         Those of the law in this design, (n,).
+    law : Law
 
     Raises
     ------
@@ -147,10 +167,17 @@ def assert_is_the_controller(
         function, [centroid, velocity, rate, gravity_direction, [excess], list(coefficients)]
     )
     named = dict(zip((function.name_out(i) for i in range(function.n_out())), got, strict=True))
-    mass, gravity, arm, drag = design[0], design[1], design[13], design[14]
-    thrust = mass * gravity + excess
-    measured = [*centroid, *velocity, *gravity_direction, *rate, thrust]
-    thrust_rate, torque = evaluate(derive_controller().function(), [measured, design[:13]])
+    *own, arm, drag = design
+    thrust = own[law.design.place("mass").start] * own[law.design.place("gravity").start] + excess
+    parts = {
+        "centroid": centroid,
+        "velocity": velocity,
+        "gravity_direction": gravity_direction,
+        "rate": rate,
+        "thrust": [thrust],
+    }
+    measured = [number for name in law.measurement.sizes() for number in parts[name]]
+    thrust_rate, torque = evaluate(derive_controller(law).function(), [measured, own])
     T, Gamma, d, k = ca.SX.sym("T"), ca.SX.sym("Gamma", 3), ca.SX.sym("d"), ca.SX.sym("k")
     mixing = ca.Function("mixing", [T, Gamma, d, k], [rotors.rotor_thrusts(T, Gamma, d, k)])
     (mixed,) = evaluate(mixing, [[thrust], [row[0] for row in torque], [arm], [drag]])
@@ -159,32 +186,37 @@ def assert_is_the_controller(
             raise AssertionError(f"{name} of the C is not that of the derived controller")
 
 
-def _design_values(mission: Mission) -> list[Fraction]:
-    """Return the numbers of a mission in the order of the chain's design, (15,)."""
+def _design_values(mission: Mission, law: Law) -> list[Fraction]:
+    """Return the numbers of a mission in the order of the chain's design."""
     goal = hover_goal(mission).centroid_midpoint
     vehicle = mission.vehicle
-    return [*Design.values(mission, goal), vehicle.arm, vehicle.drag_ratio]
+    return [*law.design.values(mission, goal), vehicle.arm, vehicle.drag_ratio]
 
 
-def _other_gains(design: Sequence[Fraction]) -> list[list[Fraction]]:
+def _gains_and_rest(law: Law) -> tuple[list[int], list[int]]:
+    """Return the places of the gains in the chain's design, and all others."""
+    sizes = law.design.sizes() | ROTORS
+    places = {name: range(sum(sizes.values()))[place(sizes, name)] for name in sizes}
+    gains = [i for name in law.design.gains() for i in places[name]]
+    return gains, [i for at in places.values() for i in at if i not in gains]
+
+
+def _other_gains(law: Law, design: Sequence[Fraction]) -> list[list[Fraction]]:
     draw = random.Random(0)
-    return [
-        [gain * Fraction(draw.randint(500, 2000), 1009) for gain in design[GAINS_AT]]
-        for _ in range(2)
-    ]
+    gains, _ = _gains_and_rest(law)
+    return [[design[i] * Fraction(draw.randint(500, 2000), 1009) for i in gains] for _ in range(2)]
 
 
-def _with_gains(design: Sequence[Fraction], gains: Sequence[Fraction]) -> list[Fraction]:
-    return [*design[: GAINS_AT.start], *gains, *design[GAINS_AT.stop :]]
+def _with_gains(law: Law, design: Sequence[Fraction], gains: Sequence[Fraction]) -> list[Fraction]:
+    others = dict(zip(_gains_and_rest(law)[0], gains, strict=True))
+    return [others.get(i, number) for i, number in enumerate(design)]
 
 
 def _function(named: dict[str, ca.SX], chain: _Chain, numbers: Coefficients) -> ca.Function:
     seen = named.pop("seen")
     inputs = {
         "seen": seen,
-        "velocity": chain.velocity,
-        "rate": chain.rate,
-        "gravity_direction": chain.gravity_direction,
+        **{name: getattr(chain, name) for name in BODY_SENSORS},
         "thrust_excess": chain.excess,
         "coefficients": ca.vertcat(*numbers.symbols.values()),
     }
@@ -202,6 +234,7 @@ class _Chain:
     and the T - m g where it vanishes; Ω̇3; and the torque.
     """
 
+    law: Law
     design: ca.SX
     parts: Design
     arm: ca.SX
@@ -227,32 +260,33 @@ class _Chain:
 
 
 @cache
-def _chain() -> _Chain:
+def _chain(law: Law) -> _Chain:
     """Put the derived controller into the variables δ2, s = κ δ3, Ω and T - m g.
 
     κ is the coefficient of δ3 in U. Over the gap T - c q3* the horizontal Ω̇ is affine plus a
     fraction: its numerator is divided by the gap as polynomials in T.
     """
-    law = derive_controller()
-    z, d = law.measured, law.design
+    controller = derive_controller(law)
+    z, d = controller.measured, controller.design
     arm, drag = ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
     weight = d.mass * d.gravity
     d1, d2, s, tilt = (ca.SX.sym(name, 3) for name in ("image_error", "d2", "s", "tilt"))
     excess, alpha = ca.SX.sym("thrust_excess"), ca.SX.sym("alpha", 3)
     thrust = weight + excess
-    e = errors(z, d)
+    e = law.errors(z, d)
 
     unknown = ca.vertcat(z.centroid, z.velocity, z.gravity_direction)
     d3 = ca.SX.sym("d3", 3)
     back = solve_affine(ca.vertcat(e.d1, e.d2, e.d3) - ca.vertcat(d1, d2, d3), unknown)
     back = ca.substitute(back, z.thrust, thrust)
     old, new = ca.vertcat(unknown, z.thrust), ca.vertcat(back, thrust)
-    rate_of_thrust, turn = ca.substitute([law.thrust_rate, law.angular_acceleration], [old], [new])
+    commands = [controller.thrust_rate, controller.angular_acceleration]
+    rate_of_thrust, turn = ca.substitute(commands, [old], [new])
     scale = ca.jacobian(rate_of_thrust, d3[2])
     old, new = ca.vertcat(d1, d3), ca.vertcat(ca.SX.zeros(3), s / scale)  # δ1 is in δ2 and δ3 alone
     rate_of_thrust, turn = ca.substitute([rate_of_thrust, turn], [old], [new])
 
-    gap = thrust_margin(thrust, d)
+    gap = law.lever(thrust, d)
     numerator = turn[:2] * gap
     direct = ca.jacobian(numerator, excess)
     shifted = ca.vertcat(z.centroid, z.gravity_direction, z.thrust)
@@ -261,6 +295,7 @@ def _chain() -> _Chain:
     torque = ca.SX.sym("torque", 3)
     balance = rigid_body.torque_balance(z.rate, alpha, d.inertia, torque)
     return _Chain(
+        law=law,
         design=ca.vertcat(d.vector(), arm, drag),
         parts=d,
         arm=arm,
@@ -286,61 +321,63 @@ def _chain() -> _Chain:
     )
 
 
-def _scheme(law: _Chain, numbers: Coefficients, seen: ca.SX) -> dict[str, ca.SX]:
+def _scheme(chain: _Chain, numbers: Coefficients, seen: ca.SX) -> dict[str, ca.SX]:
     """Build the graph; every value in it that has a meaning comes with a name."""
-    rate = _variables("rate", law.rate)
+    rate = _variables("rate", chain.rate)
 
     def over(*parts: tuple[str, ca.SX]) -> Variables:
         packed = [_variables(name, value) for name, value in parts]
         names = tuple(n for p in packed for n in p.names)
         return Variables(names, ca.vertcat(*(p.vector for p in packed)))
 
-    q = camera.centroid(camera.spherical(seen)) if seen.shape[0] == 2 else seen
-    goal = quadratic(law.parts.goal_centroid, [f"goal_{a}" for a in AXES], rate, numbers)
+    q = seen
+    if seen.shape[0] == 2:
+        q = chain.law.feature(camera.centroid(camera.spherical(seen)), seen.shape[1])
+    goal = quadratic(chain.parts.goal_centroid, [f"goal_{a}" for a in AXES], rate, numbers)
     image_error = q - ca.vertcat(*goal)
-    tilt = law.gravity_direction - rigid_body.E3
+    tilt = chain.gravity_direction - rigid_body.E3
     d2 = quadratic(
-        law.d2_of,
+        chain.d2_of,
         [f"d2_{a}" for a in AXES],
-        over(("velocity", law.velocity), ("image", law.image_error)),
+        over(("velocity", chain.velocity), ("image", chain.image_error)),
         numbers,
     )
     s = quadratic(
-        law.s_of,
+        chain.s_of,
         [f"s_{a}" for a in AXES],
-        over(("d2", law.d2), ("tilt", law.tilt), ("excess", law.excess)),
+        over(("d2", chain.d2), ("tilt", chain.tilt), ("excess", chain.excess)),
         numbers,
     )
-    state = over(("rate", law.rate), ("s", law.s), ("d2", law.d2), ("excess", law.excess))
-    outputs = ca.vertcat(law.thrust_rate, law.direct, law.divided, law.yaw, law.gap)
+    state = over(("rate", chain.rate), ("s", chain.s), ("d2", chain.d2), ("excess", chain.excess))
+    outputs = ca.vertcat(chain.thrust_rate, chain.direct, chain.divided, chain.yaw, chain.gap)
     names = ["U", "roll", "pitch", "roll_gap", "pitch_gap", "yaw", "hover_gap"]
     U, *rest = quadratic(outputs, names, state, numbers, factored=3)
     direct, divided, yaw, gap = rest[0:2], rest[2:4], rest[4], rest[5]
     alpha = ca.vertcat(*(a + b / gap for a, b in zip(direct, divided, strict=True)), yaw)
     torque = quadratic(
-        law.torque,
+        chain.torque,
         [f"torque_{a}" for a in AXES],
-        over(("rate", law.rate), ("alpha", law.acceleration)),
+        over(("rate", chain.rate), ("alpha", chain.acceleration)),
         numbers,
     )
-    wrench = over(("thrust", law.excess), ("torque", law.s))  # any symbols do
+    wrench = over(("thrust", chain.excess), ("torque", chain.s))  # any symbols do
     mixing = rotors.rotor_thrusts(
-        law.excess + law.parts.mass * law.parts.gravity, law.s, law.arm, law.drag
+        chain.excess + chain.parts.mass * chain.parts.gravity, chain.s, chain.arm, chain.drag
     )
     mixed = quadratic(mixing, ["rotor"] * 4, wrench, numbers)
 
     graph = {"seen": seen, "centroid": q, "image_error": image_error, "tilt": tilt}
-    held = ca.vertcat(law.image_error, law.tilt)
+    held = ca.vertcat(chain.image_error, chain.tilt)
     graph["d2"] = ca.substitute(ca.vertcat(*d2), held, ca.vertcat(image_error, tilt))
     graph["s"] = ca.substitute(
-        ca.vertcat(*s), ca.vertcat(law.d2, law.tilt), ca.vertcat(graph["d2"], tilt)
+        ca.vertcat(*s), ca.vertcat(chain.d2, chain.tilt), ca.vertcat(graph["d2"], tilt)
     )
-    inner, outer = ca.vertcat(law.d2, law.s), ca.vertcat(graph["d2"], graph["s"])
+    inner, outer = ca.vertcat(chain.d2, chain.s), ca.vertcat(graph["d2"], graph["s"])
     graph["thrust_rate"] = ca.substitute(U, inner, outer)
     graph["gap"] = gap
     graph["alpha"] = ca.substitute(alpha, inner, outer)
-    graph["torque"] = ca.substitute(ca.vertcat(*torque), law.acceleration, graph["alpha"])
-    graph["rotor"] = ca.substitute(ca.vertcat(*mixed), law.s, graph["torque"])
+    graph["torque"] = ca.substitute(ca.vertcat(*torque), chain.acceleration, graph["alpha"])
+    graph["rotor"] = ca.substitute(ca.vertcat(*mixed), chain.s, graph["torque"])
     return graph
 
 

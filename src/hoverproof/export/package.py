@@ -20,6 +20,8 @@ from hoverproof.export.names import package_name
 from hoverproof.export.precision import PRECISIONS
 from hoverproof.files import write_text
 from hoverproof.mission.sections import Mission
+from hoverproof.servo.law import Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.version import __version__
 
 ADAPTERS = {
@@ -57,12 +59,14 @@ class NotCertified(Exception):
         Name of the mission.
     status : str
         ``"refuted"`` or ``"undecided"``.
+    why : str, optional
+        What is wrong; by default that the gains have this status.
     """
 
-    def __init__(self, mission: str, status: str) -> None:
+    def __init__(self, mission: str, status: str, why: str | None = None) -> None:
         self.status = status
         super().__init__(
-            f"{mission}: the gains are {status}, so no firmware is written "
+            f"{mission}: {why or f'the gains are {status}'}, so no firmware is written "
             f"(see `hoverproof certify`; --allow-uncertified writes a package that says so)"
         )
 
@@ -77,6 +81,7 @@ def write_package(
     tunable: bool = False,
     name: str | None = None,
     rotor_limits: tuple[Fraction, Fraction] | None = None,
+    law: Law = HAMEL_MAHONY,
 ) -> dict[str, Any]:
     """Write the package and return its manifest.
 
@@ -98,6 +103,8 @@ def write_package(
     rotor_limits : (low, high), optional
         Thrust of one rotor, N; by default as the mission's rotors have, else 0 to half the
         weight.
+    law : Law
+        What the firmware computes; by default the law of the paper.
 
     Raises
     ------
@@ -105,20 +112,22 @@ def write_package(
         If an argument cannot be used, or the folder cannot be written to or holds files of no
         package by the names of ours.
     checker.Rejected
-        If the certificate does not prove that the gains of this mission work.
+        If the certificate does not prove that the gains of this mission work with this law.
     """
     if precision not in PRECISIONS:
         raise InputError("--precision", "", f"must be float32 or float64, not {precision!r}")
     if sensing not in ("points", "centroid"):
         raise InputError("--sensing", "", f"must be points or centroid, not {sensing!r}")
     if standing.certificate is not None:
+        own = law == HAMEL_MAHONY
+        checker.require(own, f"the certificate is about the paper's law, not about {law.name}")
         standing = replace(standing, thrust=_check(standing.certificate, mission))
     limits = _rotor_limits(mission, rotor_limits)
     context = contents(
         mission,
         standing,
         PRECISIONS[precision],
-        flight_law(mission, sensing=sensing, tunable=tunable),
+        flight_law(mission, sensing=sensing, tunable=tunable, law=law),
         package_name(name, mission.name),
         {
             "sensing": sensing,

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.graph import evaluate
-from hoverproof.export.flight_law import FlightLaw
+from hoverproof.export.flight_law import BODY_SENSORS, FlightLaw
 from hoverproof.export.precision import Precision, Rounded
 from hoverproof.mission.sections import Mission
 
@@ -141,7 +141,7 @@ def law_at(law: FlightLaw, step: Step, precision: Precision) -> dict[str, list[n
     """
     arguments: list[list[Any]] = [
         [Rounded(x) for x in step.seen.ravel(order="F")],
-        *([Rounded(x) for x in v] for v in (step.velocity, step.rate, step.gravity_direction)),
+        *([Rounded(x) for x in getattr(step, name)] for name in BODY_SENSORS),
         [Rounded(step.excess)],
         [Rounded(precision.round(c)) for c in law.coefficients.values()],
     ]
@@ -241,9 +241,7 @@ def _written(
         "what": what,
         "excess": hexed(step.excess),
         "seen": f"{{ {pairs} }}" if pairs else braces(image),
-        "velocity": braces(step.velocity),
-        "rate": braces(step.rate),
-        "gravity_direction": braces(step.gravity_direction),
+        **{name: braces(getattr(step, name)) for name in BODY_SENSORS},
         "dt": hexed(step.dt),
         "target_seen": "1" if seen else "0",
         "status": str(status),

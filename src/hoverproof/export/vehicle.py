@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import casadi as ca
 
+from hoverproof.export.flight_law import BODY_SENSORS
 from hoverproof.plant.rigid_body import BODY_SIZE, RigidBodyState, held_rate
+from hoverproof.servo.law import Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import sense
 
 
@@ -22,7 +25,7 @@ def rate_function() -> ca.Function:
     return ca.Function("rate", [x, T, torque, vehicle], [rate], names, ["rate"])
 
 
-def sense_function(n: int, sensing: str) -> ca.Function:
+def sense_function(n: int, sensing: str, law: Law = HAMEL_MAHONY) -> ca.Function:
     """Return (state, target points (3, n) in m) ↦ what the sensors deliver.
 
     Outputs: seen (image points (2, n), or the centroid (3,)), velocity, rate, gravity_direction.
@@ -33,15 +36,14 @@ def sense_function(n: int, sensing: str) -> ca.Function:
         Number of target points.
     sensing : {"points", "centroid"}
         What the camera delivers.
+    law : Law
     """
     x, points = ca.SX.sym("x", BODY_SIZE), ca.SX.sym("points", 3, n)
     body = RigidBodyState.from_vector(ca.vertcat(x, 0))
-    measured, image, _ = sense(body, points)
+    measured, image, _ = sense(body, points, law)
     outputs = {
         "seen": image if sensing == "points" else measured.centroid,
-        "velocity": measured.velocity,
-        "rate": measured.rate,
-        "gravity_direction": measured.gravity_direction,
+        **{name: getattr(measured, name) for name in BODY_SENSORS},
     }
     values = ca.cse(list(outputs.values()))
     return ca.Function("sense", [x, points], values, ["x", "points"], list(outputs))

@@ -10,7 +10,8 @@ from hoverproof.algebra.linear import lie_derivative
 from hoverproof.paper.notation import Formula, Number, Skew, SquaredNorm, Symbol, Unit, World
 from hoverproof.plant import rigid_body
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.error_chain import Design, Measurement, errors, measured_rate
+from hoverproof.servo.law import Design, Measurement, measured_rate
+from hoverproof.servo.laws.hamel_mahony import errors
 from hoverproof.servo.lyapunov import lyapunov, symmetric_matrix, thrust_factor
 
 ONE = Unit()

@@ -17,6 +17,7 @@ from hoverproof.mission.sections import Mission
 from hoverproof.plausibility import warnings
 from hoverproof.reporting.parts import Firmware, Flown, Missing
 from hoverproof.servo.hover_error import hover_error
+from hoverproof.servo.law import Design
 
 DIGITS = 4
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -118,7 +119,7 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
     q_star : (3,) Fractions
         The wanted centroid, dimensionless.
     """
-    v, g, start = mission.vehicle, mission.gains, mission.start
+    v, start = mission.vehicle, mission.start
     height, bounds = mission.goal.height, mission.bounds
     goal = "by its centroid" if height is None else f"{short(height)} m above the target"
     q = ", ".join(short(c, 6) for c in q_star)
@@ -144,11 +145,8 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
         Table(
             "Gains",
             [
-                ("k1", f"{short(g.k1)} kg m/s"),
-                ("k2", f"{short(g.k2)} 1/m"),
-                ("k3", f"{short(g.k3)} kg/s"),
-                ("k4", f"{short(g.k4)} kg/s"),
-                ("k_yaw", f"{short(g.k_yaw)} kg m²/s"),
+                (name, f"{short(getattr(mission.gains, name))} {unit}")
+                for name, unit in Design.gains().items()
             ],
         ),
         Table(

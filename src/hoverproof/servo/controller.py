@@ -7,23 +7,18 @@ from dataclasses import dataclass
 import casadi as ca
 
 from hoverproof.algebra.linear import is_zero, lie_derivative, solve_affine
-from hoverproof.plant.rigid_body import skew, torque_balance
-from hoverproof.servo.error_chain import (
-    Design,
-    Errors,
-    Measurement,
-    errors,
-    horizontal,
-    measured_rate,
-)
+from hoverproof.plant.rigid_body import torque_balance
+from hoverproof.servo.law import Design, Law, Measurement
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 
 
 @dataclass(frozen=True)
 class Controller:
-    """The control law as a graph over its own symbols.
+    """The controller of a law as a graph over its own symbols.
 
     Attributes
     ----------
+    law : Law
     measured : Measurement
         Symbols of the measurements.
     design : Design
@@ -36,6 +31,7 @@ class Controller:
         Γ, (3, 1), body frame, N m.
     """
 
+    law: Law
     measured: Measurement
     design: Design
     thrust_rate: ca.SX
@@ -43,7 +39,7 @@ class Controller:
     torque: ca.SX
 
     def function(self) -> ca.Function:
-        """Return (measurement, design) ↦ (U, Γ): vectors (13,), (13,) to (1,), (3,)."""
+        """Return (measurement, design) ↦ (U, Γ), each packed as the law lays it out."""
         return ca.Function(
             "controller",
             [self.measured.vector(), self.design.vector()],
@@ -52,64 +48,59 @@ class Controller:
             ["thrust_rate", "torque"],
         )
 
+    def measured_rate(self, depth_flow: ca.SX) -> ca.SX:
+        """Return the time derivative of the packed measurement in the closed loop.
 
-def wanted_error_rates(
-    e: Errors, rate: ca.SX, design: Design, depth_flow: ca.SX
-) -> tuple[ca.SX, ca.SX]:
-    """Return the wanted e₃ row of δ̇3 (1, 1) and δ̇4 (2, 1), in 1/s.
+        Parameters
+        ----------
+        depth_flow : SX
+            y = QV, (3, 1), 1/s.
+        """
+        return self.law.measured_rate(
+            self.measured,
+            self.design,
+            angular_acceleration=self.angular_acceleration,
+            thrust_rate=self.thrust_rate,
+            depth_flow=depth_flow,
+        )
 
-    The depth flow stands for (k1/m) Q (δ1 + δ2) = QV; the choice of δ̇4 makes the cross terms of
-    δ3 and δ4 cancel in the derivative of |δ3|² + |δ4|².
+
+def derive_controller(law: Law = HAMEL_MAHONY) -> Controller:
+    """Solve for U and Γ, all parameters symbolic, and make sure that no depth is in them.
 
     Parameters
     ----------
-    e : Errors
-    rate : SX
-        Ω, (3, 1), body frame, rad/s.
-    design : Design
-    depth_flow : SX
-        y = QV, (3, 1), 1/s.
-    """
-    d = design
-    k12 = d.k1 * d.k2
-    d3_rate = -skew(rate) @ e.d3 + depth_flow - (k12 * e.d2 + d.k3 * e.d3) / d.mass
-    d4_rate = horizontal(depth_flow) - ((k12 + d.k3) * horizontal(e.d3) + d.k4 * e.d4) / d.mass
-    return d3_rate[2], d4_rate
-
-
-def derive_controller() -> Controller:
-    """Solve for U and Γ, all parameters symbolic, and make sure that no depth is in them.
+    law : Law
 
     Raises
     ------
     AssertionError
         If the unknown depths do not drop out of the equations to be solved.
     """
-    z, d = Measurement.symbols(), Design.symbols()
+    z, d = law.measurement.symbols(), law.design.symbols()
     thrust_rate = ca.SX.sym("U")
     alpha = ca.SX.sym("alpha", 3)
     depth_flow = ca.SX.sym("y", 3)
-    e = errors(z, d)
-    flow = measured_rate(
+    e = law.errors(z, d)
+    flow = law.measured_rate(
         z, d, angular_acceleration=alpha, thrust_rate=thrust_rate, depth_flow=depth_flow
     )
 
-    d3_wanted, d4_wanted = wanted_error_rates(e, z.rate, d, depth_flow)
-    residual_3 = lie_derivative(e.d3, z.vector(), flow)[2] - d3_wanted
-    residual_4 = lie_derivative(e.d4, z.vector(), flow) - d4_wanted
+    wanted = law.wanted_rates(e, z, d, depth_flow)
+    residual_3 = lie_derivative(e.d3, z.vector(), flow)[2] - wanted.d3_vertical
+    residual_4 = lie_derivative(e.d4, z.vector(), flow) - wanted.d4
 
     solved_rate = solve_affine(_without_depth(residual_3, depth_flow), thrust_rate)
-    yaw = -d.k_yaw / d.inertia[2] * z.rate[2]
     residual_4 = ca.substitute(
         _without_depth(residual_4, depth_flow),
         ca.vertcat(thrust_rate, alpha[2]),
-        ca.vertcat(solved_rate, yaw),
+        ca.vertcat(solved_rate, wanted.yaw),
     )
-    acceleration = ca.vertcat(solve_affine(residual_4, alpha[:2]), yaw)
+    acceleration = ca.vertcat(solve_affine(residual_4, alpha[:2]), wanted.yaw)
 
     torque = ca.SX.sym("Gamma", 3)
     solved_torque = solve_affine(torque_balance(z.rate, acceleration, d.inertia, torque), torque)
-    return Controller(z, d, solved_rate, acceleration, solved_torque)
+    return Controller(law, z, d, solved_rate, acceleration, solved_torque)
 
 
 def _without_depth(residual: ca.SX, depth_flow: ca.SX) -> ca.SX:

@@ -21,7 +21,8 @@ from scipy.optimize import brentq
 
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, hover_at_height, hover_goal
-from hoverproof.servo.error_chain import Design
+from hoverproof.servo.law import Design, Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers
 
 PERCENT = 0.01
@@ -100,12 +101,14 @@ class HoverError:
         ]
 
 
-def hover_error(mission: Mission) -> HoverError:
+def hover_error(mission: Mission, law: Law = HAMEL_MAHONY) -> HoverError:
     """Return what an error of thrust or mass does to the hover of a mission.
 
     Parameters
     ----------
     mission : Mission
+    law : Law
+        One that models the force.
 
     Raises
     ------
@@ -114,7 +117,7 @@ def hover_error(mission: Mission) -> HoverError:
     """
     column = _Column.of(mission)
     q1, q2, q3 = (float(q) for q in column.goal.centroid_midpoint)
-    shift = LoopNumbers.of(mission).value(_shift)
+    shift = LoopNumbers.of(mission, law).value(_shift)
     highest = math.sqrt(len(mission.target.points) ** 2 - q1**2 - q2**2)
     loads = {
         "less_thrust": 1 / (1 - PERCENT),

@@ -1,7 +1,7 @@
 """The closed loop that everyone uses: what is sensed, how the state moves, what is read off it.
 
-The graphs are over the packed state of the vehicle, (19, 1), `Design` and the target points;
-`LoopNumbers` are the floating-point numbers of a mission that they run on.
+The graphs are over the packed state of the vehicle, (19, 1), the design of a law and the target
+points; `LoopNumbers` are the floating-point numbers of a mission that they run on.
 """
 
 from __future__ import annotations
@@ -21,25 +21,27 @@ from hoverproof.plant import camera, rotors
 from hoverproof.plant.goal import hover_goal, level_view
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, rotation_matrix, state_rate
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.error_chain import Design, Measurement, errors
+from hoverproof.servo.law import Design, Law, Measurement
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.lyapunov import linearised_loop, lyapunov, thrust_factor
 
 Array = NDArray[np.float64]
 
 
-def parameters(n: int) -> tuple[Design, ca.SX]:
+def parameters(n: int, law: Law = HAMEL_MAHONY) -> tuple[Design, ca.SX]:
     """Return symbols of the design and of n target points, (3, n), world frame, m.
 
     Parameters
     ----------
     n : int
         Number of target points.
+    law : Law
     """
-    return Design.symbols(), ca.SX.sym("points", 3, n)
+    return law.design.symbols(), ca.SX.sym("points", 3, n)
 
 
 def sense(
-    state: RigidBodyState, points: ca.SX, *, all_round: bool = False
+    state: RigidBodyState, points: ca.SX, law: Law = HAMEL_MAHONY, *, all_round: bool = False
 ) -> tuple[Measurement, ca.SX, ca.SX]:
     """Return what the vehicle measures, the pinhole image (2, n) and the depths (1, n) in m.
 
@@ -48,6 +50,7 @@ def sense(
     state : RigidBodyState
     points : SX
         (3, n), world frame, m.
+    law : Law
     all_round : bool
         Whether the centroid is that of a camera that sees behind itself too. A pinhole takes a
         point behind it for one in front; motions and regions go on where a vehicle leans so far,
@@ -55,34 +58,37 @@ def sense(
     """
     seen = camera.body_points(points, state.position, state.rotation)
     image = camera.pinhole(seen)
-    measured = Measurement(
-        centroid=camera.centroid(camera.directions(seen) if all_round else camera.spherical(image)),
-        velocity=state.velocity,
-        gravity_direction=state.gravity_direction,
-        rate=state.rate,
-        thrust=state.thrust,
-    )
+    centroid = camera.centroid(camera.directions(seen) if all_round else camera.spherical(image))
+    measured = law.sensed(state, law.feature(centroid, points.shape[1]))
     return measured, image, seen[2, :]
 
 
-def command(measured: Measurement, design: Design) -> tuple[ca.SX, ca.SX]:
+def command(measured: Measurement, design: Design, law: Law = HAMEL_MAHONY) -> tuple[ca.SX, ca.SX]:
     """Return what the law asks for: U, (1, 1), N/s, and Γ, (3, 1), body frame, N m.
 
     Parameters
     ----------
     measured : Measurement
     design : Design
+    law : Law
     """
-    thrust_rate, torque = _law()(measured.vector(), design.vector())
+    thrust_rate, torque = _controller(law)(measured.vector(), design.vector())
     return thrust_rate, torque
 
 
 @cache
-def _law() -> ca.Function:
-    return derive_controller().function()
+def _controller(law: Law) -> ca.Function:
+    return derive_controller(law).function()
 
 
-def loop_rate(state: ca.SX, design: Design, points: ca.SX, *, all_round: bool = False) -> ca.SX:
+def loop_rate(
+    state: ca.SX,
+    design: Design,
+    points: ca.SX,
+    law: Law = HAMEL_MAHONY,
+    *,
+    all_round: bool = False,
+) -> ca.SX:
     """Return the time derivative of the packed state, (19, 1), with the controller in the loop.
 
     Parameters
@@ -92,12 +98,13 @@ def loop_rate(state: ca.SX, design: Design, points: ca.SX, *, all_round: bool = 
     design : Design
     points : SX
         (3, n), world frame, m.
+    law : Law
     all_round : bool
         See `sense`.
     """
     body = RigidBodyState.from_vector(state)
-    measured, _, _ = sense(body, points, all_round=all_round)
-    thrust_rate, torque = command(measured, design)
+    measured, _, _ = sense(body, points, law, all_round=all_round)
+    thrust_rate, torque = command(measured, design, law)
     return state_rate(
         body,
         torque=torque,
@@ -108,20 +115,13 @@ def loop_rate(state: ca.SX, design: Design, points: ca.SX, *, all_round: bool = 
     ).vector()
 
 
-def thrust_margin(thrust: ca.SX, design: Design) -> ca.SX:
-    """Return T - c q3*, (1, 1), N: at zero the controller is singular.
-
-    Parameters
-    ----------
-    thrust : SX
-        T, (1, 1), N.
-    design : Design
-    """
-    return thrust - design.singular_thrust
-
-
 def readout(
-    x: ca.SX, design: Design, points: ca.SX, arm: ca.SX, drag_ratio: ca.SX
+    x: ca.SX,
+    design: Design,
+    points: ca.SX,
+    arm: ca.SX,
+    drag_ratio: ca.SX,
+    law: Law = HAMEL_MAHONY,
 ) -> dict[str, ca.SX]:
     """Return the outputs of `readout_function` as expressions of its inputs.
 
@@ -134,10 +134,11 @@ def readout(
         (3, n), world frame, m.
     arm, drag_ratio : SX
         Of the rotors, (1, 1), m.
+    law : Law
     """
-    measured, image, _ = sense(RigidBodyState.from_vector(x), points)
-    e = errors(measured, design)
-    _, torque = command(measured, design)
+    measured, image, _ = sense(RigidBodyState.from_vector(x), points, law)
+    e = law.errors(measured, design)
+    _, torque = command(measured, design, law)
     return {
         "image": image,
         "centroid": measured.centroid,
@@ -152,7 +153,7 @@ def readout(
 
 
 @cache
-def readout_function(n: int) -> ca.Function:
+def readout_function(n: int, law: Law = HAMEL_MAHONY) -> ca.Function:
     """Return (state, design, points, arm, drag_ratio) ↦ what a flight record holds.
 
     Outputs: image (2, n), centroid (3,), δ1, δ2, δ3 (3,), δ4 (2,), lyapunov, torque (3,) in N m,
@@ -162,10 +163,11 @@ def readout_function(n: int) -> ca.Function:
     ----------
     n : int
         Number of target points.
+    law : Law
     """
-    design, points = parameters(n)
+    design, points = parameters(n, law)
     x, arm, drag = ca.SX.sym("x", STATE_SIZE), ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
-    outputs = readout(x, design, points, arm, drag)
+    outputs = readout(x, design, points, arm, drag, law)
     return ca.Function(
         "readout",
         [x, design.vector(), points, arm, drag],
@@ -176,10 +178,10 @@ def readout_function(n: int) -> ca.Function:
 
 
 @cache
-def _loop_at_goal() -> ca.Function:
-    """Return (design, Q, thrust) ↦ B of Ẋ = B X near the goal: (13,), (3, 3), () to (11, 11)."""
-    design, Q, thrust = Design.symbols(), ca.SX.sym("Q", 3, 3), ca.SX.sym("thrust")
-    B = linearised_loop()(design.vector(), Q, thrust_factor(thrust, design))
+def _loop_at_goal(law: Law) -> ca.Function:
+    """Return (design, Q, thrust) ↦ B of Ẋ = B X near the goal: (3, 3) and () to (11, 11)."""
+    design, Q, thrust = law.design.symbols(), ca.SX.sym("Q", 3, 3), ca.SX.sym("thrust")
+    B = linearised_loop(law)(design.vector(), Q, thrust_factor(thrust, design, law))
     return ca.Function("loop_at_goal", [design.vector(), Q, thrust], [B])
 
 
@@ -189,28 +191,31 @@ class LoopNumbers:
 
     Attributes
     ----------
-    design : (13,)
-        In the order of `Design`.
+    design : (d,)
+        In the order of the law's design.
     points : (3, n)
         Target, world frame, m.
     goal : (3,)
         ξ*, world frame, m.
     start : (19,)
         Packed state.
+    law : Law
     """
 
     design: Array
     points: Array
     goal: Array
     start: Array
+    law: Law = HAMEL_MAHONY
 
     @classmethod
-    def of(cls, mission: Mission) -> LoopNumbers:
+    def of(cls, mission: Mission, law: Law = HAMEL_MAHONY) -> LoopNumbers:
         """Round the numbers of a mission.
 
         Parameters
         ----------
         mission : Mission
+        law : Law
 
         Raises
         ------
@@ -227,16 +232,22 @@ class LoopNumbers:
             mission.vehicle.weight,
         ]
         return cls(
-            design=_floats(Design.values(mission, goal.centroid_midpoint)),
+            design=_floats(law.design.values(mission, goal.centroid_midpoint)),
             points=np.array(mission.target.points, float).T,
             goal=_floats(goal.position),
             start=_floats(state),
+            law=law,
         )
 
     @property
     def target_size(self) -> int:
         """Number of target points."""
         return int(self.points.shape[1])
+
+    @property
+    def goal_centroid(self) -> Array:
+        """q*, (3,)."""
+        return self.design[self.law.design.place("goal_centroid")]
 
     @property
     def hover_thrust(self) -> float:
@@ -256,9 +267,9 @@ class LoopNumbers:
         return np.array(Q)
 
     def measured(self) -> Array:
-        """Return what is measured at the start, (13,), in the order of `Measurement`."""
+        """Return what is measured at the start, in the order of the law's measurement."""
         x, points = ca.SX.sym("x", STATE_SIZE), ca.SX.sym("points", *self.points.shape)
-        measured, _, _ = sense(RigidBodyState.from_vector(x), points)
+        measured, _, _ = sense(RigidBodyState.from_vector(x), points, self.law)
         look = ca.Function("look", [x, points], [measured.vector()])
         return np.array(look(self.start, self.points)).ravel()
 
@@ -270,19 +281,20 @@ class LoopNumbers:
         of : callable
             Design ↦ SX, (1, 1), of any unit.
         """
-        design = Design.symbols()
+        design = self.law.design.symbols()
         return float(ca.Function("value", [design.vector()], [of(design)])(self.design))
 
     def designs(self, gains: tuple[Array, ...]) -> Array:
-        """Return the design with other gains, (13, m).
+        """Return the design with other gains, (d, m).
 
         Parameters
         ----------
         gains : (4,) of (m,)
-            k1 kg m/s, k2 1/m, k3 and k4 kg/s.
+            Those of the error chain, in the order and units of the law's design.
         """
         designs = np.tile(self.design[:, None], len(gains[0]))
-        designs[5:9] = gains
+        for name, values in zip(self.law.design.chain_gains(), gains, strict=True):
+            designs[self.law.design.place(name)] = values
         return designs
 
 
@@ -294,13 +306,13 @@ def slowest_rates(mission: Mission, gains: tuple[Array, ...]) -> Array:
     mission : Mission
         Its gains do not count.
     gains : (4,) of (m,)
-        k1 kg m/s, k2 1/m, k3 and k4 kg/s.
+        Those of the error chain, in the order and units of the law's design.
     """
     numbers = LoopNumbers.of(mission)
     return _slowest_rates(numbers, numbers.designs(gains))
 
 
-def slowest_rate(mission: Mission) -> float:
+def slowest_rate(mission: Mission, law: Law = HAMEL_MAHONY) -> float:
     """Return the decay rate of the slowest motion with a mission's own gains, 1/s.
 
     Negative if some motion grows.
@@ -308,14 +320,15 @@ def slowest_rate(mission: Mission) -> float:
     Parameters
     ----------
     mission : Mission
+    law : Law
     """
-    numbers = LoopNumbers.of(mission)
+    numbers = LoopNumbers.of(mission, law)
     return float(_slowest_rates(numbers, numbers.design[:, None])[0])
 
 
 def _slowest_rates(numbers: LoopNumbers, designs: Array) -> Array:
     inputs: list[Any] = [designs, numbers.depth_matrix().ravel(), [numbers.hover_thrust]]
-    rows = evaluate(_loop_at_goal(), inputs, float)[0]
+    rows = evaluate(_loop_at_goal(numbers.law), inputs, float)[0]
     count = designs.shape[1]
     B = np.array([[np.broadcast_to(entry, count) for entry in row] for row in rows])
     return np.asarray(-np.linalg.eigvals(np.moveaxis(B, -1, 0)).real.max(axis=1), np.float64)

@@ -8,16 +8,11 @@ from functools import cache
 import casadi as ca
 
 from hoverproof.algebra.linear import lie_derivative, solve_affine
-from hoverproof.servo.controller import Controller, derive_controller
-from hoverproof.servo.error_chain import (
-    Design,
-    Errors,
-    Measurement,
-    errors,
-    measured_rate,
-)
+from hoverproof.servo.controller import derive_controller
+from hoverproof.servo.law import Design, Errors, Law, Measurement
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 
-ERROR_SIZE = 11
+ERROR_SIZE = Errors.size()
 
 
 @dataclass(frozen=True)
@@ -33,7 +28,7 @@ class LyapunovForm:
     Q_lower : SX
         Lower triangle of the symmetric Q, column by column, (6, 1), 1/m.
     f : SX
-        f(T) = k1 k2 (k1 k2 + k3)/(m (T - c q3*)), 1/m.
+        f(T), 1/m: see `thrust_factor`.
     errors : SX
         X, (11, 1), symbols.
     dissipation : SX
@@ -41,9 +36,9 @@ class LyapunovForm:
     Sigma : SX
         Σ(Q, f), (11, 11), symmetric.
     flow_weight : SX
-        The matrix of u, (3, 11): Q enters Σ as the bilinear form k1 uᵀQv alone.
+        The matrix of u, (3, 11): Q enters Σ as a multiple of uᵀQv alone.
     scaled_velocity : SX
-        The matrix of v = (m/k1) V, (3, 11).
+        The matrix of v, (3, 11): V times m/k1, the error that a speed makes.
     """
 
     design: Design
@@ -80,28 +75,31 @@ def lyapunov(e: Errors, weights: ca.SX) -> ca.SX:
     return ca.dot(weights, squares) / 2
 
 
-def thrust_factor(thrust: ca.SX, design: Design) -> ca.SX:
-    """Return f(T) = k1 k2 (k1 k2 + k3)/(m (T - c q3*)), 1/m.
+def thrust_factor(thrust: ca.SX, design: Design, law: Law = HAMEL_MAHONY) -> ca.SX:
+    """Return f(T), by which the error rates depend on the thrust, 1/m.
+
+    For the paper's law it is k1 k2 (k1 k2 + k3)/(m (T - c q3*)).
 
     Parameters
     ----------
     thrust : SX
         T, (1, 1), N.
     design : Design
+    law : Law
     """
-    numerator, denominator = _thrust_factor_parts(thrust, design)
+    numerator, denominator = _thrust_factor_parts(thrust, design, law)
     return numerator / denominator
 
 
 @cache
 def force_function() -> ca.Function:
-    """Return (design, thrust) ↦ (c, c q3*, f(T)): (13,), () to N, N and 1/m."""
+    """Return (design, thrust) ↦ (c, c q3*, f(T)) of the paper's law: to N, N and 1/m."""
     d, thrust = Design.symbols(), ca.SX.sym("T")
     outputs = [d.stiffness, d.singular_thrust, thrust_factor(thrust, d)]
     return ca.Function("force", [d.vector(), thrust], outputs)
 
 
-def thrust_of_factor(f: ca.SX, design: Design) -> ca.SX:
+def thrust_of_factor(f: ca.SX, design: Design, law: Law = HAMEL_MAHONY) -> ca.SX:
     """Return the thrust T, N, at which f(T) has a given value: the inverse of `thrust_factor`.
 
     Parameters
@@ -109,19 +107,20 @@ def thrust_of_factor(f: ca.SX, design: Design) -> ca.SX:
     f : SX
         f(T), (1, 1), 1/m.
     design : Design
+    law : Law
     """
     thrust = ca.SX.sym("T")
-    numerator, denominator = _thrust_factor_parts(thrust, design)
+    numerator, denominator = _thrust_factor_parts(thrust, design, law)
     return solve_affine(denominator - numerator / f, thrust)
 
 
-def _thrust_factor_parts(thrust: ca.SX, design: Design) -> tuple[ca.SX, ca.SX]:
-    d = design
-    k12 = d.k1 * d.k2
-    return k12 * (k12 + d.k3), d.mass * (thrust - d.singular_thrust)
+def _thrust_factor_parts(thrust: ca.SX, design: Design, law: Law) -> tuple[ca.SX, ca.SX]:
+    return law.turning(design), design.mass * law.lever(thrust, design)
 
 
-def measurement_of_errors(e: ca.SX, thrust: ca.SX, design: Design) -> Measurement:
+def measurement_of_errors(
+    e: ca.SX, thrust: ca.SX, design: Design, law: Law = HAMEL_MAHONY
+) -> Measurement:
     """Return the measurement with errors X and thrust T while Ω₃ = 0: inverts the error chain.
 
     Parameters
@@ -131,11 +130,12 @@ def measurement_of_errors(e: ca.SX, thrust: ca.SX, design: Design) -> Measuremen
     thrust : SX
         T, (1, 1), N.
     design : Design
+    law : Law
     """
     z = Measurement.symbols()
     unknown = ca.vertcat(z.centroid, z.velocity, z.gravity_direction, z.rate[:2])
     known = ca.vertcat(thrust, 0)
-    chain = ca.substitute(errors(z, design).vector(), ca.vertcat(z.thrust, z.rate[2]), known)
+    chain = ca.substitute(law.errors(z, design).vector(), ca.vertcat(z.thrust, z.rate[2]), known)
     s = solve_affine(chain - e, unknown)
     return Measurement(s[0:3], s[3:6], s[6:9], ca.vertcat(s[9:11], 0), thrust)
 
@@ -178,27 +178,20 @@ class ErrorDynamics:
         return ca.substitute(self.rate, self.depth_flow, Q @ self.velocity)
 
 
-def derive_error_dynamics(controller: Controller | None = None) -> ErrorDynamics:
+def derive_error_dynamics(law: Law = HAMEL_MAHONY) -> ErrorDynamics:
     """Differentiate the error chain along the closed loop and express the result in the errors.
 
     Parameters
     ----------
-    controller : Controller, optional
-        The control law that closes the loop; by default the derived one.
+    law : Law
     """
-    law = controller or derive_controller()
-    z, d = law.measured, law.design
+    controller = derive_controller(law)
+    z, d = controller.measured, controller.design
     depth_flow = ca.SX.sym("y", 3)
-    flow = measured_rate(
-        z,
-        d,
-        angular_acceleration=law.angular_acceleration,
-        thrust_rate=law.thrust_rate,
-        depth_flow=depth_flow,
-    )
-    rate = lie_derivative(errors(z, d).vector(), z.vector(), flow)
+    flow = controller.measured_rate(depth_flow)
+    rate = lie_derivative(law.errors(z, d).vector(), z.vector(), flow)
     x, f = ca.SX.sym("X", ERROR_SIZE), ca.SX.sym("f")
-    back = measurement_of_errors(x, thrust_of_factor(f, d), d)
+    back = measurement_of_errors(x, thrust_of_factor(f, d, law), d, law)
     rate = ca.substitute(rate, z.vector(), back.vector())
     return ErrorDynamics(d, x, f, depth_flow, back.velocity, rate)
 
@@ -209,14 +202,14 @@ def derive_lyapunov_form(dynamics: ErrorDynamics | None = None) -> LyapunovForm:
     Parameters
     ----------
     dynamics : ErrorDynamics, optional
-        The closed loop; by default the derived one.
+        The closed loop of a law; by default that of the paper.
     """
     loop = dynamics or derive_error_dynamics()
     x, d = loop.errors, loop.design
     weights, Q_lower = ca.SX.sym("w", 4), ca.SX.sym("Q", 6)
     L = lyapunov(Errors.from_vector(x), weights)
     flow_weight = -ca.jacobian(lie_derivative(L, x, loop.rate), loop.depth_flow)
-    scaled_velocity = d.mass / d.k1 * loop.velocity
+    scaled_velocity = d.slowness * loop.velocity
     closed = loop.rate_with_depths(symmetric_matrix(Q_lower))
     dissipation = -d.mass * lie_derivative(L, x, closed)
     return LyapunovForm(
@@ -232,9 +225,14 @@ def derive_lyapunov_form(dynamics: ErrorDynamics | None = None) -> LyapunovForm:
     )
 
 
-def linearised_loop() -> ca.Function:
-    """Return (design, Q, f) ↦ B of Ẋ = B X near the goal: (13,), (3, 3), () to (11, 11)."""
-    loop = derive_error_dynamics()
+def linearised_loop(law: Law = HAMEL_MAHONY) -> ca.Function:
+    """Return (design, Q, f) ↦ B of Ẋ = B X near the goal: (3, 3) and () to (11, 11).
+
+    Parameters
+    ----------
+    law : Law
+    """
+    loop = derive_error_dynamics(law)
     Q = ca.SX.sym("Q", 3, 3)
     B = at_origin(ca.jacobian(loop.rate_with_depths(Q), loop.errors), loop.errors)
     return ca.Function("linearised_loop", [loop.design.vector(), Q, loop.f], [B])

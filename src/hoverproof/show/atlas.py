@@ -44,8 +44,7 @@ def pareto_figure(mission: Mission, points: Sequence[tuple[float, Tuned]]) -> Fi
     axes.loglog(fastest, rate, "o-", color=COLOURS[0], label="tuned gains, proved")
     before = points[0][1].before
     if before is not None:
-        g, m = mission.gains, mission.vehicle.mass
-        own = float((g.k1 * g.k2 + g.k3 + g.k4) / m)
+        own = bandwidth(mission)
         axes.plot(
             own, float(before), "*", color=COLOURS[1], markersize=13, label="own gains, proved"
         )

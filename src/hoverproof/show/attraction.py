@@ -18,6 +18,7 @@ from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.verdict import Proved
 from hoverproof.certification.bounds import eigenvalue_bounds
 from hoverproof.certification.region import eigenvalues
+from hoverproof.design.limits import bandwidth
 from hoverproof.files import replacing
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.loop import LoopNumbers, slowest_rate
@@ -152,9 +153,7 @@ def fly(region: Proved, view: View, count: int = FLIGHTS) -> Flights:
     height = low + (view.top - low) * rng.uniform(0, 1, count) ** 2
     places = view.places(across, height)
     numbers, rate = LoopNumbers.of(mission), slowest_rate(mission)
-    gains, mass = mission.gains, float(mission.vehicle.mass)
-    fastest = (float(gains.k1 * gains.k2 + gains.k3) + float(gains.k4)) / mass
-    step = 1 / (STEPS_PER_FASTEST * fastest)
+    step = 1 / (STEPS_PER_FASTEST * bandwidth(mission))
     every = max(1, int(12 / rate / step / SAMPLES))
     machine = runner(p.n)
     energy = np.full((count, SAMPLES + 1), np.nan)

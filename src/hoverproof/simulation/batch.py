@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.errors import InputError
+from hoverproof.servo.law import place
 from hoverproof.simulation import kernel
 from hoverproof.simulation.compiled import has_diverged
 from hoverproof.simulation.draws import memory_and_parameters
 from hoverproof.simulation.flight_log import ending, settled_at
 from hoverproof.simulation.numbers import euler_angles
 from hoverproof.simulation.plan import Plan
-from hoverproof.simulation.realistic import LAYOUT, place
+from hoverproof.simulation.realistic import LAYOUT
 from hoverproof.simulation.step import GUARDED_SIZE
 from hoverproof.version import __version__
 

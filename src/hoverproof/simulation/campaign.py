@@ -18,6 +18,8 @@ import xarray as xr
 from hoverproof.errors import InputError
 from hoverproof.files import locked
 from hoverproof.mission.sections import Mission
+from hoverproof.servo.law import Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.simulation import kernel
 from hoverproof.simulation.batch import fly_block
 from hoverproof.simulation.flight_log import OUTCOMES
@@ -73,6 +75,7 @@ def simulate_batch(
     scheduler: str | None = None,
     resume: bool = False,
     progress: Callable[[int, int], None] | None = None,
+    law: Law = HAMEL_MAHONY,
 ) -> Flown:
     """Fly a mission many times, drawn from its ``[scatter]``, into a netCDF-4 file.
 
@@ -103,6 +106,8 @@ def simulate_batch(
         Go on with a file that was cut short.
     progress : callable, optional
         Told (runs complete, steps of a run) now and then.
+    law : Law
+        What flies it; by default the law of the paper.
 
     Raises
     ------
@@ -110,10 +115,10 @@ def simulate_batch(
         If anything asked for is not possible, or the file cannot be written, or is being written by
         another process.
     """
-    step = flight_step(mission, step)
+    step = flight_step(mission, step, law)
     in_memory = 8 * AT_LEAST * sum(REALISTIC_RECORD.values())
     steps, every = steps_and_interval(
-        mission, duration, step, every, SAMPLES, sample_bytes=in_memory
+        mission, duration, step, every, SAMPLES, sample_bytes=in_memory, law=law
     )
     check_seed(seed)
     if not 1 <= runs <= MAX_RUNS:
@@ -122,7 +127,7 @@ def simulate_batch(
         raise InputError("--threads", "", f"must be from 1 to 1024, not {threads}")
     if precision not in ("float32", "float64"):
         raise InputError("--precision", "", f"must be float32 or float64, not {precision}")
-    plan = Plan(mission, step, steps // every, every, seed)
+    plan = Plan(mission, step, steps // every, every, seed, law=law)
     plan.prepare()
     machine = kernel.machine(plan.loop, plan.schedule)  # compiled before threads want it
     begin, path = time.perf_counter(), Path(path)

@@ -25,6 +25,8 @@ from numpy.typing import NDArray
 
 from hoverproof.compilers import command_words, find_compiler
 from hoverproof.plant.rigid_body import STATE_SIZE
+from hoverproof.servo.law import Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.simulation.step import FLIGHT_SIZE, GUARDED_SIZE, step_function
 
 Array = NDArray[np.float64]
@@ -70,7 +72,7 @@ class Runner:
     name : str
         ``"compiled C"`` or ``"CasADi virtual machine"``.
     run : callable
-        ``run(start (k,), design (13,), points (3, n), dt, samples, every)`` returns the flight
+        ``run(start (k,), design (d,), points (3, n), dt, samples, every)`` returns the flight
         states after each `every` steps, (m, k), k = FLIGHT_SIZE, and whether the last of them is
         good; m is less than `samples` if it is not.
     """
@@ -79,26 +81,34 @@ class Runner:
     run: Callable[[Array, Array, Array, float, int, int], tuple[Array, bool]]
 
 
-def runner(n: int, *, compiler: str | None = None) -> Runner:
+def runner(n: int, law: Law = HAMEL_MAHONY, *, compiler: str | None = None) -> Runner:
     """Return the fastest way to run the closed loop on this machine.
 
     Parameters
     ----------
     n : int
         Number of target points.
+    law : Law
     compiler : str, optional
         Command of the C compiler; by default ``$CC``, or cc, gcc or clang, whichever is there. The
         empty string asks for the virtual machine.
     """
     command = find_compiler() if compiler is None else compiler
-    made = _library(n, command) if command else None
-    return _virtual_machine(n) if made is None else _machine_code(made)
+    made = _library(n, law, command) if command else None
+    return _virtual_machine(n, law) if made is None else _machine_code(made)
 
 
 @cache
-def c_source(n: int) -> str:
-    """Return the C text of the closed loop with n target points: generated step and driver."""
-    step = step_function(n)
+def c_source(n: int, law: Law = HAMEL_MAHONY) -> str:
+    """Return the C text of the closed loop with n target points: generated step and driver.
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    law : Law
+    """
+    step = step_function(n, law)
     constants = {"FLIGHT": FLIGHT_SIZE, "STATE": STATE_SIZE, "DIVERGED": DIVERGED}
     constants |= {"GUARDED": GUARDED_SIZE}
     constants |= {"DESIGN": step.nnz_in(1), "POINTS": step.nnz_in(2)}
@@ -145,9 +155,9 @@ def generate(functions: Sequence[ca.Function]) -> str:
 
 
 @cache
-def _library(n: int, compiler: str) -> ctypes.CDLL | None:
+def _library(n: int, law: Law, compiler: str) -> ctypes.CDLL | None:
     """Return the compiled closed loop, made if needed; None if that fails."""
-    return library(c_source(n), compiler, "closed-loop")
+    return library(c_source(n, law), compiler, "closed-loop")
 
 
 def library(source: str, compiler: str, stem: str) -> ctypes.CDLL | None:
@@ -251,8 +261,8 @@ def _machine_code(library: ctypes.CDLL) -> Runner:
     return Runner("compiled C", run)
 
 
-def _virtual_machine(n: int) -> Runner:
-    step = step_function(n)
+def _virtual_machine(n: int, law: Law) -> Runner:
+    step = step_function(n, law)
 
     def run(
         start: Array, design: Array, points: Array, dt: float, samples: int, every: int

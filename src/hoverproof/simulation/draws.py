@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.plant.rigid_body import rotation_matrix
+from hoverproof.servo.law import place
 from hoverproof.simulation import noise
 from hoverproof.simulation.flight_log import begin
 from hoverproof.simulation.plan import Plan
-from hoverproof.simulation.realistic import IMU_NOISE, LAYOUT, Surroundings, place
+from hoverproof.simulation.realistic import IMU_NOISE, LAYOUT, Surroundings
 from hoverproof.simulation.step import flight_states
 
 Array = NDArray[np.float64]
@@ -20,8 +21,6 @@ Array = NDArray[np.float64]
 UNLIMITED = 1e300
 IMU_BIAS_DRAW, GUST_DRAW, SCATTER_DRAW = 0, 8, 16
 """First channels of what is drawn before a flight."""
-
-_FIELDS = tuple(Surroundings.__dataclass_fields__)
 
 
 def memory_and_parameters(plan: Plan, runs: NDArray[np.int64]) -> tuple[Array, Array]:
@@ -50,7 +49,7 @@ def memory_and_parameters(plan: Plan, runs: NDArray[np.int64]) -> tuple[Array, A
         return memory, np.hstack([design, np.tile([plan.step, arm, drag], (count, 1))])
 
     around = _surroundings(plan, runs, drawn)
-    params = np.hstack([design, *(around[f].reshape(count, -1) for f in _FIELDS)])
+    params = np.hstack([design, *(around[f].reshape(count, -1) for f in Surroundings.sizes())])
     memory = np.zeros((count, sum(LAYOUT.values())))
     low, high = around["rotor_min"][0], around["rotor_max"][0]
     hover = np.clip(float(mission.vehicle.weight) / 4, low, high)
@@ -115,10 +114,9 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
         "velocity_noise": float(s.velocity_noise),
         "gravity_noise": float(s.gravity_noise),
     }
-    sizes = {name: 3 if name in Surroundings.vectors else 1 for name in _FIELDS}
     return {
-        name: np.broadcast_to(np.reshape(values[name], (-1, sizes[name])), (count, sizes[name]))
-        for name in _FIELDS
+        name: np.broadcast_to(np.reshape(values[name], (-1, size)), (count, size))
+        for name, size in Surroundings.sizes().items()
     }
 
 

@@ -21,6 +21,8 @@ from hoverproof.files import write_bytes
 from hoverproof.mission.sections import CONDITIONS, Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.plant.rotors import ROTORS, wrench
+from hoverproof.servo.law import Law, place
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers, readout_function
 from hoverproof.simulation import kernel
 from hoverproof.simulation.batch import fly_raw, how_it_ended, log_of
@@ -29,7 +31,7 @@ from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.flight_log import ending, ending_words, is_noted, settled_at
 from hoverproof.simulation.numbers import euler_angles, settled_index
 from hoverproof.simulation.plan import Plan, check_seed, is_ideal
-from hoverproof.simulation.realistic import LAYOUT, place
+from hoverproof.simulation.realistic import LAYOUT
 from hoverproof.simulation.step import (
     GUARDED_SIZE,
     flight_states,
@@ -53,6 +55,7 @@ def simulate(
     every: int | None = None,
     seed: int = 0,
     compiler: str | None = None,
+    law: Law = HAMEL_MAHONY,
 ) -> xr.Dataset:
     """Fly a mission from its start.
 
@@ -71,6 +74,8 @@ def simulate(
         ``[scatter]`` is for batches.
     compiler : str, optional
         Command of the C compiler (see `hoverproof.simulation.compiled.runner`).
+    law : Law
+        What flies it; by default the law of the paper.
 
     Returns
     -------
@@ -84,15 +89,15 @@ def simulate(
         If the duration, the step or the mission cannot be used.
     """
     check_seed(seed)
-    step, finer = flight_step(mission, step), SAMPLES if every is None else None
+    step, finer = flight_step(mission, step, law), SAMPLES if every is None else None
     steps, every = steps_and_interval(
-        mission, duration, step, every, SAMPLES, sample_bytes=sample_bytes(mission)
+        mission, duration, step, every, SAMPLES, sample_bytes=sample_bytes(mission), law=law
     )
     if not is_ideal(mission):
-        plan = Plan(mission, step, steps // every, every, seed, scattered=False)
+        plan = Plan(mission, step, steps // every, every, seed, scattered=False, law=law)
         return _fly_as_built(plan, compiler, finer)
-    numbers = LoopNumbers.of(mission)
-    machine = runner(numbers.points.shape[1], compiler=compiler)
+    numbers = LoopNumbers.of(mission, law)
+    machine = runner(numbers.target_size, law, compiler=compiler)
     begin = time.perf_counter()
     states, good = _run(machine, numbers, step, steps // every, every)
     seconds = time.perf_counter() - begin
@@ -165,7 +170,9 @@ def summary(flight: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def without_conditions(mission: Mission, flight: xr.Dataset) -> dict[str, Any]:
+def without_conditions(
+    mission: Mission, flight: xr.Dataset, law: Law = HAMEL_MAHONY
+) -> dict[str, Any]:
     """Return how far a flight is from the same one without sensors, rotors, wind and errors.
 
     Parameters
@@ -173,6 +180,8 @@ def without_conditions(mission: Mission, flight: xr.Dataset) -> dict[str, Any]:
     mission : Mission
     flight : Dataset
         Its flight, from `simulate`.
+    law : Law
+        What flew it.
 
     Returns
     -------
@@ -186,11 +195,11 @@ def without_conditions(mission: Mission, flight: xr.Dataset) -> dict[str, Any]:
         return {}
     bare = mission.model_copy(update={name: type(getattr(mission, name))() for name in CONDITIONS})
     every = round(float(times[1]) / step)
-    ideal = simulate(bare, duration=float(times[-1]), step=step, every=every)
+    ideal = simulate(bare, duration=float(times[-1]), step=step, every=every, law=law)
     positions, times_of_ideal = ideal["position"].values, ideal["time"].values
     if len(times) == len(positions) + 1 and ideal.attrs["outcome"] == "flown":  # cut short
         whole = round(float(times[-1]) / step)
-        end = simulate(bare, duration=float(times[-1]), step=step, every=whole)
+        end = simulate(bare, duration=float(times[-1]), step=step, every=whole, law=law)
         positions = np.vstack([positions, end["position"].values[-1:]])
         times_of_ideal = np.append(times_of_ideal, end["time"].values[-1])
     both = min(len(times), len(positions))
@@ -312,7 +321,7 @@ def flight_record(
         As `simulate` returns it, but for the attributes that tell what flew, and how it ended.
     """
     n = numbers.points.shape[1]
-    read = _columns(readout_function(n), mission, numbers, states)
+    read = _columns(readout_function(n, numbers.law), mission, numbers, states)
     rotation = states[:, 6:15].reshape(-1, 3, 3).transpose(0, 2, 1)
     body, world, point = ("time", "body_axis"), ("time", "axis"), ("time", "point", "image_axis")
     tilt = np.arctan2(np.hypot(rotation[:, 2, 0], rotation[:, 2, 1]), rotation[:, 2, 2])
@@ -358,9 +367,9 @@ def flight_record(
         attrs={
             "title": f"closed-loop flight of {mission.name}",
             "goal_position": numbers.goal,
-            "goal_centroid": numbers.design[-3:],
+            "goal_centroid": numbers.goal_centroid,
             "mission": json.dumps(mission.exact()),
-            "model_sha256": fingerprint(step_function(n)),
+            "model_sha256": fingerprint(step_function(n, numbers.law)),
             "hoverproof_version": __version__,
             "casadi_version": version("casadi"),
         },

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from hoverproof.compilers import find_compiler
 from hoverproof.plant.rigid_body import STATE_SIZE
+from hoverproof.servo.law import Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import parameters, readout
 from hoverproof.simulation.compiled import DIVERGED
 from hoverproof.simulation.lanes import vector_library, vector_source
@@ -23,9 +25,6 @@ from hoverproof.simulation.noise import FLIGHT, normals
 from hoverproof.simulation.step import FLIGHT_SIZE, GUARDS, step_function
 
 Array = NDArray[np.float64]
-
-IDEAL_PARAMETERS = 16
-"""The design (13), then step (s), arm and drag ratio (m)."""
 
 IDEAL_RECORD = {"state": STATE_SIZE, "lyapunov": 1, "rotor_thrust": 4}
 """What a record of the paper's loop holds, and the size of each part."""
@@ -111,31 +110,33 @@ class Stop:
 
 
 @cache
-def ideal_loop(n: int) -> Loop:
-    """Return the loop of the paper: controller, camera and body as one differential equation.
+def ideal_loop(n: int, law: Law = HAMEL_MAHONY) -> Loop:
+    """Return the ideal loop: controller, camera and body as one differential equation.
 
     Parameters
     ----------
     n : int
         Number of target points.
+    law : Law
     """
-    design, points = parameters(n)
+    design, points = parameters(n, law)
     flight, dt = ca.SX.sym("flight", FLIGHT_SIZE), ca.SX.sym("dt")
     arm, drag = ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
     x = flight[:STATE_SIZE]
-    read = readout(x, design, points, arm, drag)
-    inputs = [flight, ca.vertcat(design.vector(), dt, arm, drag), points]
+    read = readout(x, design, points, arm, drag, law)
+    held = ca.vertcat(design.vector(), dt, arm, drag)
+    inputs = [flight, held, points]
     outputs = [ca.cse(ca.vertcat(x, read["lyapunov"], read["rotor_thrusts"]))]
     return Loop(
         {
-            "step": step_function(n),
+            "step": step_function(n, law),
             "record": ca.Function("hoverproof_record", inputs, outputs),
         },
         {
             "MEMORY": FLIGHT_SIZE,
             "GUARDS": len(GUARDS),
-            "PARAMS": IDEAL_PARAMETERS,
-            "STEP": design.vector().numel(),
+            "PARAMS": held.numel(),
+            "STEP": law.design.size(),
             "POINTS": 3 * n,
             "RECORD": sum(IDEAL_RECORD.values()),
         },

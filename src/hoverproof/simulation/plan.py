@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
+from hoverproof.servo.law import Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import kernel
 from hoverproof.simulation.realistic import REALISTIC_RECORD, Features, realistic_loop
@@ -101,6 +103,7 @@ class Plan:
         Whether starts and vehicles are drawn from ``[scatter]``.
     version : str
         Of hoverproof, which must be the same wherever a part is flown.
+    law : Law
     """
 
     mission: Mission
@@ -110,6 +113,7 @@ class Plan:
     seed: int = 0
     scattered: bool = True
     version: str = __version__
+    law: Law = HAMEL_MAHONY
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Travel without what is derived."""
@@ -122,20 +126,20 @@ class Plan:
 
     @cached_property
     def ideal(self) -> bool:
-        """Whether it is the paper's loop that flies."""
+        """Whether it is the ideal loop that flies."""
         return is_ideal(self.mission, scattered=self.scattered)
 
     @cached_property
     def numbers(self) -> LoopNumbers:
         """The numbers of the mission, rounded."""
-        return LoopNumbers.of(self.mission)
+        return LoopNumbers.of(self.mission, self.law)
 
     @cached_property
     def loop(self) -> kernel.Loop:
         """What is compiled."""
         n = self.numbers.target_size
         if self.ideal:
-            return kernel.ideal_loop(n)
+            return kernel.ideal_loop(n, self.law)
         s, w = self.mission.sensors, self.mission.wind
         features = Features(
             camera_noise=bool(s.pixel_noise),
@@ -144,7 +148,7 @@ class Plan:
             gusts=bool(w.gust),
             abort=s.out_of_view == "abort",
         )
-        return realistic_loop(n, features)
+        return realistic_loop(n, features, self.law)
 
     @cached_property
     def model_sha256(self) -> str:

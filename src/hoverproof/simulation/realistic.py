@@ -15,8 +15,9 @@ import casadi as ca
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.plant import camera, rotors
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, held_rate
-from hoverproof.servo.error_chain import Design, Measurement, Packed
-from hoverproof.servo.loop import command, readout, thrust_margin
+from hoverproof.servo.law import Design, Law, Packed, column, place, scalar
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.loop import command, parameters, readout
 from hoverproof.simulation.flight_log import LOG_SIZE, noted
 from hoverproof.simulation.kernel import Loop
 from hoverproof.simulation.noise import normal_pair
@@ -53,21 +54,6 @@ IMU_NOISE = 9
 IMU_CHANNEL, GUST_CHANNEL = 64, 72  # a camera has at most 64 points: channels 0 to 63
 
 
-def place(layout: dict[str, int], name: str) -> slice:
-    """Return where a part of a layout stands.
-
-    Parameters
-    ----------
-    layout : dict of int
-        Sizes of the parts, bare numbers, in order.
-    name : str
-        Of the part.
-    """
-    names = list(layout)
-    begin = sum(layout[before] for before in names[: names.index(name)])
-    return slice(begin, begin + layout[name])
-
-
 @dataclass(frozen=True)
 class Surroundings(Packed):
     """The true vehicle, its sensors, rotors and air; every field is an SX, scalar or (3, 1).
@@ -101,41 +87,34 @@ class Surroundings(Packed):
         rad/s, m/s and rad.
     """
 
-    vectors = frozenset(
-        {
-            *("inertia", "camera_x", "camera_y", "camera_z", "wind"),
-            *("gyro_bias", "velocity_bias", "gravity_bias"),
-        }
-    )
-
-    mass: ca.SX
-    inertia: ca.SX
-    camera_x: ca.SX
-    camera_y: ca.SX
-    camera_z: ca.SX
-    wind: ca.SX
-    gyro_bias: ca.SX
-    velocity_bias: ca.SX
-    gravity_bias: ca.SX
-    arm: ca.SX
-    drag_ratio: ca.SX
-    air_drag: ca.SX
-    step: ca.SX
-    period: ca.SX
-    left_now: ca.SX
-    left_half: ca.SX
-    left_whole: ca.SX
-    gust_kept: ca.SX
-    gust_added: ca.SX
-    rotor_min: ca.SX
-    rotor_max: ca.SX
-    image_noise: ca.SX
-    image_resolution: ca.SX
-    half_width: ca.SX
-    half_height: ca.SX
-    gyro_noise: ca.SX
-    velocity_noise: ca.SX
-    gravity_noise: ca.SX
+    mass: ca.SX = scalar("kg")
+    inertia: ca.SX = column("kg m²")
+    camera_x: ca.SX = column("1")
+    camera_y: ca.SX = column("1")
+    camera_z: ca.SX = column("1")
+    wind: ca.SX = column("m/s")
+    gyro_bias: ca.SX = column("rad/s")
+    velocity_bias: ca.SX = column("m/s")
+    gravity_bias: ca.SX = column("rad")
+    arm: ca.SX = scalar("m")
+    drag_ratio: ca.SX = scalar("m")
+    air_drag: ca.SX = scalar("kg/s")
+    step: ca.SX = scalar("s")
+    period: ca.SX = scalar("s")
+    left_now: ca.SX = scalar("1")
+    left_half: ca.SX = scalar("1")
+    left_whole: ca.SX = scalar("1")
+    gust_kept: ca.SX = scalar("1")
+    gust_added: ca.SX = scalar("m/s")
+    rotor_min: ca.SX = scalar("N")
+    rotor_max: ca.SX = scalar("N")
+    image_noise: ca.SX = scalar("1")
+    image_resolution: ca.SX = scalar("1")
+    half_width: ca.SX = scalar("1")
+    half_height: ca.SX = scalar("1")
+    gyro_noise: ca.SX = scalar("rad/s")
+    velocity_noise: ca.SX = scalar("m/s")
+    gravity_noise: ca.SX = scalar("rad")
 
     def seen(self, body: RigidBodyState, points: ca.SX) -> ca.SX:
         """Return the target points in the frame of the camera as it is mounted, (3, n), m.
@@ -176,7 +155,7 @@ class Features:
 
 
 @cache
-def realistic_loop(n: int, features: Features) -> Loop:
+def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY) -> Loop:
     """Return the loop with sensors, rotors and wind.
 
     Parameters
@@ -184,9 +163,9 @@ def realistic_loop(n: int, features: Features) -> Loop:
     n : int
         Number of target points.
     features : Features
+    law : Law
     """
-    design, around = Design.symbols(), Surroundings.symbols()
-    points = ca.SX.sym("points", 3, n)
+    (design, points), around = parameters(n, law), Surroundings.symbols()
     memory = {name: ca.SX.sym(name, size) for name, size in LAYOUT.items()}
     packed = ca.vertcat(*memory.values())
     params = ca.vertcat(design.vector(), around.vector())
@@ -196,10 +175,10 @@ def realistic_loop(n: int, features: Features) -> Loop:
         outputs = [ca.densify(output) for output in ca.cse(outputs)]
         return share_reciprocals(ca.Function(f"hoverproof_{name}", inputs, outputs))
 
-    seen = look(memory, around, points, pixels, rounded=features.rounded)
-    decided = packed_with(memory, decide(memory, design, around, imu))
+    seen = look(memory, around, points, pixels, law, rounded=features.rounded)
+    decided = packed_with(memory, decide(memory, design, around, imu, law))
     moved = packed_with(memory, move(memory, design, around, points, gust))
-    record = recorded(memory, design, around, points)
+    record = recorded(memory, design, around, points, law)
     return Loop(
         {
             "frame": function("frame", [packed, params, points, pixels], list(seen)),
@@ -246,9 +225,15 @@ def packed_with(memory: dict[str, ca.SX], changes: dict[str, ca.SX]) -> ca.SX:
 
 
 def look(
-    memory: dict[str, ca.SX], around: Surroundings, points: ca.SX, noise: ca.SX, *, rounded: bool
+    memory: dict[str, ca.SX],
+    around: Surroundings,
+    points: ca.SX,
+    noise: ca.SX,
+    law: Law,
+    *,
+    rounded: bool,
 ) -> tuple[ca.SX, ca.SX]:
-    """Return the image centroid of a frame, (3, 1), and a margin above 0 if all points are in it.
+    """Return the feature of a frame, (3, 1), and a margin above 0 if all points are in it.
 
     Parameters
     ----------
@@ -259,6 +244,7 @@ def look(
         (3, n), world frame, m.
     noise : SX
         (2 n, 1), standard normal, point by point.
+    law : Law
     rounded : bool
         Whether image coordinates are rounded.
     """
@@ -272,11 +258,11 @@ def look(
     image = image + around.image_noise * ca.reshape(noise, 2, points.shape[1])
     if rounded:
         image = ca.floor(image / around.image_resolution + 0.5) * around.image_resolution
-    return camera.centroid(camera.spherical(image)), margin
+    return law.feature(camera.centroid(camera.spherical(image)), points.shape[1]), margin
 
 
 def decide(
-    memory: dict[str, ca.SX], design: Design, around: Surroundings, noise: ca.SX
+    memory: dict[str, ca.SX], design: Design, around: Surroundings, noise: ca.SX, law: Law
 ) -> dict[str, ca.SX]:
     """Return what a tick of the controller changes in the memory.
 
@@ -291,22 +277,23 @@ def decide(
     around : Surroundings
     noise : SX
         (9, 1), standard normal: gyro, velocity, gravity.
+    law : Law
     """
     body = RigidBodyState.from_vector(memory["state"])
     down = body.gravity_direction + around.gravity_bias + around.gravity_noise * noise[6:9]
-    measured = Measurement(
+    measured = law.measurement(
         centroid=memory["held"],
         velocity=body.velocity + around.velocity_bias + around.velocity_noise * noise[3:6],
         gravity_direction=down / ca.norm_2(down),
         rate=body.rate + around.gyro_bias + around.gyro_noise * noise[0:3],
         thrust=memory["command"],
     )
-    thrust_rate, torque = command(measured, design)
+    thrust_rate, torque = command(measured, design, law)
     low, high = around.rotor_min, around.rotor_max
     thrust = measured.thrust + around.period * thrust_rate
     thrust = ca.fmin(ca.fmax(thrust, 4 * low), 4 * high)
     wanted = rotors.rotor_thrusts(thrust, torque, around.arm, around.drag_ratio)
-    margin = ca.fmin(memory["thrust_margin"], thrust_margin(measured.thrust, design))
+    margin = ca.fmin(memory["thrust_margin"], law.lever(measured.thrust, design))
     return {
         "thrust_margin": margin,
         "command": thrust,
@@ -371,7 +358,7 @@ def move(
 
 
 def recorded(
-    memory: dict[str, ca.SX], design: Design, around: Surroundings, points: ca.SX
+    memory: dict[str, ca.SX], design: Design, around: Surroundings, points: ca.SX, law: Law
 ) -> ca.SX:
     """Return a record, in the order of `REALISTIC_RECORD`.
 
@@ -383,8 +370,9 @@ def recorded(
     around : Surroundings
     points : SX
         (3, n), world frame, m.
+    law : Law
     """
-    read = readout(memory["state"], design, points, around.arm, around.drag_ratio)
+    read = readout(memory["state"], design, points, around.arm, around.drag_ratio, law)
     wind = around.wind + memory["gust"]
     return ca.vertcat(
         memory["state"],

@@ -288,7 +288,7 @@ def _skeleton(plan: Plan, runs: int, precision: Precision) -> xr.Dataset:
         attrs={
             "title": f"closed-loop flights of {mission.name}",
             "goal_position": plan.numbers.goal,
-            "goal_centroid": plan.numbers.design[-3:],
+            "goal_centroid": plan.numbers.goal_centroid,
             "mission": json.dumps(mission.exact()),
             "conditions": json.dumps(mission.conditions()),
             "seed": np.uint64(plan.seed),

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
-from hoverproof.servo.error_chain import Design
-from hoverproof.servo.loop import loop_rate, parameters, sense, thrust_margin
+from hoverproof.servo.law import Design, Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.loop import loop_rate, parameters, sense
 from hoverproof.simulation.flight_log import LOG_SIZE, begin, noted
 
 GUARDS = ("depth of the nearest target point", "thrust above the singularity")
@@ -40,7 +41,7 @@ def flight_states(
     return np.hstack([states, guards, begin(goal, points, states[:, :3])])
 
 
-def guards(state: ca.SX, design: Design, points: ca.SX) -> ca.SX:
+def guards(state: ca.SX, design: Design, points: ca.SX, law: Law = HAMEL_MAHONY) -> ca.SX:
     """Return the values named in `GUARDS`, (2, 1).
 
     Parameters
@@ -50,10 +51,11 @@ def guards(state: ca.SX, design: Design, points: ca.SX) -> ca.SX:
     design : Design
     points : SX
         (3, n), world frame, m.
+    law : Law
     """
     body = RigidBodyState.from_vector(state)
-    _, _, depths = sense(body, points)
-    return ca.vertcat(ca.mmin(depths), thrust_margin(body.thrust, design))
+    _, _, depths = sense(body, points, law)
+    return ca.vertcat(ca.mmin(depths), law.lever(body.thrust, design))
 
 
 def runge_kutta(rate: Callable[[ca.SX, int], ca.SX], x: ca.SX, dt: ca.SX) -> ca.SX:
@@ -89,7 +91,7 @@ def nearest_rotation(rotation: ca.SX) -> ca.SX:
 
 
 @cache
-def step_function(n: int) -> ca.Function:
+def step_function(n: int, law: Law = HAMEL_MAHONY) -> ca.Function:
     """Return (flight state, design, points, dt) ↦ flight state after one step of RK4.
 
     The flight state, (FLIGHT_SIZE,), is the packed state of the vehicle, the lowest guards so far
@@ -99,15 +101,20 @@ def step_function(n: int) -> ca.Function:
     ----------
     n : int
         Number of target points.
+    law : Law
     """
-    design, points = parameters(n)
+    design, points = parameters(n, law)
+
+    def rate(x: ca.SX, _: int) -> ca.SX:
+        return loop_rate(x, design, points, law)
+
     flight, dt = ca.SX.sym("flight", FLIGHT_SIZE), ca.SX.sym("dt")
     x, lowest, log = ca.vertsplit(flight, [0, STATE_SIZE, GUARDED_SIZE, FLIGHT_SIZE])
-    body = RigidBodyState.from_vector(runge_kutta(lambda x, _: loop_rate(x, design, points), x, dt))
+    body = RigidBodyState.from_vector(runge_kutta(rate, x, dt))
     after = RigidBodyState(
         body.position, body.velocity, nearest_rotation(body.rotation), body.rate, body.thrust
     ).vector()
-    now = guards(x, design, points)
+    now = guards(x, design, points, law)
     log = noted(log, RigidBodyState.from_vector(x), body.position, now[0], now[1])
     lowest = ca.fmin(lowest, now)
     inputs = [flight, design.vector(), points, dt]

@@ -11,6 +11,8 @@ import numpy as np
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
+from hoverproof.servo.law import Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, slowest_rate
 from hoverproof.simulation.step import guards
 
@@ -25,7 +27,7 @@ MAX_STEPS = 10**8
 MAX_BYTES = 2 * 10**9
 
 
-def flight_step(mission: Mission, step: float | None) -> float:
+def flight_step(mission: Mission, step: float | None, law: Law = HAMEL_MAHONY) -> float:
     """Return the step to fly a mission with, s.
 
     By default it is 0.01 s. It is shorter for a loop whose fastest motion takes less time than
@@ -36,6 +38,7 @@ def flight_step(mission: Mission, step: float | None) -> float:
     mission : Mission
     step : float, optional
         A wish, s.
+    law : Law
 
     Raises
     ------
@@ -45,7 +48,7 @@ def flight_step(mission: Mission, step: float | None) -> float:
     if step is not None and not (math.isfinite(step) and step > 0):
         raise InputError("--step", "", f"must be a positive time in s, not {step}")
     held = mission.sensors.control_rate is not None  # what is held cannot be too fast for a step
-    fastest = 0.0 if held else fastest_rate(mission)
+    fastest = 0.0 if held else fastest_rate(mission, law)
     if step is None:
         return _default_step(mission, fastest)
     if step * fastest > LONGEST:
@@ -74,7 +77,7 @@ def _default_step(mission: Mission, fastest: float) -> float:
     return max(s for s in steps if s <= longest)
 
 
-def fastest_rate(mission: Mission) -> float:
+def fastest_rate(mission: Mission, law: Law = HAMEL_MAHONY) -> float:
     """Return the rate of the fastest motion of the linearised loop, at the start or the goal, 1/s.
 
     Zero where the loop cannot be linearised, as without thrust above the singularity.
@@ -82,9 +85,10 @@ def fastest_rate(mission: Mission) -> float:
     Parameters
     ----------
     mission : Mission
+    law : Law
     """
-    numbers = LoopNumbers.of(mission)
-    linearise, rates = _linearised(numbers.target_size), [0.0]
+    numbers = LoopNumbers.of(mission, law)
+    linearise, rates = _linearised(numbers.target_size, law), [0.0]
     for state in (numbers.hover, numbers.start):
         slope, margins = (np.array(m) for m in linearise(state, numbers.design, numbers.points))
         if (margins > 0).all() and np.isfinite(slope).all():
@@ -94,12 +98,12 @@ def fastest_rate(mission: Mission) -> float:
 
 
 @cache
-def _linearised(n: int) -> ca.Function:
+def _linearised(n: int, law: Law) -> ca.Function:
     """Return (state, design, points) ↦ slope of the loop, (19, 19), 1/s, and its guards."""
-    (design, points), x = parameters(n), ca.SX.sym("x", STATE_SIZE)
-    slope = ca.jacobian(loop_rate(x, design, points), x)
+    (design, points), x = parameters(n, law), ca.SX.sym("x", STATE_SIZE)
+    slope = ca.jacobian(loop_rate(x, design, points, law), x)
     inputs = [x, design.vector(), points]
-    return ca.Function("linearised", inputs, [ca.densify(slope), guards(x, design, points)])
+    return ca.Function("linearised", inputs, [ca.densify(slope), guards(x, design, points, law)])
 
 
 def steps_and_interval(
@@ -110,6 +114,7 @@ def steps_and_interval(
     samples: int,
     *,
     sample_bytes: int,
+    law: Law = HAMEL_MAHONY,
 ) -> tuple[int, int]:
     """Return how many steps a flight has, and how many lie between its samples.
 
@@ -126,6 +131,7 @@ def steps_and_interval(
         Number of samples wanted if `every` is not given.
     sample_bytes : int
         Number of bytes that each takes in memory.
+    law : Law
 
     Raises
     ------
@@ -133,7 +139,7 @@ def steps_and_interval(
         If they are not possible, or beyond reason.
     """
     if duration is None:
-        duration = default_duration(mission)
+        duration = default_duration(mission, law)
     if not (math.isfinite(duration) and duration >= step):
         raise InputError("--duration", "", f"must be at least one step of {step} s, not {duration}")
     count = duration / step
@@ -164,19 +170,20 @@ def _bytes(size: float) -> str:
     return f"{size / 1e6:.3g} MB" if size < 1e9 else f"{size / 1e9:.3g} GB"
 
 
-def default_duration(mission: Mission) -> float:
+def default_duration(mission: Mission, law: Law = HAMEL_MAHONY) -> float:
     """Return seven time constants of the slowest motion near the goal, s, to two digits.
 
     Parameters
     ----------
     mission : Mission
+    law : Law
 
     Raises
     ------
     InputError
         If the loop is not stable near the goal, so that no time is natural.
     """
-    slowest = slowest_rate(mission)
+    slowest = slowest_rate(mission, law)
     if slowest <= 0:
         raise InputError("--duration", "", "must be given: this loop is not stable near its goal")
     time = 7 / slowest

@@ -13,8 +13,8 @@ from hoverproof.cli.answers.region_tuned import WAYS, region_tuned_as_json
 from hoverproof.cli.answers.tuned import infeasible_as_json, tuned_as_json
 from hoverproof.cli.answers.words import number
 from hoverproof.design.outcome import Infeasible, RegionTuned, Tuned
+from hoverproof.servo.law import Design
 
-GAINS = ("k1", "k2", "k3", "k4")
 Found = Tuned | RegionTuned | Infeasible
 
 
@@ -62,7 +62,9 @@ class DecayCurveAnswer(CurveAnswer):
 
     title = "certified decay rate of L against attitude bandwidth"
     along = "bandwidth_limit"
-    head = "  ".join(["", f"{'rad/s':>8}", f"{'1/s':>11}", *(f"{k:>9}" for k in GAINS)])
+    head = "  ".join(
+        ["", f"{'rad/s':>8}", f"{'1/s':>11}", *(f"{k:>9}" for k in Design.chain_gains())]
+    )
 
     def row(self, at: float, found: Found) -> str:
         """Write a point of the curve."""
@@ -81,7 +83,7 @@ class RegionCurveAnswer(CurveAnswer):
         [
             "",
             *(f"{w:>10}" for w in ("1/s", "sideways m", "up m", "down m")),
-            *(f"{k:>6}" for k in GAINS),
+            *(f"{k:>6}" for k in Design.chain_gains()),
         ]
     )
 
@@ -94,7 +96,7 @@ class RegionCurveAnswer(CurveAnswer):
 
 
 def _gains(found: Tuned | RegionTuned, width: int) -> list[str]:
-    return [f"{number(getattr(found.mission.gains, k)):>{width}}" for k in GAINS]
+    return [f"{number(getattr(found.mission.gains, k)):>{width}}" for k in Design.chain_gains()]
 
 
 def _nothing(at: str, found: Found) -> str:

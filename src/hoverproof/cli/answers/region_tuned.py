@@ -11,7 +11,7 @@ from typing import Any
 from hoverproof.certification.attraction.verdict import Proved
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.words import (
-    GAIN_UNITS,
+    gain_units,
     gains_as_json,
     gains_text,
     hover_error_text,
@@ -94,7 +94,7 @@ def region_tuned_as_json(found: RegionTuned) -> dict[str, Any]:
         **limits_as_json(found.uses),
         "hover_error": asdict(found.hover_error),
         "units": {
-            **GAIN_UNITS,
+            **gain_units(),
             "reach": "m from the goal",
             "level": "m",
             "weights": "m",

@@ -9,7 +9,7 @@ from typing import Any
 from hoverproof.certification.problem import ONES
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.words import (
-    GAIN_UNITS,
+    gain_units,
     gains_as_json,
     gains_text,
     hover_error_text,
@@ -110,7 +110,7 @@ def tuned_as_json(found: Tuned) -> dict[str, Any]:
         **limits_as_json(found.uses),
         "hover_error": asdict(found.hover_error),
         "units": {
-            **GAIN_UNITS,
+            **gain_units(),
             "decay_rate": "1/s",
             "margin": "kg/s",
             "slowest_rate": "1/s",

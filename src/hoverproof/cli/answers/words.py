@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     from hoverproof.mission.sections import Mission
     from hoverproof.servo.hover_error import HoverError
 
-GAIN_UNITS = {"k1": "kg m/s", "k2": "1/m", "k3": "kg/s", "k4": "kg/s", "k_yaw": "kg m²/s"}
-
 
 def number(value: Any) -> str:
     """Write a number with six digits."""
@@ -39,12 +37,20 @@ def position_text(p: Sequence[float | Fraction]) -> str:
     return "(" + ", ".join(f"{round(float(c), 4) + 0.0:g}" for c in p) + ") m"
 
 
+def gain_units() -> dict[str, str]:
+    """Return the unit of each gain by its name."""
+    from hoverproof.servo.law import Design
+
+    return Design.gains()
+
+
 def gains_text(mission: Mission) -> Iterator[str]:
     """Yield a line for each gain."""
     from hoverproof.mission.writing import decimal
 
+    units = gain_units()
     for key, value in mission.gains:
-        yield f"  {key:6} = {decimal(value):12} {GAIN_UNITS[key]}"
+        yield f"  {key:6} = {decimal(value):12} {units[key]}"
 
 
 def gains_as_json(mission: Mission) -> dict[str, float]:
