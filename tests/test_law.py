@@ -20,11 +20,17 @@ from hoverproof.firmware import export_c, fly_firmware
 from hoverproof.mission.reading import load
 from hoverproof.mission.sections import Gains
 from hoverproof.plant import camera
-from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
+from hoverproof.plant.rigid_body import E3, STATE_SIZE, RigidBodyState
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design, Errors, Measurement, scalar
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, horizontal, wanted_rates
-from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, slowest_rate
+from hoverproof.servo.law import Design, Errors, Measurement, column, measured_rate, scalar
+from hoverproof.servo.laws.hamel_mahony import (
+    HAMEL_MAHONY,
+    chain,
+    horizontal,
+    horizontal_lever,
+    wanted_rates,
+)
+from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, sense, slowest_rate
 from hoverproof.servo.lyapunov import (
     derive_error_dynamics,
     derive_lyapunov_form,
@@ -58,6 +64,51 @@ def other_rates(e, measured, design, depth_flow):
 
 
 OTHER = replace(HAMEL_MAHONY, name="other", wanted_rates=other_rates, design=OtherDesign)
+
+
+def stretched(q, points):
+    """A feature that grows faster than q as |q| nears the number of points."""
+    return q / ca.sqrt(1 - ca.dot(q, q) / points**2)
+
+
+STRETCHED = replace(HAMEL_MAHONY, name="stretched", feature=stretched)
+
+
+@dataclass(frozen=True)
+class WithForce(Measurement):
+    """What an accelerometer measures, besides."""
+
+    specific_force: ca.SX = column("m/s²")
+
+
+def with_force(z, d):
+    """The ideal accelerometer feels the thrust alone."""
+    return WithForce(**vars(z), specific_force=-z.thrust / d.mass * E3)
+
+
+def errors_of_force(z, d):
+    thrust, force = -d.mass * z.specific_force[2], d.mass * z.specific_force
+    return chain(
+        d,
+        image_error=z.centroid - d.goal_centroid,
+        velocity=z.velocity,
+        force=force + d.mass * d.gravity * z.gravity_direction,
+        turn=horizontal_lever(thrust, d) @ z.rate,
+    )
+
+
+def rate_with_force(z, d, **motion):
+    return ca.vertcat(measured_rate(z, d, **motion), -motion["thrust_rate"] / d.mass * E3)
+
+
+FEELING = replace(
+    HAMEL_MAHONY,
+    name="feeling",
+    measurement=WithForce,
+    completed=with_force,
+    errors=errors_of_force,
+    measured_rate=rate_with_force,
+)
 TILTED = {"start.rotation": "[0.03, -0.02, 0]", "start.rates": "[0.01, -0.02, 0]"}
 
 
@@ -125,11 +176,12 @@ def test_it_flies_to_the_goal_on_a_way_of_its_own(x4, flight):
     assert np.nanmax(np.linalg.norm(ours - theirs, axis=1)) > 1e-2 * came["start_error"]
 
 
-def test_near_the_goal_its_errors_move_as_its_vehicle_does(x4):
+@pytest.mark.parametrize("other", [OTHER, STRETCHED], ids=lambda law: law.name)
+def test_near_the_goal_its_errors_move_as_its_vehicle_does(x4, other):
     """Each motion of the linearised error chain is one of the linearised vehicle."""
-    numbers = LoopNumbers.of(x4, OTHER)
-    (design, points), x = parameters(numbers.target_size, OTHER), ca.SX.sym("x", STATE_SIZE)
-    slope = ca.jacobian(loop_rate(x, design, points, OTHER), x)
+    numbers = LoopNumbers.of(x4, other)
+    (design, points), x = parameters(numbers.target_size, other), ca.SX.sym("x", STATE_SIZE)
+    slope = ca.jacobian(loop_rate(x, design, points, other), x)
     f = ca.Function("f", [x, design.vector(), points], [slope])
     vehicle = np.linalg.eigvals(np.array(f(numbers.hover, numbers.design, numbers.points)))
 
@@ -141,8 +193,27 @@ def test_near_the_goal_its_errors_move_as_its_vehicle_does(x4):
         motions = np.linalg.eigvals(np.array(B))
         return np.abs(motions[:, None] - vehicle).min(axis=1).max()
 
-    assert farthest(OTHER) < 1e-5 < 1e-2 < farthest(HAMEL_MAHONY)
-    assert slowest_rate(x4, OTHER) == pytest.approx(-vehicle.real[vehicle.real < -1e-6].max())
+    assert farthest(other) < 1e-5 < 1e-3 < farthest(HAMEL_MAHONY)
+    assert slowest_rate(x4, other) == pytest.approx(-vehicle.real[vehicle.real < -1e-6].max())
+
+
+def test_what_it_makes_of_the_image_it_makes_of_the_goal(x4):
+    flown = simulate(x4, law=STRETCHED)
+    assert summary(flown)["final_error"] < 1e-2 * summary(flown)["start_error"]
+    goal, papers = flown.attrs["goal_centroid"], LoopNumbers.of(x4).goal_centroid
+    assert np.linalg.norm(goal) > 1.1 * np.linalg.norm(papers)
+    assert np.cross(goal, papers) == pytest.approx([0, 0, 0], abs=1e-12)
+
+
+def test_it_may_measure_more(x4):
+    """With an ideal accelerometer in place of the modelled force it is the same flight."""
+    measured = LoopNumbers.of(x4, FEELING).measured()
+    assert measured[WithForce.place("specific_force")] == pytest.approx([0, 0, -9.8], abs=0.05)
+    flown, modelled = (simulate(x4, duration=20, law=law) for law in (FEELING, HAMEL_MAHONY))
+    assert flown.attrs["model_sha256"] != modelled.attrs["model_sha256"]
+    ours, theirs = (f["position"].values for f in (flown, modelled))
+    assert ours == pytest.approx(theirs, rel=1e-9, abs=1e-9)
+    assert slowest_rate(x4, FEELING) == pytest.approx(slowest_rate(x4), rel=1e-9)
 
 
 def lyapunov_rate(law, points):
@@ -151,7 +222,7 @@ def lyapunov_rate(law, points):
     x, design = ca.SX.sym("x", STATE_SIZE), law.design.symbols()
     body = RigidBodyState.from_vector(x)
     seen = camera.body_points(ca.SX(points), body.position, body.rotation)
-    measured = law.sensed(body, camera.centroid(camera.directions(seen)))
+    measured, _, _ = sense(body, ca.SX(points), law, design, all_round=True)
     Q = camera.depth_matrix(seen)
     lower = ca.vertcat(*(Q[i, j] for j in range(3) for i in range(j, 3)))
     old = ca.vertcat(form.errors, form.Q_lower, form.f, form.weights, form.design.vector())
@@ -210,19 +281,23 @@ def test_it_flies_with_sensors_and_rotors_of_a_vehicle(x4):
 
 
 @needs_compiler
-@pytest.mark.parametrize("tunable", [False, True])
-def test_its_firmware_computes_it(x4, tmp_path, tunable):
-    export_c(x4, tmp_path, law=OTHER, allow_uncertified=True, precision="float64", tunable=tunable)
+@pytest.mark.parametrize(
+    ("law", "tunable"),
+    [(OTHER, False), (OTHER, True), (STRETCHED, False)],
+    ids=lambda x: getattr(x, "name", "tunable" if x else "fixed"),
+)
+def test_its_firmware_computes_it(x4, tmp_path, law, tunable):
+    export_c(x4, tmp_path, law=law, allow_uncertified=True, precision="float64", tunable=tunable)
     firmware = Firmware(tmp_path)
     assert firmware.selftest() == 0  # bit for bit what the graph gives
     assert not firmware.manifest["certified"]
-    numbers = LoopNumbers.of(x4, OTHER)
-    design, gains = numbers.design.copy(), list(OtherDesign.gains())
+    numbers = LoopNumbers.of(x4, law)
+    design, gains = numbers.design.copy(), list(law.design.gains())
     if tunable:
         for name in gains:
-            design[OtherDesign.place(name)] *= 1.1
-        firmware.set_gains([float(design[OtherDesign.place(name)][0]) for name in gains])
-    ours, papers = (derive_controller(law).function() for law in (OTHER, HAMEL_MAHONY))
+            design[law.design.place(name)] *= 1.1
+        firmware.set_gains([float(design[law.design.place(name)][0]) for name in gains])
+    ours, papers = (derive_controller(a).function() for a in (law, HAMEL_MAHONY))
     draw, weight = np.random.default_rng(2), numbers.hover_thrust
     for _ in range(20):
         image = draw.uniform(-0.5, 0.5, (4, 2))
@@ -232,11 +307,13 @@ def test_its_firmware_computes_it(x4, tmp_path, tunable):
         down = np.array([0.02, -0.01, 1]) / np.linalg.norm([0.02, -0.01, 1])
         firmware.reset()
         out = firmware.step(image, velocity=velocity, rate=rate, gravity_direction=down, dt=0.001)
-        measured = np.r_[centroid, velocity, down, rate, weight]
+        feature = np.array(ca.evalf(law.feature(ca.SX(centroid), 4))).ravel()
+        measured = np.r_[feature, velocity, down, rate, weight]
         thrust_rate, torque = ours(measured, design)
         assert out.thrust_rate == pytest.approx(float(thrust_rate), rel=1e-9, abs=1e-9)
         assert out.torque == pytest.approx(np.array(torque).ravel().tolist(), rel=1e-9, abs=1e-9)
-        _, other_torque = papers(measured, design[:13])
+        papers_measured = np.r_[centroid, measured[3:]]
+        _, other_torque = papers(papers_measured, LoopNumbers.of(x4).design)
         assert np.abs(np.array(torque) - np.array(other_torque)).max() > 1e-6
 
 

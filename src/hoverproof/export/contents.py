@@ -20,7 +20,6 @@ from hoverproof.export.precision import PRECISIONS, Precision
 from hoverproof.export.vectors import InputBox, test_vectors
 from hoverproof.export.vehicle import rate_function, sense_function
 from hoverproof.mission.sections import Mission
-from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import BODY_SIZE
 from hoverproof.plant.rotors import ROTORS
 from hoverproof.servo.hover_error import hover_error
@@ -67,7 +66,7 @@ def contents(
         sensing, tunable and rotor_limits, as in `write_package`.
     """
     weight, n = mission.vehicle.weight, len(mission.target.points)
-    goal = hover_goal(mission).centroid_midpoint
+    goal = law.source.goal_feature(mission)
     low, high = (thrust - weight for thrust in standing.thrust)
     sine = high / weight  # a level gives |F| <= high, and its horizontal part is m g sin(tilt)
     if mission.bounds.level is not None and sine < 1:

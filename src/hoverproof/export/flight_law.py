@@ -22,7 +22,6 @@ from hoverproof.export.closed_form import closed_forms
 from hoverproof.export.quadratic import Coefficients, Variables, quadratic
 from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera, rigid_body, rotors
-from hoverproof.plant.goal import hover_goal
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Design, Law, place
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
@@ -188,9 +187,8 @@ def assert_is_the_controller(
 
 def _design_values(mission: Mission, law: Law) -> list[Fraction]:
     """Return the numbers of a mission in the order of the chain's design."""
-    goal = hover_goal(mission).centroid_midpoint
     vehicle = mission.vehicle
-    return [*law.design.values(mission, goal), vehicle.arm, vehicle.drag_ratio]
+    return [*law.design.values(mission, law.goal_feature(mission)), vehicle.arm, vehicle.drag_ratio]
 
 
 def _gains_and_rest(law: Law) -> tuple[list[int], list[int]]:

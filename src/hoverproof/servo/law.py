@@ -16,7 +16,7 @@ import casadi as ca
 
 from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera, rigid_body
-from hoverproof.plant.rigid_body import RigidBodyState
+from hoverproof.plant.goal import hover_goal
 
 
 def scalar(unit: str, *, gain: bool = False) -> Any:
@@ -197,7 +197,7 @@ class Design(Packed):
 class Measurement(Packed):
     """What the vehicle knows in flight; every field is an SX, in the body frame.
 
-    A law that measures more extends it, and says how its own are `sensed` and how they move.
+    A law that measures more extends it, and says how it is `completed` and moves.
 
     Attributes
     ----------
@@ -270,22 +270,15 @@ def itself(centroid: ca.SX, points: int) -> ca.SX:
     return centroid
 
 
-def sensed(body: RigidBodyState, feature: ca.SX) -> Measurement:
-    """Return what ideal sensors deliver.
+def nothing_more(measured: Measurement, design: Design) -> Measurement:
+    """Return the measurement as it is: the paper's law measures nothing more.
 
     Parameters
     ----------
-    body : RigidBodyState
-    feature : SX
-        (3, 1), dimensionless.
+    measured : Measurement
+    design : Design
     """
-    return Measurement(
-        centroid=feature,
-        velocity=body.velocity,
-        gravity_direction=body.gravity_direction,
-        rate=body.rate,
-        thrust=body.thrust,
-    )
+    return measured
 
 
 def measured_rate(
@@ -353,8 +346,8 @@ class Law:
     feature : callable
         (q (3, 1), number of target points) ↦ what stands in place of q, (3, 1). It turns with the
         camera as q does.
-    sensed : callable
-        (RigidBodyState, feature) ↦ measurement of ideal sensors.
+    completed : callable
+        (Measurement, Design) ↦ its own measurement: with what ideal sensors deliver besides.
     measured_rate : callable
         As `measured_rate`, for its measurement.
     """
@@ -368,5 +361,34 @@ class Law:
     measurement: type[Measurement] = Measurement
     design: type[Design] = Design
     feature: Callable[[ca.SX, int], ca.SX] = itself
-    sensed: Callable[[RigidBodyState, ca.SX], Measurement] = sensed
+    completed: Callable[[Measurement, Any], Measurement] = nothing_more
     measured_rate: Callable[..., ca.SX] = measured_rate
+
+    def goal_feature(self, mission: Mission) -> list[Fraction]:
+        """Return what stands in place of q* in the design, (3,): exact if it is q* itself.
+
+        Parameters
+        ----------
+        mission : Mission
+
+        Raises
+        ------
+        InputError
+            If no hover sees the goal of the mission.
+        """
+        q = hover_goal(mission).centroid_midpoint
+        if self.feature is itself:
+            return q
+        seen = self.feature(ca.SX([float(c) for c in q]), len(mission.target.points))
+        return [Fraction(float(c)) for c in ca.vertsplit(ca.evalf(seen))]
+
+    def feature_slope(self, points: int) -> ca.Function:
+        """Return q ↦ the slope of the feature, (3,) to (3, 3).
+
+        Parameters
+        ----------
+        points : int
+            Number of target points.
+        """
+        q = ca.SX.sym("q", 3)
+        return ca.Function("slope", [q], [ca.densify(ca.jacobian(self.feature(q, points), q))])

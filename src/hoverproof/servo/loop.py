@@ -41,7 +41,12 @@ def parameters(n: int, law: Law = HAMEL_MAHONY) -> tuple[Design, ca.SX]:
 
 
 def sense(
-    state: RigidBodyState, points: ca.SX, law: Law = HAMEL_MAHONY, *, all_round: bool = False
+    state: RigidBodyState,
+    points: ca.SX,
+    law: Law = HAMEL_MAHONY,
+    design: Design | None = None,
+    *,
+    all_round: bool = False,
 ) -> tuple[Measurement, ca.SX, ca.SX]:
     """Return what the vehicle measures, the pinhole image (2, n) and the depths (1, n) in m.
 
@@ -51,6 +56,8 @@ def sense(
     points : SX
         (3, n), world frame, m.
     law : Law
+    design : Design, optional
+        For a law whose own measurements depend on it.
     all_round : bool
         Whether the centroid is that of a camera that sees behind itself too. A pinhole takes a
         point behind it for one in front; motions and regions go on where a vehicle leans so far,
@@ -59,8 +66,14 @@ def sense(
     seen = camera.body_points(points, state.position, state.rotation)
     image = camera.pinhole(seen)
     centroid = camera.centroid(camera.directions(seen) if all_round else camera.spherical(image))
-    measured = law.sensed(state, law.feature(centroid, points.shape[1]))
-    return measured, image, seen[2, :]
+    measured = Measurement(
+        centroid=law.feature(centroid, points.shape[1]),
+        velocity=state.velocity,
+        gravity_direction=state.gravity_direction,
+        rate=state.rate,
+        thrust=state.thrust,
+    )
+    return law.completed(measured, design), image, seen[2, :]
 
 
 def command(measured: Measurement, design: Design, law: Law = HAMEL_MAHONY) -> tuple[ca.SX, ca.SX]:
@@ -103,7 +116,7 @@ def loop_rate(
         See `sense`.
     """
     body = RigidBodyState.from_vector(state)
-    measured, _, _ = sense(body, points, law, all_round=all_round)
+    measured, _, _ = sense(body, points, law, design, all_round=all_round)
     thrust_rate, torque = command(measured, design, law)
     return state_rate(
         body,
@@ -136,7 +149,7 @@ def readout(
         Of the rotors, (1, 1), m.
     law : Law
     """
-    measured, image, _ = sense(RigidBodyState.from_vector(x), points, law)
+    measured, image, _ = sense(RigidBodyState.from_vector(x), points, law, design)
     e = law.errors(measured, design)
     _, torque = command(measured, design, law)
     return {
@@ -232,7 +245,7 @@ class LoopNumbers:
             mission.vehicle.weight,
         ]
         return cls(
-            design=_floats(law.design.values(mission, goal.centroid_midpoint)),
+            design=_floats(law.design.values(mission, law.goal_feature(mission))),
             points=np.array(mission.target.points, float).T,
             goal=_floats(goal.position),
             start=_floats(state),
@@ -246,7 +259,7 @@ class LoopNumbers:
 
     @property
     def goal_centroid(self) -> Array:
-        """q*, (3,)."""
+        """q*, (3,), or the feature that the law has in its place."""
         return self.design[self.law.design.place("goal_centroid")]
 
     @property
@@ -262,16 +275,16 @@ class LoopNumbers:
         return state
 
     def depth_matrix(self) -> Array:
-        """Return Q as seen from the goal, (3, 3), 1/m."""
-        _, Q = level_view(self.target_size)(self.points, self.goal)
-        return np.array(Q)
+        """Return what turns V into the rate of the feature at the goal, (3, 3), 1/m: Q for q."""
+        q, Q = level_view(self.target_size)(self.points, self.goal)
+        return np.array(self.law.feature_slope(self.target_size)(q)) @ np.array(Q)
 
     def measured(self) -> Array:
         """Return what is measured at the start, in the order of the law's measurement."""
-        x, points = ca.SX.sym("x", STATE_SIZE), ca.SX.sym("points", *self.points.shape)
-        measured, _, _ = sense(RigidBodyState.from_vector(x), points, self.law)
-        look = ca.Function("look", [x, points], [measured.vector()])
-        return np.array(look(self.start, self.points)).ravel()
+        (design, points), x = parameters(self.target_size, self.law), ca.SX.sym("x", STATE_SIZE)
+        measured, _, _ = sense(RigidBodyState.from_vector(x), points, self.law, design)
+        look = ca.Function("look", [x, design.vector(), points], [measured.vector()])
+        return np.array(look(self.start, self.design, self.points)).ravel()
 
     def value(self, of: Callable[[Design], ca.SX]) -> float:
         """Return a number that follows from the design.

@@ -15,7 +15,7 @@ import casadi as ca
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.plant import camera, rotors
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, held_rate
-from hoverproof.servo.law import Design, Law, Packed, column, place, scalar
+from hoverproof.servo.law import Design, Law, Measurement, Packed, column, place, scalar
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import command, parameters, readout
 from hoverproof.simulation.flight_log import LOG_SIZE, noted
@@ -281,14 +281,14 @@ def decide(
     """
     body = RigidBodyState.from_vector(memory["state"])
     down = body.gravity_direction + around.gravity_bias + around.gravity_noise * noise[6:9]
-    measured = law.measurement(
+    measured = Measurement(
         centroid=memory["held"],
         velocity=body.velocity + around.velocity_bias + around.velocity_noise * noise[3:6],
         gravity_direction=down / ca.norm_2(down),
         rate=body.rate + around.gyro_bias + around.gyro_noise * noise[0:3],
         thrust=memory["command"],
     )
-    thrust_rate, torque = command(measured, design, law)
+    thrust_rate, torque = command(law.completed(measured, design), design, law)
     low, high = around.rotor_min, around.rotor_max
     thrust = measured.thrust + around.period * thrust_rate
     thrust = ca.fmin(ca.fmax(thrust, 4 * low), 4 * high)

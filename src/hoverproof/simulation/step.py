@@ -54,7 +54,7 @@ def guards(state: ca.SX, design: Design, points: ca.SX, law: Law = HAMEL_MAHONY)
     law : Law
     """
     body = RigidBodyState.from_vector(state)
-    _, _, depths = sense(body, points, law)
+    _, _, depths = sense(body, points, law, design)
     return ca.vertcat(ca.mmin(depths), law.lever(body.thrust, design))
 
 
