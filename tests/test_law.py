@@ -22,7 +22,7 @@ from hoverproof.mission.sections import Gains
 from hoverproof.plant import camera
 from hoverproof.plant.rigid_body import E3, STATE_SIZE, RigidBodyState
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design, Errors, Measurement, column, measured_rate, scalar
+from hoverproof.servo.law import Design, Errors, Measurement, measured_rate
 from hoverproof.servo.laws.hamel_mahony import (
     HAMEL_MAHONY,
     chain,
@@ -30,6 +30,7 @@ from hoverproof.servo.laws.hamel_mahony import (
     horizontal_lever,
     wanted_rates,
 )
+from hoverproof.servo.layout import column, scalar
 from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, sense, slowest_rate
 from hoverproof.servo.lyapunov import (
     derive_error_dynamics,
@@ -291,6 +292,8 @@ def test_its_firmware_computes_it(x4, tmp_path, law, tunable):
     firmware = Firmware(tmp_path)
     assert firmware.selftest() == 0  # bit for bit what the graph gives
     assert not firmware.manifest["certified"]
+    says = (tmp_path / "README.md").read_text(encoding="utf-8")
+    assert ("hovers at another height" in says) == (law is OTHER)  # else nothing is known of it
     numbers = LoopNumbers.of(x4, law)
     design, gains = numbers.design.copy(), list(law.design.gains())
     if tunable:

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from hoverproof.mission.presets import conditions_text, preset_text
 from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import rotation_matrix
-from hoverproof.servo.law import place
+from hoverproof.servo.layout import place
 from hoverproof.simulation import compiled
 from hoverproof.simulation.batch import fly_raw
 from hoverproof.simulation.draws import memory_and_parameters

@@ -126,12 +126,12 @@ class Firmware:
         return int(self._call("set_rotor_limits", self._params, lowest, highest))
 
     def set_gains(self, gains: Sequence[float]) -> int:
-        """Set k1, k2, k3, k4, k_yaw of a tunable package and return the status.
+        """Set the gains of a tunable package and return the status.
 
         Parameters
         ----------
         gains : sequence of float
-            In this order, (5,): kg m/s, 1/m, kg/s, kg/s and kg m²/s.
+            In the order and units of the header, (5,) for the paper's law.
         """
         return int(self._call("set_gains", self._params, list(gains)))
 

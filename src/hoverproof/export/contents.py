@@ -22,7 +22,7 @@ from hoverproof.export.vehicle import rate_function, sense_function
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import BODY_SIZE
 from hoverproof.plant.rotors import ROTORS
-from hoverproof.servo.hover_error import hover_error
+from hoverproof.servo.hover_error import hover_error, rests_as_modelled
 from hoverproof.servo.law import Law
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.version import __version__
@@ -140,7 +140,9 @@ def contents(
         "tells_gains": options["tunable"] or not certified,
         "interval_kind": "certified" if certified else "assumed",
         "tilt_words": tilt_words,
-        "hover_error": hover_error(mission, law.source).rows(),
+        "hover_error": hover_error(mission, law.source).rows()
+        if rests_as_modelled(law.source)
+        else [],
         "tilt_cosine": cosine,
         "lit": lit,
         "zero": lit(0),

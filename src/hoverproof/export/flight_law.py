@@ -23,8 +23,9 @@ from hoverproof.export.quadratic import Coefficients, Variables, quadratic
 from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera, rigid_body, rotors
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design, Law, place
+from hoverproof.servo.law import Design, Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.layout import place
 
 ROTORS = {"arm": 1, "drag_ratio": 1}
 """What the firmware needs beside the design of its law, both in m."""

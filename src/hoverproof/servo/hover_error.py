@@ -101,6 +101,16 @@ class HoverError:
         ]
 
 
+def rests_as_modelled(law: Law) -> bool:
+    """Tell whether what is said here holds for a law: its errors are the paper's, of the centroid.
+
+    Parameters
+    ----------
+    law : Law
+    """
+    return (law.errors, law.feature) == (HAMEL_MAHONY.errors, HAMEL_MAHONY.feature)
+
+
 def hover_error(mission: Mission, law: Law = HAMEL_MAHONY) -> HoverError:
     """Return what an error of thrust or mass does to the hover of a mission.
 
@@ -108,7 +118,7 @@ def hover_error(mission: Mission, law: Law = HAMEL_MAHONY) -> HoverError:
     ----------
     mission : Mission
     law : Law
-        One that models the force.
+        One that `rests_as_modelled`.
 
     Raises
     ------

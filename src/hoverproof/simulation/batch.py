@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.errors import InputError
-from hoverproof.servo.law import place
+from hoverproof.servo.layout import place
 from hoverproof.simulation import kernel
 from hoverproof.simulation.compiled import has_diverged
 from hoverproof.simulation.draws import memory_and_parameters

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.plant.rigid_body import rotation_matrix
-from hoverproof.servo.law import place
+from hoverproof.servo.layout import place
 from hoverproof.simulation import noise
 from hoverproof.simulation.flight_log import begin
 from hoverproof.simulation.plan import Plan

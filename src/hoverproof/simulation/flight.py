@@ -21,8 +21,9 @@ from hoverproof.files import write_bytes
 from hoverproof.mission.sections import CONDITIONS, Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.plant.rotors import ROTORS, wrench
-from hoverproof.servo.law import Law, place
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.layout import place
 from hoverproof.servo.loop import LoopNumbers, readout_function
 from hoverproof.simulation import kernel
 from hoverproof.simulation.batch import fly_raw, how_it_ended, log_of

@@ -15,8 +15,9 @@ import casadi as ca
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.plant import camera, rotors
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, held_rate
-from hoverproof.servo.law import Design, Law, Measurement, Packed, column, place, scalar
+from hoverproof.servo.law import Design, Law, Measurement
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.layout import Packed, column, place, scalar
 from hoverproof.servo.loop import command, parameters, readout
 from hoverproof.simulation.flight_log import LOG_SIZE, noted
 from hoverproof.simulation.kernel import Loop
