@@ -131,6 +131,17 @@ def test_the_closed_loop_is_put_together_in_one_place(path):
     assert not names & {"state_rate", "linearised_loop"}
 
 
+@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(HOUSE)))
+def test_the_gains_of_a_law_are_listed_in_one_place(path):
+    """Others ask the law; the checker has to stand alone, and the paper names what it prints."""
+    if path.name in ("checker.py", "margins.py") or path.is_relative_to(HOUSE / "paper"):
+        return
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Tuple | ast.List | ast.Set):
+            names = {part.value for part in node.elts if isinstance(part, ast.Constant)}
+            assert not {"k1", "k2"} <= names, f"line {node.lineno}"
+
+
 def test_the_checker_imports_the_standard_library_alone():
     assert set(imports(HOUSE / "checker.py")) <= sys.stdlib_module_names | {"collections.abc"}
 

@@ -82,7 +82,8 @@ class GainSearch:
         Parameters
         ----------
         gains : (4,) of (n,)
-            k1 kg m/s, k2 1/m, k3 and k4 kg/s; NaN where there are none.
+            Those of the error chain, in the order and units of the law's design; NaN where there
+            are none.
         """
         good = np.isfinite(gains[3])
         held = tuple(np.where(good, k, 1.0) for k in gains)

@@ -262,12 +262,12 @@ def designed_gains(mission: Mission, four: Sequence[Fraction], bandwidth: float)
     ----------
     mission : Mission
     four : (4,) Fractions
-        k1 kg m/s, k2 1/m, k3 and k4 kg/s.
+        Those of the error chain, in the order and units of the law's design.
     bandwidth : float
         rad/s.
     """
     v = mission.vehicle
     effort = v.drag_ratio * v.weight / YAW_EFFORT
     k_yaw = decimal_below(min(v.inertia[2] * Fraction(bandwidth) / YAW_PART, effort), 2)
-    k1, k2, k3, k4 = four
-    return Gains(k1=k1, k2=k2, k3=k3, k4=k4, k_yaw=k_yaw)
+    chain = dict(zip(HAMEL_MAHONY.design.chain_gains(), four, strict=True))
+    return Gains(**chain, k_yaw=k_yaw)

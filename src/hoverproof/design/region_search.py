@@ -29,6 +29,7 @@ from hoverproof.design.limits import (
     highest_k4,
 )
 from hoverproof.mission.sections import Gains, Mission
+from hoverproof.servo.law import Design
 from hoverproof.servo.loop import slowest_rates
 
 Array = NDArray[np.float64]
@@ -149,7 +150,7 @@ class GainRegionSearch:
         Parameters
         ----------
         gains : (4,)
-            k1…k4.
+            Those of the error chain, in the order and units of the law's design.
         x : (2,)
             See `Search.bounds`.
         hovers : (k, 4)
@@ -159,8 +160,7 @@ class GainRegionSearch:
         return NONE if found is None or found[1].fill <= 0 else math.log(found[1].fill)
 
     def _inner(self, gains: Sequence[float]) -> Search:
-        names = ("k1", "k2", "k3", "k4")
-        update = {name: Fraction(k) for name, k in zip(names, gains, strict=True)}
+        update = dict(zip(Design.chain_gains(), map(Fraction, gains), strict=True))
         mission = self.mission.model_copy(
             update={"gains": self.mission.gains.model_copy(update=update)}
         )

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hoverproof.mission.sections import Mission
 from hoverproof.paper.theorem import k3_limit, printed_conditions
 from hoverproof.plant.goal import Interval, hover_goal
+from hoverproof.servo.law import Design
 from hoverproof.servo.loop import LoopNumbers, readout_function
 
 
@@ -67,7 +68,7 @@ def printed_demands(mission: Mission, eigenvalues: Interval) -> list[Demand]:
     InputError
         If the goal of the mission cannot be seen.
     """
-    k1, k2, k3, k4 = (float(getattr(mission.gains, k)) for k in ("k1", "k2", "k3", "k4"))
+    k1, k2, k3, k4 = (float(getattr(mission.gains, k)) for k in Design.chain_gains())
     low, high = (float(x) for x in eigenvalues)
     q = [float(c) for c in hover_goal(mission).centroid_midpoint]
     weight, length = float(mission.vehicle.weight), math.hypot(*q)
@@ -98,7 +99,7 @@ def where_met(mission: Mission, values: Mapping[str, NDArray[np.float64]]) -> ND
         met = printed_conditions(
             float(vehicle.mass),
             float(vehicle.gravity),
-            [values[k] for k in ("k1", "k2", "k3", "k4")],
+            [values[k] for k in Design.chain_gains()],
             q[2],
             values["lowest"],
             values["highest"],
