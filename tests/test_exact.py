@@ -107,6 +107,22 @@ def test_affine_equations_are_solved_and_others_refused():
         solve_affine(x[0] + x[1], x)
 
 
+def test_coupled_equations_are_solved_without_square_roots():
+    """Four equations that no order makes triangular, with numbers and symbols as coefficients."""
+    x, p = ca.SX.sym("x", 4), ca.SX.sym("p", 6)
+    slope = ca.vertcat(
+        ca.horzcat(p[0], 1, p[1], 0),
+        ca.horzcat(2, p[2], p[3], 1),
+        ca.horzcat(p[4], p[5], -1, p[0]),
+        ca.horzcat(0, p[1], 3, p[2]),
+    )
+    right = ca.vertcat(p[5], p[0] * p[1], 3, p[4])
+    solved = solve_affine(slope @ x - right, x)
+    f = ca.Function("f", [p], [slope @ solved, right])
+    left, wanted = evaluate(f, [[Fraction(n, 7) for n in (3, -5, 11, 2, 9, -4)]])
+    assert left == wanted
+
+
 def test_only_a_literal_zero_is_zero():
     x = ca.SX.sym("x")
     assert is_zero(x - x)

@@ -19,7 +19,7 @@ from hoverproof.export.package import NotCertified, write_package
 from hoverproof.firmware import export_c, fly_firmware
 from hoverproof.mission.reading import load
 from hoverproof.mission.sections import Gains
-from hoverproof.plant import camera
+from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.rigid_body import E3, STATE_SIZE, RigidBodyState
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Design, Errors, Measurement, measured_rate
@@ -73,6 +73,24 @@ def stretched(q, points):
 
 
 STRETCHED = replace(HAMEL_MAHONY, name="stretched", feature=stretched)
+
+
+def errors_from_above(z, d):
+    """The goal is fixed to the vertical, not to the image; the lever is the thrust."""
+    return chain(
+        d,
+        image_error=z.centroid - d.goal_centroid[2] * z.gravity_direction,
+        velocity=z.velocity,
+        force=rigid_body.force(z.thrust, z.gravity_direction, d.mass, d.gravity),
+        turn=rigid_body.skew(z.thrust * E3) @ z.rate,
+    )
+
+
+def thrust_itself(thrust, design):
+    return thrust
+
+
+ABOVE = replace(HAMEL_MAHONY, name="above", errors=errors_from_above, lever=thrust_itself)
 
 
 @dataclass(frozen=True)
@@ -177,7 +195,7 @@ def test_it_flies_to_the_goal_on_a_way_of_its_own(x4, flight):
     assert np.nanmax(np.linalg.norm(ours - theirs, axis=1)) > 1e-2 * came["start_error"]
 
 
-@pytest.mark.parametrize("other", [OTHER, STRETCHED], ids=lambda law: law.name)
+@pytest.mark.parametrize("other", [OTHER, STRETCHED, ABOVE], ids=lambda law: law.name)
 def test_near_the_goal_its_errors_move_as_its_vehicle_does(x4, other):
     """Each motion of the linearised error chain is one of the linearised vehicle."""
     numbers = LoopNumbers.of(x4, other)
@@ -284,7 +302,7 @@ def test_it_flies_with_sensors_and_rotors_of_a_vehicle(x4):
 @needs_compiler
 @pytest.mark.parametrize(
     ("law", "tunable"),
-    [(OTHER, False), (OTHER, True), (STRETCHED, False)],
+    [(OTHER, False), (OTHER, True), (STRETCHED, False), (ABOVE, False)],
     ids=lambda x: getattr(x, "name", "tunable" if x else "fixed"),
 )
 def test_its_firmware_computes_it(x4, tmp_path, law, tunable):

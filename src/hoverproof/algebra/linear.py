@@ -35,11 +35,48 @@ def solve_affine(residual: ca.SX, unknown: ca.SX) -> ca.SX:
     slope = ca.simplify(slope / ca.repmat(scale, 1, slope.shape[1]))
     if slope.is_constant():  # as for rotor mixing: keeps the solution rational and short
         return ca.inv(ca.DM(slope)) @ (-offset / scale)
+    blocks, *_ = slope.sparsity().btf()
+    if blocks < slope.shape[0]:  # CasADi would take square roots
+        return _eliminate(slope, -offset / scale)
     return ca.solve(slope, -offset / scale)
 
 
 def _first_entry(row: ca.SX) -> ca.SX:
     return ca.sparsify(row).nz[0]
+
+
+def _eliminate(slope: ca.SX, right: ca.SX) -> ca.SX:
+    """Solve linear equations by elimination, which keeps what is rational rational.
+
+    Pivots are numbers, where there are any, in columns with few entries.
+    """
+    n = slope.shape[0]
+    rows, columns = [ca.horzcat(slope[i, :], right[i]) for i in range(n)], list(range(n))
+    pivots: list[tuple[ca.SX, int]] = []
+    while rows:
+        candidates = [
+            (not row[j].is_constant(), sum(not _is_nothing(row[k]) for k in columns), i, j)
+            for i, row in enumerate(rows)
+            for j in columns
+            if not _is_nothing(row[j])
+        ]
+        *_, i, j = min(candidates)
+        pivot = rows.pop(i)
+        columns.remove(j)
+        pivots.append((pivot, j))
+        for at, row in enumerate(rows):
+            if not _is_nothing(row[j]):
+                rows[at] = ca.simplify(row - row[j] / pivot[j] * pivot)
+                rows[at][j] = 0
+    solved = ca.SX.zeros(n)
+    for pivot, j in reversed(pivots):
+        known = [k for k in range(n) if k != j and not _is_nothing(pivot[k])]
+        solved[j] = (pivot[n] - sum(pivot[k] * solved[k] for k in known)) / pivot[j]
+    return solved
+
+
+def _is_nothing(entry: ca.SX) -> bool:
+    return bool(ca.sparsify(entry).nnz() == 0)
 
 
 def lie_derivative(expression: ca.SX, state: ca.SX, rate: ca.SX) -> ca.SX:

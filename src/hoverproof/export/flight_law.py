@@ -338,7 +338,7 @@ def _scheme(chain: _Chain, numbers: Coefficients, seen: ca.SX) -> dict[str, ca.S
     d2 = quadratic(
         chain.d2_of,
         [f"d2_{a}" for a in AXES],
-        over(("velocity", chain.velocity), ("image", chain.image_error)),
+        over(("velocity", chain.velocity), ("image", chain.image_error), ("tilt", chain.tilt)),
         numbers,
     )
     s = quadratic(
