@@ -287,14 +287,3 @@ class Law:
             return q
         seen = self.feature(ca.SX([float(c) for c in q]), len(mission.target.points))
         return [Fraction(float(c)) for c in ca.vertsplit(ca.evalf(seen))]
-
-    def feature_slope(self, points: int) -> ca.Function:
-        """Return q ↦ the slope of the feature, (3,) to (3, 3).
-
-        Parameters
-        ----------
-        points : int
-            Number of target points.
-        """
-        q = ca.SX.sym("q", 3)
-        return ca.Function("slope", [q], [ca.densify(ca.jacobian(self.feature(q, points), q))])

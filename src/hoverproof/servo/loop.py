@@ -191,6 +191,13 @@ def readout_function(n: int, law: Law = HAMEL_MAHONY) -> ca.Function:
 
 
 @cache
+def _feature_slope(n: int, law: Law) -> ca.Function:
+    """Return q ↦ the slope of the feature of n points, (3,) to (3, 3)."""
+    q = ca.SX.sym("q", 3)
+    return ca.Function("feature_slope", [q], [ca.densify(ca.jacobian(law.feature(q, n), q))])
+
+
+@cache
 def _loop_at_goal(law: Law) -> ca.Function:
     """Return (design, Q, thrust) ↦ B of Ẋ = B X near the goal: (3, 3) and () to (11, 11)."""
     design, Q, thrust = law.design.symbols(), ca.SX.sym("Q", 3, 3), ca.SX.sym("thrust")
@@ -277,7 +284,7 @@ class LoopNumbers:
     def depth_matrix(self) -> Array:
         """Return what turns V into the rate of the feature at the goal, (3, 3), 1/m: Q for q."""
         q, Q = level_view(self.target_size)(self.points, self.goal)
-        return np.array(self.law.feature_slope(self.target_size)(q)) @ np.array(Q)
+        return np.array(_feature_slope(self.target_size, self.law)(q)) @ np.array(Q)
 
     def measured(self) -> Array:
         """Return what is measured at the start, in the order of the law's measurement."""
