@@ -222,7 +222,7 @@ def measured_rate(
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Law:
     """A control law as a value, from which everything is derived; hashable, so graphs are cached.
 
@@ -269,6 +269,9 @@ class Law:
     feature: Callable[[ca.SX, int], ca.SX] = itself
     completed: Callable[[Measurement, Any], Measurement] = nothing_more
     measured_rate: Callable[..., ca.SX] = measured_rate
+
+    def __repr__(self) -> str:
+        return f"Law({self.name!r})"
 
     def goal_feature(self, mission: Mission) -> list[Fraction]:
         """Return what stands in place of q* in the design, (3,): exact if it is q* itself.
