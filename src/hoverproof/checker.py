@@ -419,7 +419,7 @@ def cover(tree: str, box: Cell, holds: Callable[[Cell], bool], what: str) -> Non
         require(cells, "a tree is longer than what it halves")
         cell = cells.pop()
         if letter == "0":
-            require(holds(cell), f"{what} over a cell")
+            require(holds(cell), f"{what} over a cell of the box")
             continue
         k = int(letter) - 1
         require(k < len(cell), "a tree halves across an axis that is not there")
@@ -700,7 +700,7 @@ def verify_goal(p: Question, box: Matrix) -> None:
     Q ≻ low I, is least. On the largest ball about the middle of the box, of radius r, it is higher
     than in the middle if |q - q*| < low r/2 there.
     """
-    grid, what = Grid.of(p.s.points), "Q at the goal is not shown to be within the bounds"
+    grid, what = Grid.of(p.s.points), "Q at the goal is not shown to be within its bounds"
     ball, low = grid.around(grid.cell(box)), p.spread.low
     require(largest_below(ball, p.spread.high / grid.unit), what)
     require(smallest_above(ball, low / grid.unit), what)
@@ -711,7 +711,7 @@ def verify_goal(p: Question, box: Matrix) -> None:
         off = zip(seen, p.s.centroid, strict=True)
         slope = total(max(abs(x - y) for x in ends for y in want) ** 2 for ends, want in off)
         held = slope < (low * min(b - a for a, b in box) / 4) ** 2
-    require(held, "the goal is not shown to be in its box")
+    require(held, "the box for Q at the goal is not shown to hold the goal")
 
 
 def theorem_of_gains(c: Any, p: Question) -> str:
@@ -1037,7 +1037,7 @@ def verify_start(p: Attraction, start: Start, tree: str) -> None:
     safe = p.s.weight - start.thrust > p.s.stiffness * p.q3[1]
     require(safe, "a thrust at the start is too low")
     require(p.bottom is None or start.position[2][1] <= p.bottom, "a start is below the barrier")
-    box, shares = p.grid.cell(start.position), shares_of(p, start)
+    box, add = p.grid.cell(start.position), added(p, start)
     middle = [sum(side) for side in box[:2]]
     rim = math.ceil((2 * p.grid.unit * (start.radius or 0) + 2) ** 2)
 
@@ -1046,38 +1046,26 @@ def verify_start(p: Attraction, start: Start, tree: str) -> None:
             gaps = (max(2 * a - x, x - 2 * b, 0) for (a, b), x in zip(cell, middle, strict=False))
             if sum(gap * gap for gap in gaps) > rim:
                 return True
-        return below_level(p, shares, cell)
+        return below_level(p, add, cell)
 
     cover(tree, box, hold, "a start is not shown to have Λ <= level")
 
 
-class Shares(NamedTuple):
-    """What speed, lean, rates and thrust of a start add to |δ|, in units of 1/ONE, rounded up."""
+def added(p: Attraction, start: Start) -> list[int]:
+    """Return what a start that moves adds to |δ1|, then |δ2| and |δ3|, and to |δ4|, in 1/ONE.
 
-    moved: int  # by the speed
-    lean: int  # by the tilt, through the force
-    push: int  # by the thrust
-    turned: int  # by the rates
-    tilted: int  # of q3* by the tilt
-    tilted_all: int  # of q by the tilt
-
-
-def shares_of(p: Attraction, start: Start) -> Shares:
-    """Return what a start that moves adds; to lean by φ adds at most m g φ to |F|."""
+    To lean by φ turns q3* ρ and the unit vectors of q by φ, and adds at most m g φ to |F|.
+    """
     s, (k1, k2, k3, _) = p.s, p.s.gains
     room = s.weight + start.thrust - s.stiffness * p.q3[0]
-    shares = [
-        s.m / k1 * start.speed,
-        s.weight / s.stiffness * start.tilt,
-        start.thrust / s.stiffness,
-        s.m / (s.stiffness * (k1 * k2 + k3)) * room * start.rate,
-        p.q3[1] * start.tilt,
-        len(s.points) * start.tilt,
-    ]
-    return Shares(*(math.ceil(ONE * x) for x in shares))
+    moved, lean = s.m / k1 * start.speed, s.weight / s.stiffness * start.tilt
+    turned = s.m / (s.stiffness * (k1 * k2 + k3)) * room * start.rate
+    last = turned + lean + moved + len(s.points) * start.tilt
+    shares = (p.q3[1] * start.tilt, moved, start.thrust / s.stiffness + lean, last)
+    return [math.ceil(ONE * x) for x in shares]
 
 
-def below_level(p: Attraction, add: Shares, cell: Cell) -> bool:
+def below_level(p: Attraction, add: Sequence[int], cell: Cell) -> bool:
     """Show Λ <= ℓ for positions in a cell.
 
     W is convex, so its corners bound it; q changes by at most Σ 1/ri a metre, and by at most φ
@@ -1094,10 +1082,8 @@ def below_level(p: Attraction, add: Shares, cell: Cell) -> bool:
     change = sum(ONE * ball.radius // (d - ball.radius) + 1 for d in ball.near)
     sizes = [max(map(abs, ends)) for ends in slopes(p, ball)]  # of q - q* at the centre
     level = math.isqrt(sizes[0] ** 2 + sizes[1] ** 2) + 1 + change
-    d1 = math.isqrt(sum(x * x for x in sizes)) + 1 + change + add.tilted
-    d2 = add.moved + d1
-    d3 = add.push + add.lean + d2
-    d4 = add.turned + add.lean + add.moved + level + add.tilted_all
+    d1 = math.isqrt(sum(x * x for x in sizes)) + 1 + change + add[0]
+    d2, d3, d4 = d1 + add[1], d1 + add[1] + add[2], level + add[3]
     a2, a3, a4 = p.a
     W = Fraction(highest - p.range[0], p.grid.unit * ONE)
     return W + (a2 * d2**2 + a3 * d3**2 + a4 * d4**2) / (2 * ONE**2) <= p.level

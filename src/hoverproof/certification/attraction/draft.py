@@ -15,7 +15,7 @@ from hoverproof.certification.attraction.inequality import Loop, rate_and_multip
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.search import Found, reach_along
 from hoverproof.certification.attraction.sinking import Sinking
-from hoverproof.certification.attraction.start_terms import Shares
+from hoverproof.certification.attraction.start_terms import added
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.trees import Set
 from hoverproof.mission.sections import Mission
@@ -154,7 +154,7 @@ def _trees(
     sets = [disc, line, *starts]
     trees = []
     for start, radius in zip(sets, [float(side), *[None] * (len(sets) - 1)], strict=True):
-        add = Shares.of(mission, region.potential, region.loop, start)
+        add = added(mission, region.potential, region.loop, start)
         box = [[float(end) for end in sides] for sides in start.position]
         trees.append(region.start(box, radius, add))
     barrier = region.barrier(Sinking.of(mission, sets))

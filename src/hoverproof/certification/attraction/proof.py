@@ -25,7 +25,7 @@ from hoverproof.certification.attraction.search import (
     find,
 )
 from hoverproof.certification.attraction.sinking import Sinking
-from hoverproof.certification.attraction.start_terms import Shares, start_terms
+from hoverproof.certification.attraction.start_terms import added, start_terms
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import Proved, Reach, Undecided, Verdict
 from hoverproof.certification.certificate import Certificate, rejection, seal
@@ -283,7 +283,7 @@ def _start_terms(
     """Return the terms of Λ at the corners of each set of starts, (k, 4), a little enlarged."""
     rows = []
     for start in starts:
-        add = Shares.of(mission, potential, loop, start)
+        add = added(mission, potential, loop, start)
         corners = itertools.product(*([float(end) for end in side] for side in start.position))
         cells = np.array([[(x, x) for x in corner] for corner in corners])
         rows.append(start_terms(potential, add, cells) * 1.001)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hoverproof.certification.attraction.inequality import Loop
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.sinking import Sinking
-from hoverproof.certification.attraction.start_terms import Shares, start_terms
+from hoverproof.certification.attraction.start_terms import start_terms
 from hoverproof.certification.cells import (
     ROOM,
     Told,
@@ -99,9 +99,7 @@ class Set:
         box = _widened(p.points[:, :2], float(heights.sum()) / limit)
         return grow_tree(box, hold, most_cells(p.n, 1))
 
-    def start(
-        self, box: Sequence[Sequence[float]], radius: float | None, add: Shares
-    ) -> str | None:
+    def start(self, box: Sequence[Sequence[float]], radius: float | None, add: Array) -> str | None:
         """Halve a set of states until Λ <= ℓ over each cell.
 
         Parameters
@@ -110,8 +108,8 @@ class Set:
             Positions, m.
         radius : float or None
             Bound of the horizontal distance from the middle of the box, m.
-        add : Shares
-            What its states add to those of a hover.
+        add : (4,)
+            What its states add to those of a hover; see `added`.
         """
         p, whole = self.potential, np.array(box, float)
         middle, weights = whole[:2].mean(axis=1), np.array([1, *self.weights])
