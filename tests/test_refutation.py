@@ -365,7 +365,7 @@ def test_a_search_that_fails_goes_on_to_refute(capsys):
     assert answer["level"] is answer["reach"] is answer["figure"] is None
     assert "sinks to the target within" in answer["reason"]
     assert set(answer["motion"]) == {
-        *("position", "velocity", "axis", "turning", "thrust", "time"),
+        *("position", "velocity", "axis", "turning", "thrust", "time", "steps"),
     }
     assert checker.check_file(answer["certificate"]) == answer["statement"]
     with pytest.raises(SystemExit) as done:

@@ -39,7 +39,7 @@ MAX_BYTES = 1_000_000
 MAX_DIGITS = 80  # of a numerator or denominator
 MAX_POINTS = 64
 MAX_WORK = 1_200_000  # cells times (points + 5) times what one costs, over all trees
-MAX_STEPS = 800  # of a motion, times (points + 3)
+MAX_STEPS = 500  # of a motion, times (points + 3)
 MAX_TIME = 60  # s
 
 

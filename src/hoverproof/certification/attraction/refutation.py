@@ -35,9 +35,9 @@ SOON = 30.0
 """s; within that a motion sinks, or nobody could follow it rigorously."""
 LATE = 5000.0
 """s; a simulation that has not ended by then goes on."""
-FINEST = 1024
-"""The whole time is a multiple of 1/FINEST s."""
-SHARES = (4.0, 2.0, 1.0, 0.5, 0.25)
+FINEST = 1 << 14
+"""Steps are multiples of 1/FINEST s."""
+SHARES = (2.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25)
 """Steps of the checker's series, over those of the method that is tried first."""
 PASSED = 1e-3
 """m; a motion is followed until it is so far below the target, where rounding does not matter."""
@@ -134,8 +134,7 @@ def simulate(mission: Mission, start: Array, most: float) -> tuple[Ending, float
 def step_plans(mission: Mission, state: State, time: float) -> Iterator[list[Fraction]]:
     """Yield steps, s, in which the checker may be able to follow a motion; the longest first.
 
-    They are in proportion to those of a method of high order at its finest, rounded down to powers
-    of two.
+    They are in proportion to those of a method of high order at its finest; at last, all alike.
 
     Parameters
     ----------
@@ -150,13 +149,14 @@ def step_plans(mission: Mission, state: State, time: float) -> Iterator[list[Fra
     read = flight_rate(numbers.target_size)
     flown = solve_ivp(
         lambda t, x: np.array(read(x, numbers.design, numbers.points))[:, 0],
-        (0.0, time),
+        (0.0, 1.5 * time),  # its last step is cut short
         state.packed(),
         method="DOP853",
         rtol=1e-13,
         atol=1e-13,
     )
     lengths = np.diff(flown.t)
+    lengths = np.maximum(lengths, np.append(lengths[1:], 0.0))  # its first is a careful one
     end = Fraction(math.ceil(time * FINEST), FINEST)
     for share in SHARES:
         steps: list[Fraction] = []
@@ -165,11 +165,14 @@ def step_plans(mission: Mission, state: State, time: float) -> Iterator[list[Fra
             place = min(int(np.searchsorted(flown.t, float(done), "right")) - 1, len(lengths) - 1)
             ahead = slice(place, np.searchsorted(flown.t, float(done) + share * lengths[place]))
             longest = share * float(lengths[ahead].min(initial=lengths[place]))
-            step = min(Fraction(2) ** math.floor(math.log2(longest)), end - done)
+            step = min(Fraction(max(math.floor(longest * FINEST), 1), FINEST), end - done)
             steps.append(step)
             done += step
         if done == end:
             yield steps
+    most = checker.MAX_STEPS // (numbers.target_size + 3)
+    places = [Fraction(k * int(end * FINEST) // most, FINEST) for k in range(most + 1)]
+    yield [b - a for a, b in itertools.pairwise(places) if b > a]
 
 
 def refute(
