@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 import hoverproof as hp
 from hoverproof import checker
 from hoverproof.certification.gains import search_weights
-from hoverproof.certification.over_box import certify_region
-from hoverproof.certification.region import default_box, enclose
+from hoverproof.certification.over_box import certify_region, enclose
+from hoverproof.certification.region import default_box
 from hoverproof.show.decay import decay_along
 from hoverproof.show.figures import features_figure, path_figure
 from hoverproof.show.style import COLOURS, legend_above

@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 
 import hoverproof as hp
 from hoverproof import checker
+from hoverproof.algebra.definite import is_positive_definite
 from hoverproof.certification.problem import gain_problem, sigma_function
 from hoverproof.servo.law import Design
 from hoverproof.show.style import COLOURS, legend_above
@@ -173,7 +174,7 @@ for sign, end in ((1, lam_low), (-1, lam_high)):
     room = [
         [sign * (Q[i][j] - (end if i == j else Fraction(0))) for j in range(3)] for i in range(3)
     ]
-    assert checker.positive_definite(room)
+    assert is_positive_definite(room)
 checker.check(verdict.certificate.content)
 print("Q lies within the bounds, and the checker accepts the counterexample")
 verdict.certificate.content["counterexample"]

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from checker_kit import matrix
 from hoverproof import checker, cli
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.graph import evaluate
@@ -21,7 +22,7 @@ from hoverproof.algebra.identity import prove_equal
 from hoverproof.certification.attraction.form import derive_form
 from hoverproof.certification.attraction.lemmas import LEMMAS
 from hoverproof.certification.attraction.potential import Potential
-from hoverproof.certification.attraction.proof import attraction, bounds_of, estimate
+from hoverproof.certification.attraction.proof import attraction, estimate
 from hoverproof.certification.attraction.search import HoverGrid
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import Proved, Undecided
@@ -72,23 +73,13 @@ def test_the_prover_tells_a_wrong_quadratic_form():
     assert not prove_equal(wrong, form.dissipation)
 
 
-def test_the_checker_has_the_matrix_of_the_derived_form(x4):
+def test_the_checker_has_the_matrix_of_the_derived_form(x4, paper):
     """The checker's lower bound at a multiplier is the derived form less Petersen's term."""
-    draft = {
-        "weights": [F(3, 2), F(5, 4), F(7, 3)],
-        "hover": [F(0), F(0), F(-3)],
-        "claim": {
-            "level": F(1),
-            "rate": F(1),
-            "barrier_height": None,
-            "reach": {"sideways": F(0), "up": F(0), "down": F(0)},
-            "starts": [],
-        },
-    }
-    p = bounds_of(x4, draft)
+    weights = [F(3, 2), F(5, 4), F(7, 3)]
+    p = checker.read_attraction(paper.certificate.content)._replace(a=weights)
     high, f, q3, t, tau = F(7, 2), F(1, 50), F(18, 5), F(1, 30), F(4, 3)
     design = Design.values(x4, [F(0), F(0), q3])
-    S, u, v = evaluate(derive_form().function(), [design, draft["weights"], [f], [t, F(0)]])
+    S, u, v = evaluate(derive_form().function(), [design, weights, [f], [t, F(0)]])
     expected = [
         [
             S[i][j]
@@ -98,7 +89,7 @@ def test_the_checker_has_the_matrix_of_the_derived_form(x4):
         ]
         for i in range(11)
     ]
-    assert checker.dissipation(p, high, f, q3, t, tau) == expected
+    assert matrix(checker.dissipation(p, high, f, q3, t, tau)) == expected
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -308,7 +299,11 @@ def claimed(content, **changes):
         ({"claim__rate": "2"}, "not shown to be above"),
         ({"claim__barrier_height": "1/100"}, "largest eigenvalue"),
         ({"claim__barrier_height": "5"}, "below the barrier|sinks"),
-        ({"claim__barrier_height": None}, "largest eigenvalue"),
+        ({"claim__barrier_height": None, "trees__barrier": None}, "largest eigenvalue"),
+        ({"claim__barrier_height": None}, "a tree belongs to a barrier"),
+        ({"trees__starts": ["0"]}, "a tree a start"),
+        ({"trees__positions": "0"}, "largest eigenvalue"),
+        ({"trees__barrier": "0"}, "barrier is not shown"),
         ({"enclosures__largest_eigenvalue": "1"}, "largest eigenvalue|barrier"),
         ({"enclosures__tilt": "1/1000"}, "tan"),
         ({"enclosures__factor": ["1/1000", "1/999"]}, "interval of f"),
@@ -344,11 +339,12 @@ def over_five_points(content, q3, hover):
     still = {"sideways": "0", "up": "0", "down": "0"}
     forged["claim"] |= {"level": "1/100", "rate": "1/1000", "barrier_height": None, "reach": still}
     forged["claim"]["starts"], forged["multipliers"] = [], ["27/250", "27/250"]
+    forged["trees"] = {"positions": "0", "barrier": None, "starts": ["0", "0"]}
     forged["mission_sha256"] = checker.digest(forged["mission"])
     p = checker.read_attraction(forged)
-    s, weight = p.s, p.s.m * p.s.gravity
+    s, weight = p.s, p.s.weight
     thrusts = (weight + p.force, weight - p.force)
-    low, high = (checker.factor(s.m, s.g, thrust, s.centroid[2][0]) for thrust in thrusts)
+    low, high = (checker.factor(s, thrust, s.centroid[2][0]) for thrust in thrusts)
     factors = [str(decimal_below(low, 9)), str(decimal_above(high, 9))]
     forged["enclosures"] |= {"goal": [q3, q3], "factor": factors}
     forged["enclosures"]["largest_eigenvalue"] = "7"

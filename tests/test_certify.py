@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from hoverproof import checker
+from checker_kit import sigma
 from hoverproof.certification.gains import Proved, Refuted, Undecided, certify
 from hoverproof.certification.problem import gain_problem
 from hoverproof.errors import InputError
@@ -27,8 +27,8 @@ def sampled_worst(mission, count=300, seed=0):
         values = rng.choice([low, high, rng.uniform(low, high)], size=3)
         Q = (basis * values) @ basis.T
         for f in map(float, problem.factor):
-            sigma = np.array(checker.sigma(g, [1, 1, 1, 1], Q.tolist(), f, q), float)
-            worst = min(worst, np.linalg.eigvalsh(sigma)[0])
+            found = np.array(sigma(g, [1, 1, 1, 1], Q.tolist(), f, q), float)
+            worst = min(worst, np.linalg.eigvalsh(found)[0])
     return worst
 
 
@@ -73,8 +73,8 @@ def test_gains_with_a_small_k4_are_refuted_by_an_exact_witness(k4):
     names = dict(mission.gains)
     low, high = verdict.problem.goal.centroid[2]
     for q3 in (low, high):
-        sigma = checker.sigma(names, [1, 1, 1, 1], verdict.Q, verdict.f, [0, 0, q3])
-        value = sum(verdict.X[i] * sigma[i][j] * verdict.X[j] for i in range(11) for j in range(11))
+        S = sigma(names, [1, 1, 1, 1], verdict.Q, verdict.f, [0, 0, q3])
+        value = sum(verdict.X[i] * S[i][j] * verdict.X[j] for i in range(11) for j in range(11))
         assert value <= verdict.value < 0
     eigenvalues = np.linalg.eigvalsh(np.array(verdict.Q, float))
     assert 0.01 < eigenvalues.min() <= eigenvalues.max() < 5

@@ -12,6 +12,7 @@ import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from checker_kit import definite
 from hoverproof import checker
 from hoverproof.algebra.definite import is_positive_definite, quadratic_form
 from hoverproof.algebra.graph import evaluate, fingerprint
@@ -34,10 +35,10 @@ def test_both_deciders_agree_with_sympy(matrix, shift):
     m = [[matrix[i][j] + shift * (i == j) for j in range(n)] for i in range(n)]
     expected = bool(sympy.Matrix(m).is_positive_definite)
     assert is_positive_definite(m) == expected
-    assert checker.positive_definite(m) == expected
+    assert definite(m) == expected
 
 
-@pytest.mark.parametrize("decide", [is_positive_definite, checker.positive_definite])
+@pytest.mark.parametrize("decide", [is_positive_definite, definite])
 def test_semidefinite_and_deceptive_matrices_are_not_positive_definite(decide):
     F = Fraction
     assert not decide([[F(1), F(1)], [F(1), F(1)]])

@@ -11,6 +11,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from checker_kit import definite
 from hoverproof import checker
 from hoverproof.algebra.definite import is_positive_definite
 from hoverproof.certification import gains
@@ -20,7 +21,7 @@ from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 
 F = Fraction
-DECIDERS = pytest.mark.parametrize("decide", [is_positive_definite, checker.positive_definite])
+DECIDERS = pytest.mark.parametrize("decide", [is_positive_definite, definite])
 WEAK = {"gains.k4": "0.1"}
 
 

@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+import checker_kit
 from hoverproof import checker, cli
 from hoverproof.algebra.identity import prove_equal
 from hoverproof.errors import InputError
@@ -122,8 +123,9 @@ def test_the_counterexample_to_the_theorem_is_one_for_the_checker_too():
     gains = dict(zip(("k1", "k2", "k3", "k4"), theorem.GAINS, strict=True))
     Q = [[theorem.BETWEEN if i == j else Fraction(0) for j in range(3)] for i in range(3)]
     weight = theorem.MASS * theorem.GRAVITY
-    f = checker.factor(theorem.MASS, gains, weight, theorem.GOAL[2])
-    sigma = checker.sigma(gains, [Fraction(1)] * 4, Q, f, theorem.GOAL)
+    own = checker.Setting("", theorem.MASS, theorem.GRAVITY, gains, [], [], None)
+    f = checker.factor(own, weight, theorem.GOAL[2])
+    sigma = checker_kit.sigma(gains, [Fraction(1)] * 4, Q, f, theorem.GOAL)
     x = theorem.STATE
     value = sum(x[i] * sigma[i][j] * x[j] for i in range(11) for j in range(11))
     assert value < 0

@@ -10,7 +10,8 @@ import pytest
 
 from hoverproof import cli
 from hoverproof.certification.attraction.verdict import Refuted, not_covered
-from hoverproof.certification.region import default_box, enclose
+from hoverproof.certification.over_box import enclose
+from hoverproof.certification.region import default_box
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.reading import load
 from hoverproof.simulation import campaign

@@ -13,13 +13,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hoverproof import checker, cli
+from hoverproof.certification.cells import View, grow_tree, largest_below, smallest_above
 from hoverproof.certification.gains import Proved, certify, search_weights
-from hoverproof.certification.over_box import certify_region
+from hoverproof.certification.over_box import certify_region, enclose
 from hoverproof.certification.region import (
     default_box,
     eigenvalues,
-    enclose,
-    holds_over,
+    halved,
     outside,
     parse_box,
 )
@@ -104,14 +104,14 @@ def test_the_enclosure_is_tight(region):
 
 
 def test_the_mission_s_bounds_hold_around_start_and_goal(mission, region):
-    assert holds_over(mission, region.box, mission.bounds.eigenvalues)
-    assert outside(mission, region.box, mission.bounds.eigenvalues) is None
+    assert halved(mission, region.box, mission.bounds.eigenvalues)
+    assert not list(outside(mission, region.box, mission.bounds.eigenvalues))
 
 
 def test_bounds_that_are_broken_are_not_proved_but_refuted(mission):
     wide = ((F(-1), F(6)), (F(-1), F(4)), (F(-5), F(-2)))
-    assert not holds_over(mission, wide, mission.bounds.eigenvalues, most=50)
-    spot = outside(mission, wide, mission.bounds.eigenvalues)
+    assert not halved(mission, wide, mission.bounds.eigenvalues, most=50)
+    spot, *_ = outside(mission, wide, mission.bounds.eigenvalues)
     assert spot.bound == "lower"
     assert spot.eigenvalue < 0.01
     exact = eigenvalues(points(mission), np.array([[float(c) for c in spot.position]]))[0]
@@ -123,7 +123,7 @@ def test_no_bound_inside_the_attained_values_is_ever_shown(mission, side):
     values = sampled(mission, SMALL, 2000)
     low, high = F(values.min()), F(values.max())
     bounds = (low * F(101, 100), high * 2) if side == 0 else (low / 2, high * F(99, 100))
-    assert not holds_over(mission, SMALL, bounds, most=60)
+    assert not halved(mission, SMALL, bounds, most=60)
 
 
 def test_certifying_over_a_box_uses_what_is_proved_there(mission, region):
@@ -136,7 +136,7 @@ def test_certifying_over_a_box_uses_what_is_proved_there(mission, region):
     forged["region"]["box"][0][1] = "9"
     forged["statement"] = checker.statement(forged)
     forged["sha256"] = checker.digest({k: v for k, v in forged.items() if k != "sha256"})
-    with pytest.raises(checker.Rejected, match="over the box"):
+    with pytest.raises(checker.Rejected, match="over a cell of the box"):
         checker.check(forged)
 
 
@@ -149,7 +149,7 @@ def test_a_refutation_over_a_box_is_confirmed_with_the_box(mission, region):
     forged["region"]["box"][0][1] = "9"
     forged["statement"] = checker.statement(forged)
     forged["sha256"] = checker.digest({k: v for k, v in forged.items() if k != "sha256"})
-    with pytest.raises(checker.Rejected, match="over the box"):
+    with pytest.raises(checker.Rejected, match="over a cell of the box"):
         checker.check(forged)
 
 
@@ -262,8 +262,64 @@ def test_no_box_is_shown_to_hold_what_a_sample_in_it_breaks(seed, n, size):
     values = eigenvalues(np.array(target, float), places)
     for low, high in ((1.01, 1e6), (0.99, 0.99 * values.max()), (0.99, 1.01 * values.max())):
         bounds = F(low * values.min()), F(high)
-        if checker.eigenvalues_hold(target, box, *bounds, most=300):
+        if shown_exactly(target, box, *bounds):
             assert low < 1 < high / values.max()
+
+
+def shown_exactly(target, box, low, high):
+    """Halve a box as a certificate would, and ask the checker of each cell."""
+    at = np.array(target, float)
+
+    def hold(cells):
+        view = View.of(at, cells)
+        return largest_below(view, float(high)) & smallest_above(view, float(low))
+
+    tree = grow_tree(np.array(box, float), hold, 300)
+    setting = checker.Setting("", F(1), F(1), {}, target, [], None)
+    try:
+        checker.verify_region(None, checker.Spread(setting, low, high, box, tree or "0"))
+    except checker.Rejected:
+        return False
+    return True
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10**6), st.text("0123", min_size=1, max_size=12))
+def test_a_tree_is_a_cover_or_is_refused(seed, letters):
+    """What a tree leaves uncovered, or halves again and again, is never passed over."""
+    rng = np.random.default_rng(seed)
+    box = [(0, int(n)) for n in rng.integers(1, 10**6, 3)]
+    held = []
+    try:
+        checker.cover(letters, box, lambda cell: held.append(cell) or True, "it is not shown")
+    except checker.Rejected:
+        return
+    place = [int(rng.integers(0, side[1] + 1)) for side in box]
+    assert any(all(a <= x <= b for x, (a, b) in zip(place, cell, strict=True)) for cell in held)
+    assert sum(np.prod([b - a for a, b in cell]) for cell in held) == np.prod([b for _, b in box])
+
+
+@pytest.mark.parametrize(("tree", "word"), [("00", "longer"), ("10", "shorter"), ("1", "shorter")])
+def test_a_tree_too_long_or_too_short_is_refused(tree, word):
+    with pytest.raises(checker.Rejected, match=word):
+        checker.cover(tree, [(0, 8), (0, 8), (0, 8)], lambda cell: True, "")
+
+
+def test_the_cells_of_a_search_are_those_of_the_checker(mission):
+    """Both halve alike, so what holds over a cell here is asked over the same cell there."""
+    box, mine, theirs = np.array([[0.0, 1.0], [-2.0, 1.5], [0.25, 0.5]]), [], []
+
+    def hold(cells):
+        large = np.ptp(cells, axis=2).max(axis=1) > 0.3
+        mine.extend(cells[~large].tolist())
+        return ~large | (np.ptp(cells, axis=2).max(axis=1) == 0)
+
+    tree = grow_tree(box, hold, 1000)
+    cells = [(round(a * 2**40), round(b * 2**40)) for a, b in box]
+    checker.cover(tree, cells, lambda cell: theirs.append(cell) or True, "")
+    scaled = sorted([[a / 2**40, b / 2**40] for a, b in cell] for cell in theirs)
+    wanted = sorted(cell for cell in mine if np.ptp(cell, axis=1).max() > 0)
+    assert scaled == wanted
 
 
 def test_a_box_of_too_many_decimals_is_refused():

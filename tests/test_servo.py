@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hoverproof import checker
+import checker_kit
 from hoverproof.algebra.graph import evaluate
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Design, Measurement
@@ -97,7 +97,7 @@ def test_sigma_of_the_graph_is_the_sigma_of_the_checker(gains, mass, goal, weigh
     a, b, c, d, e, g = depths
     Q = [[a, b, c], [b, d, e], [c, e, g]]
     names = dict(zip(("k1", "k2", "k3", "k4"), gains, strict=True))
-    assert sigma == checker.sigma(names, weights, Q, f, goal)
+    assert sigma == checker_kit.sigma(names, weights, Q, f, goal)
 
     w1, w2, w3, w4 = weights
     rows = [[0] * 11 for _ in range(3)]

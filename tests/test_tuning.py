@@ -16,6 +16,7 @@ from hypothesis import given as drawn
 from hypothesis import settings
 from hypothesis import strategies as st
 
+import checker_kit
 from hoverproof import checker, cli
 from hoverproof.certification.gains import Proved, certify
 from hoverproof.certification.problem import ONES, gain_problem
@@ -152,7 +153,7 @@ def test_for_its_k1_and_k2_an_sdp_solver_finds_nothing_better(which, request):
         k12 = g["k1"] * g["k2"]
         f = k12 * (k12 + k3) / (m * (thrust - g["k1"] * k12 / m * q[2]))
         names = g | {"k3": k3, "k4": k4}
-        return np.array(checker.sigma(names, [1, 1, 1, 1], Q, f, q), float)
+        return np.array(checker_kit.sigma(names, [1, 1, 1, 1], Q, f, q), float)
 
     for thrust in map(float, problem.thrust):
         constant = sigma(0, 0, thrust)

@@ -4,35 +4,15 @@
 
 Exit status 0: accepted; 1: rejected; 2: not a certificate that can be read.
 
-A certificate holds the exact numbers of a mission, a claim, and hints (multipliers). This program
-takes nothing else from it: it builds every matrix itself from the equations below, in rational
-arithmetic without any tolerance. Square roots are enclosed between rationals.
+A certificate holds the exact numbers of a mission, a claim, and hints: multipliers, how boxes are
+halved, time steps. This program takes nothing else from it, and searches for nothing: it builds
+every matrix itself from the equations below and verifies the hints in exact arithmetic, without
+any tolerance. What is irrational is enclosed between rationals. Proofs of all theorems are in
+proofs/README.md.
 
-The closed loop (Ω3 = 0, v = δ1 + δ2, P drops the third component, A = q3* I - e3 q*ᵀ, f = f(T)):
-
-    m δ1' = -m Ω×δ1 - k1 Q v + k1 f A(δ4 - δ3)
-    m δ2' = -m Ω×δ2 + k1 Q v - k1 k2 δ2 + k1 k2 δ3 - k1 f A(δ4 - δ3)
-    m δ3' = -m Ω×δ3 + k1 Q v - k1 k2 δ2 + (k1 k2 + k3) δ4 - k3 δ3
-    m δ4' =           k1 P Q v - (k1 k2 + k3) P δ3 - k4 δ4
-
-For L = ½ Σ wi|δi|² the terms in Ω drop out and -m L' = XᵀΣX, X = (δ1, δ2, δ3, δ4) ∈ R¹¹, with
-Σ = Σ0(f, q*) + k1 sym(uᵀQv), u = w1 δ1 - w2 δ2 - w3 δ3 - w4 δ4. For symmetric Q with eigenvalues in
-[a, b], λ = (a + b)/2, ϱ = (b - a)/2, and any τ > 0,
-
-    uᵀQv ≥ λ uᵀv - ϱ|u||v| ≥ λ uᵀv - (ϱ/2)(τ|v|² + |u|²/τ),
-
-so Σ ≻ t W follows from  M = Σ(λI) - (k1 ϱ/2)(τ vᵀv + uᵀu/τ) - t W ≻ 0,  which is decided by an
-exact LDLᵀ, W = diag(w1 I, w2 I, w3 I, w4 I). M is affine in f and in each component of q*: the
-corners of a box around them suffice. Then L' <= -(2 t/m) L.
-
-Eigenvalues of Q over a box of positions c + δ, |δ| <= ρ: with ri the distance of point Pi from
-c + δ, di that from c, and any θ > 0, wi = 1/(di + ρ)³ <= 1/ri³, s = Σ wi (Pi - c),
-
-    xᵀQx = Σ |x × (Pi - c - δ)|²/ri³ >= Σ wi |x × (Pi - c)|² - 2 (x × s)·(x × δ) + Σ wi |x × δ|²
-         >= Σ wi |x × (Pi - c)|² - θ|x × s|² - (1/θ - Σ wi) ρ²|x|²    (where 1/θ >= Σ wi).
-
-From above: the derivative of (I - pipiᵀ)/ri along a unit vector has norm at most (2/√3)/ri², so
-Q(c + δ) ⪯ Q(c) + Σ 1.155 ρ/(di - ρ)² I. A box that this does not decide is halved.
+Chapters: numbers; forms; the file; the model; covers of boxes by cells; then each theorem as
+equations, reading, verification, words: gains, eigenvalues over a box, regions of attraction,
+motions that sink.
 """
 
 import hashlib
@@ -44,47 +24,23 @@ import operator
 import re
 import sys
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 Row = Sequence[Fraction]
 Matrix = list[list[Fraction]]
-Gains = dict[str, Fraction]
+Interval = tuple[Fraction, Fraction]
 Cell = list[tuple[int, int]]  # a box, its ends whole numbers of a unit of length
 
 # What a file may ask for, so that any file is answered within seconds.
+VERSION = 2
 MAX_BYTES = 1_000_000
 MAX_DIGITS = 80  # of a numerator or denominator
 MAX_POINTS = 64
-MAX_WORK = 40_000  # boxes times (points + 4), for the eigenvalues over a box
-MAX_SEARCH = 560_000  # boxes times (points + 5) times 1, 3 or 4, for a region of attraction
-
-
-class Question(NamedTuple):
-    """The numbers of a mission that bear on the claim; intervals enclose what is irrational."""
-
-    name: str
-    m: Fraction  # mass, kg
-    g: Gains  # k1 kg m/s, k2 1/m, k3 and k4 kg/s
-    w: list[Fraction]  # weights of L
-    thrust: list[Fraction]  # lowest and highest, N
-    eigenvalues: list[Fraction]  # of Q, lowest and highest, 1/m
-    box: list[list[Fraction]] | None  # positions over which the eigenvalues are to be shown, m
-    points: Matrix  # target, world frame, m
-    goal: list[Fraction] | None  # position, m; None where q* is given
-    centroid: list[tuple[Fraction, Fraction]]  # q*
-    factor: tuple[Fraction, Fraction]  # holds every f(T), 1/m
-    attained: tuple[Fraction, Fraction]  # every value in it is an f(T), 1/m
-
-
-class Spread(NamedTuple):
-    """What a claim about Q alone rests on: neither gains nor thrust are in Q."""
-
-    name: str
-    points: Matrix  # target, world frame, m
-    eigenvalues: list[Fraction]  # of Q, lowest and highest, 1/m
-    box: list[list[Fraction]] | None  # positions over which they are to be shown, m
+MAX_WORK = 1_200_000  # cells times (points + 5) times what one costs, over all trees
+MAX_STEPS = 500  # of a motion, times (points + 3)
+MAX_TIME = 60  # s
 
 
 class Rejected(Exception):
@@ -92,29 +48,24 @@ class Rejected(Exception):
 
 
 class Unreadable(Exception):
-    """The file is not a certificate."""
+    """The file is not a certificate of this version."""
 
 
-# --- exact arithmetic ---------------------------------------------------------------------------
+def require(condition: object, reason: str) -> None:
+    """Reject the certificate for a reason unless the condition holds."""
+    if not condition:
+        raise Rejected(reason)
 
 
-def positive_definite(matrix: Matrix) -> bool:
-    """Tell by LDLᵀ in rational arithmetic whether a symmetric matrix is positive definite."""
-    a = [list(row) for row in matrix]
-    n = len(a)
-    require(all(a[i][j] == a[j][i] for i in range(n) for j in range(n)), "not symmetric")
-    for k in range(n):
-        if a[k][k] <= 0:
-            return False
-        for i in range(k + 1, n):
-            if a[i][k]:
-                factor = a[i][k] / a[k][k]
-                for j in range(k + 1, i + 1):
-                    a[i][j] -= factor * a[j][k]
-    return True
+# --- numbers ------------------------------------------------------------------------------------
 
 
-def square_root(s: Fraction) -> tuple[Fraction, Fraction]:
+def total(values: Iterable[Fraction]) -> Fraction:
+    """Return a sum of fractions."""
+    return sum(values, Fraction(0))
+
+
+def square_root(s: Fraction) -> Interval:
     """Return rationals low <= √s <= high, at most 2^-128 apart."""
     n = (s.numerator << 256) // s.denominator
     r = math.isqrt(n)
@@ -122,7 +73,7 @@ def square_root(s: Fraction) -> tuple[Fraction, Fraction]:
     return Fraction(r, 1 << 128), Fraction(r if exact else r + 1, 1 << 128)
 
 
-def outward(low: Fraction, high: Fraction) -> tuple[Fraction, Fraction]:
+def outward(low: Fraction, high: Fraction) -> Interval:
     """Round the ends of an interval outward to multiples of 2^-160; keep a short exact number."""
     if low == high and low.denominator < 1 << 160:
         return low, high
@@ -130,237 +81,113 @@ def outward(low: Fraction, high: Fraction) -> tuple[Fraction, Fraction]:
     return Fraction(math.floor(low * unit), unit), Fraction(math.ceil(high * unit), unit)
 
 
-def within(inner: Sequence[Fraction], outer: Sequence[Fraction]) -> bool:
+def within(inner: Row, outer: Row) -> bool:
     """Tell whether the interval `inner` lies in `outer`."""
     return outer[0] <= inner[0] <= inner[1] <= outer[1]
 
 
-# --- the model ----------------------------------------------------------------------------------
+def definite(a: list[list[int]]) -> bool:
+    """Tell whether a symmetric matrix of whole numbers, which is overwritten, is positive definite.
 
-
-def centroid_seen(points: Matrix, position: Row) -> list[tuple[Fraction, Fraction]]:
-    """Enclose q = Σ (P - ξ)/|P - ξ|; points at equal distance are added before rounding.
-
-    What is not exact, or long, is rounded outward: sums of fractions grow longer and longer.
+    By Sylvester's criterion: Bareiss' elimination leaves the leading minors on the diagonal.
     """
-    sums: dict[Fraction, list[Fraction]] = {}
-    for point in points:
-        ray = [p - x for p, x in zip(point, position, strict=True)]
-        square = sum((c * c for c in ray), Fraction(0))
-        require(square > 0, "the goal coincides with a target point")
-        old = sums.get(square, [Fraction(0)] * 3)
-        sums[square] = [a + b for a, b in zip(old, ray, strict=True)]
-    box = []
-    for i in range(3):
-        ends = [outward(*sorted(ray[i] / r for r in square_root(s))) for s, ray in sums.items()]
-        box.append(outward(*(sum((e[k] for e in ends), Fraction(0)) for k in (0, 1))))
-    return box
+    last = 1
+    for k, row in enumerate(a):
+        pivot = row[k]
+        if pivot <= 0:
+            return False
+        for i in range(k + 1, len(a)):
+            below, factor = a[i], a[i][k]
+            for j in range(k + 1, i + 1):
+                below[j] = (below[j] * pivot - factor * a[j][k]) // last
+        last = pivot
+    return True
 
 
-def factor(m: Fraction, g: Gains, thrust: Fraction, q3: Fraction) -> Fraction:
-    """Return f(T) = k1 k2 (k1 k2 + k3)/(m (T - c q3*)), c = k1² k2/m."""
-    distance = thrust - g["k1"] ** 2 * g["k2"] / m * q3
-    require(distance > 0, "the thrust interval reaches the singularity T = c q3*")
-    return g["k1"] * g["k2"] * (g["k1"] * g["k2"] + g["k3"]) / (m * distance)
+def about(x: Fraction) -> str:
+    """Write a rational number so that a person sees its size."""
+    return str(x) if len(str(x)) < 6 else f"{x} (about {float(x):.6g})"
 
 
-def closed_loop(g: Gains, Q: Matrix, f: Fraction, q: Row) -> Matrix:
-    """Return the matrix B of m X' = B X (the terms in Ω left out), 11 x 11."""
-    k1, k2, k3, k4 = (g[k] for k in ("k1", "k2", "k3", "k4"))
-    unit = [[Fraction(int(i == j)) for j in range(11)] for i in range(11)]
-    zero = [Fraction(0)] * 11
-    d1, d2, d3, d4 = unit[0:3], unit[3:6], unit[6:9], [unit[9], unit[10], zero]
-
-    def mix(*terms: tuple[Fraction | int, Row]) -> list[Fraction]:
-        return [sum((c * row[j] for c, row in terms), Fraction(0)) for j in range(11)]
-
-    v = [mix((1, d1[i]), (1, d2[i])) for i in range(3)]
-    flow = [mix(*((k1 * Q[i][j], v[j]) for j in range(3))) for i in range(3)]
-    e = [mix((1, d4[i]), (-1, d3[i])) for i in range(3)]
-    turn = [mix((k1 * f * q[2], e[i])) for i in range(3)]  # k1 f A (δ4 - δ3)
-    turn[2] = mix((1, turn[2]), *((-k1 * f * q[j], e[j]) for j in range(3)))
-    rows = [mix((-1, flow[i]), (1, turn[i])) for i in range(3)]
-    for i in range(3):
-        damped = ((1, flow[i]), (-k1 * k2, d2[i]))
-        rows.append(mix(*damped, (k1 * k2, d3[i]), (-1, turn[i])))
-    for i in range(3):
-        damped = ((1, flow[i]), (-k1 * k2, d2[i]))
-        rows.append(mix(*damped, (k1 * k2 + k3, d4[i]), (-k3, d3[i])))
-    for i in range(2):
-        rows.append(mix((1, flow[i]), (-(k1 * k2 + k3), d3[i]), (-k4, d4[i])))
-    return rows
+def interval(low: Fraction, high: Fraction) -> str:
+    """Write an interval in words, a single number as such."""
+    return about(low) if low == high else f"[{about(low)}, {about(high)}]"
 
 
-def diagonal(w: Row) -> list[Fraction]:
-    """Return the diagonal of W, (11,)."""
-    return [w[0]] * 3 + [w[1]] * 3 + [w[2]] * 3 + [w[3]] * 2
+# --- forms --------------------------------------------------------------------------------------
 
 
-def sigma(g: Gains, w: Row, Q: Matrix, f: Fraction, q: Row) -> Matrix:
-    """Return Σ = -sym(W B) for L = ½ XᵀWX."""
-    weight = diagonal(w)
-    b = closed_loop(g, Q, f, q)
-    n = range(11)
-    return [[-(weight[i] * b[i][j] + weight[j] * b[j][i]) / 2 for j in n] for i in n]
+class Form(dict[tuple[int, ...], Fraction]):
+    """A linear or quadratic form in X ∈ R¹¹: the coefficient of each Xi, or each Xi Xj, i <= j."""
+
+    def __add__(self, other: "Form") -> "Form":
+        new = Form(self)
+        for key, c in other.items():
+            new[key] = new.get(key, Fraction(0)) + c
+        return new
+
+    def __rmul__(self, c: Fraction) -> "Form":
+        return Form({key: c * x for key, x in self.items()} if c else {})
+
+    def __sub__(self, other: "Form") -> "Form":
+        return self + Fraction(-1) * other
+
+    def product(self, other: "Form") -> "Form":
+        """Return the product of two linear forms."""
+        new = Form()
+        for (i,), a in self.items():
+            for (j,), b in other.items():
+                key = (min(i, j), max(i, j))
+                new[key] = new.get(key, Fraction(0)) + a * b
+        return new
+
+    def positive(self, n: int = 11) -> bool:
+        """Tell whether a quadratic form in the first n components of X is positive definite."""
+        scale = 2 * math.lcm(*(c.denominator for c in self.values()))
+        a = [[0] * n for _ in range(n)]
+        for (i, j), c in self.items():
+            a[i][j] = a[j][i] = int(c * scale) // (1 if i == j else 2)
+        return definite(a)
+
+    def value(self, X: Row) -> Fraction:
+        """Return the value of a quadratic form at X."""
+        return total(c * X[i] * X[j] for (i, j), c in self.items())
 
 
-def out_of_bounds(points: Matrix, position: Row, x: Row, bound: Fraction, *, lower: bool) -> bool:
-    """Tell whether xᵀQx is shown to be below (lower) or above bound·|x|² at a position."""
-    xx, total = sum((a * a for a in x), Fraction(0)), Fraction(0)
-    for point in points:  # xᵀQx = Σ (|x|² - (x·pi)²)/ri, rounded against the claim
-        ray = [a - b for a, b in zip(point, position, strict=True)]
-        square = sum((a * a for a in ray), Fraction(0))
-        require(square > 0, "the position is that of a target point")
-        along = sum((a * b for a, b in zip(ray, x, strict=True)), Fraction(0))
-        total += (xx - along**2 / square) / square_root(square)[0 if lower else 1]
-    return total < bound * xx if lower else total > bound * xx
+class Vector(tuple[Form, ...]):
+    """Three linear forms."""
+
+    def __add__(self, other: "Vector") -> "Vector":  # type: ignore[override]
+        return Vector(map(operator.add, self, other))
+
+    def __sub__(self, other: "Vector") -> "Vector":
+        return Vector(map(operator.sub, self, other))
+
+    def __rmul__(self, c: Fraction) -> "Vector":  # type: ignore[override]
+        return Vector(c * x for x in self)
+
+    def __matmul__(self, other: "Vector") -> Form:
+        """Return the quadratic form xᵀy."""
+        return sum(map(Form.product, self, other), Form())
 
 
-class Grid(NamedTuple):
-    """Lengths as whole numbers of a unit that divides every coordinate of the target."""
-
-    unit: int  # of them are 1 m
-    points: list[list[int]]
-
-    @classmethod
-    def of(cls, points: Matrix) -> "Grid":
-        """Lay the grid of a target."""
-        unit = 2**20 * math.lcm(*(c.denominator for point in points for c in point))
-        require(unit < 10**40, "the coordinates of the target are too long")
-        return cls(unit, [[int(c * unit) for c in point] for point in points])
-
-    def cover(self, box: Matrix) -> Cell:
-        """Round a box outward."""
-        require(all(abs(end) < 10**9 for side in box for end in side), "a box is too far away")
-        return [(math.floor(a * self.unit), math.ceil(b * self.unit)) for a, b in box]
+def flat(x: Vector) -> Vector:
+    """Return P x: the third component is dropped."""
+    return Vector([*x[:2], Form()])
 
 
-def halves(cell: Cell) -> list[Cell]:
-    """Halve a cell along its longest side."""
-    k = max(range(len(cell)), key=lambda i: cell[i][1] - cell[i][0])
-    middle = sum(cell[k]) // 2
-    return [
-        [side if i == k else old for i, old in enumerate(cell)]
-        for side in ((cell[k][0], middle), (middle, cell[k][1]))
-    ]
+def through(rows: Sequence[Row], x: Vector) -> Vector:
+    """Return the product of a matrix with a vector."""
+    return Vector(sum((c * y for c, y in zip(row, x, strict=True)), Form()) for row in rows)
 
 
-def eigenvalues_hold(
-    points: Matrix, box: Matrix, low: Fraction, high: Fraction, most: int | None = None
-) -> bool:
-    """Tell whether low I ≺ Q ≺ high I is shown for every position in a box, halving it at need.
-
-    The box is rounded outward to the grid, so every matrix is one of integers.
-    """
-    grid = Grid.of(points)
-    low, high = low / grid.unit, high / grid.unit
-    cells = [grid.cover(box)]
-    limit = MAX_WORK // (len(points) + 4)
-    for _ in range(limit if most is None else min(limit, most)):
-        if not cells:
-            return True
-        cell = cells.pop()
-        if not eigenvalues_hold_near(grid.points, cell, low, high):
-            center: Cell = [((a + b) // 2,) * 2 for a, b in cell]
-            if not eigenvalues_hold_near(grid.points, center, low, high):
-                return False  # not even there
-            cells += halves(cell)
-    return False
+D1, D2, D3, D4 = (  # δ1, δ2, δ3, δ4
+    Vector(Form({(i,): Fraction(1)} if i < 11 else {}) for i in range(k, k + 3))
+    for k in (0, 3, 6, 9)
+)
 
 
-def eigenvalues_hold_near(
-    points: list[list[int]], cell: Cell, low: Fraction, high: Fraction
-) -> bool:
-    """Show it for a whole cell at once, without halving, in integers; see the top of this file."""
-    _, square, radius, rays, near = around(points, cell)
-    if not largest_below(rays, near, radius, high):
-        return False
-    scale = 1 << (64 + 3 * max(near).bit_length())  # weights and bounds are multiples of 1/scale
-    weights = [scale // (d + 1 + radius) ** 3 for d in near]
-    total = sum(weights)
-    s = [sum(w * ray[i] for w, ray in zip(weights, rays, strict=True)) for i in range(3)]
-    below, lost = turns(weights, rays), turns([1], [s])
-    bottom = math.ceil(scale * low)
-    for k in (2, 4, 16, 64, 2**20):  # 1/θ = k Σ wi; the inequality is multiplied by that
-        matrix = [
-            [k * total * a - b for a, b in zip(*r, strict=True)]
-            for r in zip(below, lost, strict=True)
-        ]
-        if positive_definite_3(matrix, 1, -k * total * (bottom + (k - 1) * total * square)):
-            return True
-    return False
-
-
-def around(
-    points: list[list[int]], cell: Cell
-) -> tuple[list[int], int, int, list[list[int]], list[int]]:
-    """Return the centre of a cell, ρ² and ρ, the rays from the centre, and their lengths.
-
-    A length d stands for one in [d, d + 1]; ρ is rounded up.
-    """
-    center = [(a + b) // 2 for a, b in cell]
-    square = sum((b - c) ** 2 for (_, b), c in zip(cell, center, strict=True))  # b - c >= c - a
-    rays = [[p - c for p, c in zip(point, center, strict=True)] for point in points]
-    near = [math.isqrt(sum(x * x for x in ray)) for ray in rays]
-    return center, square, math.isqrt(square) + 1, rays, near
-
-
-def largest_below(rays: list[list[int]], near: list[int], radius: int, high: Fraction) -> bool:
-    """Show Q ≺ high I for a whole cell at once."""
-    if min(near) <= radius:
-        return False
-    scale = 1 << (64 + 3 * max(near).bit_length())
-    top = scale * high.numerator // high.denominator
-    if sum(scale // (d - radius) + 1 for d in near) < top:  # Q ⪯ Σ 1/ri is enough
-        return True
-    steep = sum(1155 * scale * radius // (1000 * (d - radius) ** 2) + 1 for d in near)
-    return positive_definite_3(turns([scale // d**3 + 1 for d in near], rays), -1, top - steep)
-
-
-def turns(weights: Sequence[int], rays: Sequence[Sequence[int]]) -> list[list[int]]:
-    """Return the matrix of Σ wi |x × di|², that is Σ wi (|di|² I - di diᵀ)."""
-    pairs = list(zip(weights, rays, strict=True))
-    xx, yy, zz = (sum(w * d[i] * d[i] for w, d in pairs) for i in range(3))
-    xy, yz, zx = (-sum(w * d[i] * d[i - 2] for w, d in pairs) for i in range(3))
-    return [[yy + zz, xy, zx], [xy, zz + xx, yz], [zx, yz, xx + yy]]
-
-
-def positive_definite_3(matrix: list[list[int]], sign: int, shift: int) -> bool:
-    """Tell by its leading minors whether sign·matrix + shift·I is positive definite."""
-    (a, b, c), (_, d, e), (_, _, f) = ([sign * x for x in row] for row in matrix)
-    a, d, f = a + shift, d + shift, f + shift
-    minor = a * d - b * b
-    return a > 0 and minor > 0 and f * minor > a * e * e - 2 * b * c * e + d * c * c
-
-
-def bound(
-    g: Gains, w: Row, eigenvalues: Row, f: Fraction, q: Row, tau: Fraction, t: Fraction
-) -> Matrix:
-    """Return M = Σ(λI) - (k1 ϱ/2)(τ vᵀv + uᵀu/τ) - t W."""
-    low, high = eigenvalues
-    middle, spread = (low + high) / 2, (high - low) / 2
-    M = sigma(g, w, [[middle * (i == j) for j in range(3)] for i in range(3)], f, q)
-    loss = g["k1"] * spread / 2
-    for axis in range(3):  # u and v on each axis, as rows of length 11
-        u, v = [Fraction(0)] * 11, [Fraction(0)] * 11
-        v[axis] = v[3 + axis] = Fraction(1)
-        u[axis], u[3 + axis], u[6 + axis] = w[0], -w[1], -w[2]
-        if axis < 2:
-            u[9 + axis] = -w[3]
-        for i, j in itertools.product(range(11), repeat=2):
-            M[i][j] -= loss * (tau * v[i] * v[j] + u[i] * u[j] / tau)
-    for i, weight in enumerate(diagonal(w)):
-        M[i][i] -= t * weight
-    return M
-
-
-# --- the certificate ----------------------------------------------------------------------------
-
-
-def require(condition: object, reason: str) -> None:
-    """Reject the certificate for a reason unless the condition holds."""
-    if not condition:
-        raise Rejected(reason)
+# --- the file -----------------------------------------------------------------------------------
 
 
 def number(text: Any) -> Fraction:
@@ -392,6 +219,18 @@ def keys(value: Any, wanted: Sequence[str], where: str) -> Any:
     require(isinstance(value, dict), f"{where} is not an object")
     require(set(value) == set(wanted), f"{where} must have the keys {', '.join(wanted)}")
     return value
+
+
+def fields(value: Any, where: str, /, **shapes: tuple[int | None, ...]) -> Any:
+    """Read an object of numbers: each of its keys, and the shape of what it holds."""
+    return {k: numbers(keys(value, tuple(shapes), where)[k], *shapes[k]) for k in shapes}
+
+
+def box_of(values: Any) -> Matrix:
+    """Read a box, three intervals in order."""
+    box: Matrix = numbers(values, 3, 2)
+    require(all(a <= b for a, b in box), "a box is not in order")
+    return box
 
 
 def matches(text: Any, pattern: str) -> bool:
@@ -426,10 +265,29 @@ class Setting(NamedTuple):
     name: str
     m: Fraction  # mass, kg
     gravity: Fraction  # m/s²
-    g: Gains
-    points: Matrix
-    centroid: list[tuple[Fraction, Fraction]]
-    goal: list[Fraction] | None  # position, m
+    g: dict[str, Fraction]  # k1 kg m/s, k2 1/m, k3 and k4 kg/s
+    points: Matrix  # target, world frame, m
+    centroid: list[Interval]  # q*
+    goal: list[Fraction] | None  # position, m; None where q* is given
+
+    @property
+    def gains(self) -> list[Fraction]:
+        """The gains k1 to k4."""
+        return [self.g[k] for k in GAINS[:4]]
+
+    @property
+    def stiffness(self) -> Fraction:
+        """The c = k1² k2/m of the force, N."""
+        return self.g["k1"] ** 2 * self.g["k2"] / self.m
+
+    @property
+    def weight(self) -> Fraction:
+        """The weight m g, N."""
+        return self.m * self.gravity
+
+    def words(self) -> str:
+        """Name the gains."""
+        return ", ".join(f"{k} = {self.g[k]}" for k in GAINS[:4])
 
 
 def read_setting(c: Any) -> Setting:
@@ -437,31 +295,18 @@ def read_setting(c: Any) -> Setting:
     mission = keys(c["mission"], SECTIONS, "mission")
     require(matches(mission["name"], r"[\w.-]{1,64}"), "the mission has no proper name")
     require(c["mission_sha256"] == digest(mission), "the mission is not the one that was hashed")
-    vehicle = keys(
-        mission["vehicle"], ("mass", "inertia", "arm", "drag_ratio", "gravity"), "vehicle"
-    )
-    g = {k: number(v) for k, v in keys(mission["gains"], GAINS, "gains").items()}
-    m, gravity = number(vehicle["mass"]), number(vehicle["gravity"])
-    rest = [*numbers(vehicle["inertia"], 3), number(vehicle["arm"]), number(vehicle["drag_ratio"])]
-    require(min(m, gravity, *g.values(), *rest) > 0, "vehicle and gains must be positive")
-    start = keys(mission["start"], ("position", "velocity", "rotation", "rates"), "start")
-    numbers(list(start.values()), 4, 3)
-    bounds = mission["bounds"]
-    require(isinstance(bounds, dict), "bounds is not an object")
-    auto = bounds.get("eigenvalues") == "auto"  # to be shown over a box, which may be named
-    named = ("box",) if auto and "box" in bounds else ()
-    keys(bounds, ("eigenvalues", *named, "thrust" if "thrust" in bounds else "level"), "bounds")
-    if named:
-        numbers(bounds["box"], 3, 2)
-    if not auto:
-        numbers(bounds["eigenvalues"], 2)
-    numbers(bounds["thrust"], 2) if "thrust" in bounds else number(bounds["level"])
-    points = numbers(keys(mission["target"], ("points",), "target")["points"], None, 3)
+    plain: dict[str, tuple[int, ...]] = dict.fromkeys(("mass", "arm", "drag_ratio", "gravity"), ())
+    vehicle = fields(mission["vehicle"], "vehicle", inertia=(3,), **plain)
+    g = fields(mission["gains"], "gains", **dict.fromkeys(GAINS, ()))
+    rest = [vehicle[k] for k in plain]
+    require(min(*vehicle["inertia"], *rest, *g.values()) > 0, "vehicle and gains must be positive")
+    fields(mission["start"], "start", position=(3,), velocity=(3,), rotation=(3,), rates=(3,))
+    read_bounds(mission["bounds"])
+    points = fields(mission["target"], "target", points=(None, 3))["points"]
     require(len(points) >= 2, f"a target has 2 to {MAX_POINTS} points")
     goal = mission["goal"]
-    require(isinstance(goal, dict), "goal is not an object")
-    if "height" in goal:
-        height = number(keys(goal, ("height",), "goal")["height"])
+    if isinstance(goal, dict) and "height" in goal:
+        height = fields(goal, "goal", height=())["height"]
         position = numbers(c["goal_position"], 3)
         mean = sum(p[2] for p in points) / len(points)
         require(position[2] == mean - height, "the goal is not at the height of the mission")
@@ -470,160 +315,266 @@ def read_setting(c: Any) -> Setting:
         level_off = max(abs(end) for ends in centroid[:2] for end in ends)
         require(level_off < Fraction(1, 10**9), "the centroid at the goal is not vertical")
     else:
-        q = numbers(keys(goal, ("centroid",), "goal")["centroid"], 3)
+        q = fields(goal, "goal", centroid=(3,))["centroid"]
         require(c["goal_position"] is None, "a goal by centroid has no position here")
         require(q[2] > 0 and sum(x * x for x in q) < len(points) ** 2, "no hover sees this q*")
         position, centroid = None, [(x, x) for x in q]
-    return Setting(mission["name"], m, gravity, g, points, centroid, position)
+    return Setting(
+        mission["name"], vehicle["mass"], vehicle["gravity"], g, points, centroid, position
+    )
 
 
-def read_spread(c: Any, read: Setting | None = None) -> Spread:
-    """Return target, box and bounds of a claim about Q; the setting may have been read."""
-    s, bounds = read or read_setting(c), c["mission"]["bounds"]
-    require(min(numbers(c["weights"], 4)) > 0, "weights must be positive")
-    region = keys(c["region"], ("box", "eigenvalues"), "region")
-    eigenvalues, box = numbers(region["eigenvalues"], 2), None
-    require(0 < eigenvalues[0] < eigenvalues[1], "the eigenvalue bounds are not in order")
+def read_bounds(bounds: Any) -> None:
+    """Make sure of the form of the bounds: eigenvalues, and thrust or level."""
+    require(isinstance(bounds, dict), "bounds is not an object")
+    shapes: dict[str, tuple[int, ...]] = {"eigenvalues": (2,), "thrust": (2,)}
+    if "thrust" not in bounds:
+        shapes = {"eigenvalues": (2,), "level": ()}
+    if bounds.get("eigenvalues") == "auto":  # to be shown over a box, which may be named
+        del shapes["eigenvalues"]
+        shapes |= {"box": (3, 2)} if "box" in bounds else {}
+        bounds = {k: v for k, v in bounds.items() if k != "eigenvalues"}
+    fields(bounds, "bounds", **shapes)
+
+
+# --- the model ----------------------------------------------------------------------------------
+#
+# Errors X = (δ1, δ2, δ3, δ4) ∈ R¹¹, Ω3 = 0, v = δ1 + δ2, P drops the third component,
+# A = q3* I - e3 q*ᵀ, f = f(T), the terms in Ω left out:
+#
+#     m δ1' = -k1 Q v + k1 f A(δ4 - δ3)
+#     m δ2' =  k1 Q v - k1 k2 δ2 + k1 k2 δ3 - k1 f A(δ4 - δ3)
+#     m δ3' =  k1 Q v - k1 k2 δ2 + (k1 k2 + k3) δ4 - k3 δ3
+#     m δ4' =  k1 P Q v - (k1 k2 + k3) P δ3 - k4 δ4
+
+
+def centroid_seen(points: Matrix, position: Row) -> list[Interval]:
+    """Enclose q = Σ (P - ξ)/|P - ξ|; points at equal distance are added before rounding.
+
+    What is not exact, or long, is rounded outward: sums of fractions grow longer and longer.
+    """
+    sums: dict[Fraction, list[Fraction]] = {}
+    for point in points:
+        ray = [p - x for p, x in zip(point, position, strict=True)]
+        square = total(c * c for c in ray)
+        require(square > 0, "the goal coincides with a target point")
+        old = sums.get(square, [Fraction(0)] * 3)
+        sums[square] = [a + b for a, b in zip(old, ray, strict=True)]
+    box = []
+    for i in range(3):
+        ends = [outward(*sorted(ray[i] / r for r in square_root(s))) for s, ray in sums.items()]
+        box.append(outward(*map(total, zip(*ends, strict=True))))
+    return box
+
+
+def factor(s: Setting, thrust: Fraction, q3: Fraction) -> Fraction:
+    """Return f(T) = k1 k2 (k1 k2 + k3)/(m (T - c q3*)), c = k1² k2/m."""
+    (k1, k2, k3, _), distance = s.gains, thrust - s.stiffness * q3
+    require(distance > 0, "the thrust interval reaches the singularity T = c q3*")
+    return k1 * k2 * (k1 * k2 + k3) / (s.m * distance)
+
+
+def rates(s: Setting, Q: Sequence[Row], f: Fraction, q: Row) -> list[Vector]:
+    """Return m δ1', m δ2', m δ3' and m δ4', the terms in Ω left out."""
+    k1, k2, k3, k4 = s.gains
+    flow, e = k1 * through(Q, D1 + D2), D4 - D3
+    along = Vector([Form(), Form(), *through([q], e)])  # e3 q*ᵀ(δ4 - δ3)
+    turn = (k1 * f) * (q[2] * e - along)
+    damped = flow - (k1 * k2) * D2
+    return [
+        turn - flow,
+        damped + (k1 * k2) * D3 - turn,
+        damped + (k1 * k2 + k3) * D4 - k3 * D3,
+        flat(flow) - (k1 * k2 + k3) * flat(D3) - k4 * D4,
+    ]
+
+
+def sigma(s: Setting, w: Row, Q: Sequence[Row], f: Fraction, q: Row) -> Form:
+    """Return XᵀΣX = -m L', L = ½ Σ wi|δi|²."""
+    errors = zip(w, (D1, D2, D3, D4), rates(s, Q, f, q), strict=True)
+    return Form() - sum((x * (d @ rate) for x, d, rate in errors), Form())
+
+
+def scaled_identity(c: Fraction) -> Matrix:
+    """Return c I, 3 x 3."""
+    return [[c if i == j else Fraction(0) for j in range(3)] for i in range(3)]
+
+
+# --- covers of boxes by cells -------------------------------------------------------------------
+
+
+def tree_of(text: Any, points: Matrix, cost: int) -> tuple[str, int]:
+    """Read how a box is halved, in preorder, and the work that asks for.
+
+    0 stands for a cell that is not halved, 1, 2 or 3 for one that is, across that axis.
+    """
+    require(matches(text, "[0-3]+"), "a tree is not written in 0, 1, 2 and 3")
+    return text, text.count("0") * (len(points) + 5) * cost
+
+
+def cover(tree: str, box: Cell, holds: Callable[[Cell], bool], what: str) -> None:
+    """Verify that something holds over each cell that a box is halved into, so over the box."""
+    cells = [box]
+    for letter in tree:
+        require(cells, "a tree is longer than what it halves")
+        cell = cells.pop()
+        if letter == "0":
+            require(holds(cell), f"{what} over a cell of the box")
+            continue
+        k = int(letter) - 1
+        require(k < len(cell), "a tree halves across an axis that is not there")
+        a, b = cell[k]
+        middle = (a + b) // 2
+        cells += [[*cell[:k], side, *cell[k + 1 :]] for side in ((middle, b), (a, middle))]
+    require(not cells, "a tree is shorter than what it halves")
+
+
+class Grid(NamedTuple):
+    """Lengths as whole numbers of a unit that divides every coordinate of the target."""
+
+    unit: int  # of them are 1 m
+    points: list[list[int]]
+
+    @classmethod
+    def of(cls, points: Matrix) -> "Grid":
+        """Lay the grid of a target."""
+        unit = 2**40 * math.lcm(*(c.denominator for point in points for c in point))
+        require(unit < 10**46, "the coordinates of the target are too long")
+        return cls(unit, [[int(c * unit) for c in point] for point in points])
+
+    def cell(self, box: Sequence[Row]) -> Cell:
+        """Round a box outward."""
+        require(all(abs(end) < 10**9 for side in box for end in side), "a box is too far away")
+        return [(math.floor(a * self.unit), math.ceil(b * self.unit)) for a, b in box]
+
+    def around(self, cell: Cell) -> "Ball3":
+        """Enclose a cell by a ball."""
+        center = [(a + b) // 2 for a, b in cell]
+        square = sum((b - c) ** 2 for (_, b), c in zip(cell, center, strict=True))  # b - c >= c - a
+        rays = [[p - c for p, c in zip(point, center, strict=True)] for point in self.points]
+        near = [math.isqrt(sum(x * x for x in ray)) for ray in rays]
+        return Ball3(center, square, math.isqrt(square) + 1, rays, near)
+
+
+class Ball3(NamedTuple):
+    """Positions within ρ of a centre, and the target seen from there."""
+
+    center: list[int]
+    square: int  # ρ²
+    radius: int  # ρ, rounded up
+    rays: list[list[int]]  # Pi - centre
+    near: list[int]  # their lengths: d stands for one in [d, d + 1]
+
+
+def turns(weights: Sequence[int], rays: Sequence[Sequence[int]]) -> list[list[int]]:
+    """Return the matrix of Σ wi |x × di|², that is Σ wi (|di|² I - di diᵀ)."""
+    pairs = list(zip(weights, rays, strict=True))
+    xx, yy, zz = (sum(w * d[i] * d[i] for w, d in pairs) for i in range(3))
+    xy, yz, zx = (-sum(w * d[i] * d[i - 2] for w, d in pairs) for i in range(3))
+    return [[yy + zz, xy, zx], [xy, zz + xx, yz], [zx, yz, xx + yy]]
+
+
+def shifted(a: list[list[int]], sign: int, shift: int) -> list[list[int]]:
+    """Return sign·a + shift·I."""
+    return [[sign * x + shift * (i == j) for j, x in enumerate(row)] for i, row in enumerate(a)]
+
+
+def largest_below(ball: Ball3, high: Fraction) -> bool:
+    """Show Q ≺ high I over a ball; the unit of length is that of the grid.
+
+    By Q ⪯ Σ 1/ri I, and by Q(c + δ) ⪯ Q(c) + Σ 1.155 ρ/(di - ρ)² I: the derivative of
+    (I - pipiᵀ)/ri along a unit vector has norm at most (2/√3)/ri².
+    """
+    _, _, radius, rays, near = ball
+    if min(near) <= radius:
+        return False
+    scale = 1 << (64 + 3 * max(near).bit_length())
+    top = scale * high.numerator // high.denominator
+    if sum(scale // (d - radius) + 1 for d in near) < top:
+        return True
+    steep = sum(1155 * scale * radius // (1000 * (d - radius) ** 2) + 1 for d in near)
+    return definite(shifted(turns([scale // d**3 + 1 for d in near], rays), -1, top - steep))
+
+
+def smallest_above(ball: Ball3, low: Fraction) -> bool:
+    """Show Q ≻ low I over a ball; the unit of length is that of the grid.
+
+    With wi = 1/(di + ρ)³ <= 1/ri³, s = Σ wi di and any θ > 0 with 1/θ >= Σ wi,
+
+        xᵀQx = Σ |x × (di - δ)|²/ri³ >= Σ wi |x × di|² - 2 (x × s)·(x × δ) + Σ wi |x × δ|²
+             >= Σ wi |x × di|² - θ|x × s|² - (1/θ - Σ wi) ρ²|x|².
+    """
+    _, square, radius, rays, near = ball
+    scale = 1 << (64 + 3 * max(near).bit_length())  # weights and bounds are multiples of 1/scale
+    weights = [scale // (d + 1 + radius) ** 3 for d in near]
+    whole = sum(weights)
+    s = [sum(w * ray[i] for w, ray in zip(weights, rays, strict=True)) for i in range(3)]
+    below, lost = turns(weights, rays), turns([1], [s])
+    bottom = math.ceil(scale * low)
+    for k in (2, 4, 16, 64, 2**20):  # 1/θ = k Σ wi; the inequality is multiplied by that
+        difference = [
+            [k * whole * a - b for a, b in zip(*pair, strict=True)]
+            for pair in zip(below, lost, strict=True)
+        ]
+        if definite(shifted(difference, 1, -k * whole * (bottom + (k - 1) * whole * square))):
+            return True
+    return False
+
+
+# --- eigenvalues of Q over a box ----------------------------------------------------------------
+
+
+class Spread(NamedTuple):
+    """What a claim about Q rests on: neither gains nor thrust are in Q."""
+
+    s: Setting
+    low: Fraction  # of the eigenvalues, 1/m
+    high: Fraction
+    box: Matrix | None  # positions over which they are to be shown, m; None if they are assumed
+    tree: str | None
+
+
+def read_spread(c: Any, s: Setting | None = None) -> Spread:
+    """Return target, box and bounds; the setting may have been read."""
+    s = s or read_setting(c)
+    region = keys(c["region"], ("box", "eigenvalues", "tree"), "region")
+    low, high = numbers(region["eigenvalues"], 2)
+    require(0 < low < high, "the eigenvalue bounds are not in order")
+    box, tree = None, region["tree"]
     if region["box"] is None:
-        assumed = region["eigenvalues"] == bounds["eigenvalues"]
+        assumed = region["eigenvalues"] == c["mission"]["bounds"]["eigenvalues"]
         require(assumed, "without a box, the eigenvalue bounds are those of the mission")
     else:
-        box = numbers(region["box"], 3, 2)
-        require(all(a <= b for a, b in box), "the box is not in order")
-    return Spread(s.name, s.points, eigenvalues, box)
-
-
-def read_mission(c: Any) -> Question:
-    """Return the numbers of the mission that bear on the claim, and enclosures made from them."""
-    name, m, gravity, g, points, centroid, goal = setting = read_setting(c)
-    _, _, eigenvalues, box = read_spread(c, setting)
-    w, bounds = numbers(c["weights"], 4), c["mission"]["bounds"]
-    stiffness = g["k1"] ** 2 * g["k2"] / m
-
-    if "thrust" in bounds:
-        thrust = numbers(bounds["thrust"], 2)
-        require(thrust[0] <= m * gravity <= thrust[1], "the thrust interval does not hold m g")
+        box = box_of(region["box"])
+    if box is None or c["kind"] == "outside":
+        require(tree is None, "a tree belongs to bounds that are shown over a box")
     else:
-        level = number(bounds["level"])
-        require(level > 0, "the level must be positive")
-        reach = stiffness * square_root(2 * level * (1 / w[1] + 1 / w[2]))[1]
-        thrust = [m * gravity - reach, m * gravity + reach]
-
-    def f(thrust: Fraction, q3: Fraction) -> Fraction:
-        return factor(m, g, thrust, q3)
-
-    (low, high), (q_low, q_high) = thrust, centroid[2]
-    return Question(
-        name=name,
-        m=m,
-        g=g,
-        w=w,
-        thrust=thrust,
-        eigenvalues=eigenvalues,
-        box=box,
-        points=points,
-        goal=goal,
-        centroid=centroid,
-        factor=(f(high, q_low), f(low, q_high)),
-        attained=(f(high, q_high), f(low, q_low)),
-    )
+        tree, work = tree_of(tree, s.points, 2)
+        require(work <= MAX_WORK, "a tree is too long")
+    return Spread(s, low, high, box, tree)
 
 
-def verify_gains(c: Any, p: Question) -> None:
-    """Verify a proof of Σ ≻ margin·W, hence of the decay of L."""
-    keys(c["enclosures"], ("centroid", "factor", "goal"), "enclosures")
-    box = numbers(c["enclosures"]["centroid"], 3, 2)
-    span = numbers(c["enclosures"]["factor"], 2)
-    for mine, given in zip(p.centroid, box, strict=True):
-        require(within(mine, given), "the box around q* does not hold q*")
-    require(within(p.factor, span), "the interval of f does not hold f(T)")
-    require(isinstance(c["vertices"], list) and len(c["vertices"]) == 2, "two vertices are needed")
-    margin, rate = (number(c["claim"][k]) for k in ("margin", "decay_rate"))
-    require(margin > 0, "a margin of zero or less proves nothing")
-    require(rate == 2 * margin / p.m, "the decay rate does not follow from the margin")
-    margins = []
-    for f, vertex in zip(span, c["vertices"], strict=True):
-        keys(vertex, ("factor", "multiplier", "margin", "decay_rate"), "vertex")
-        require(number(vertex["factor"]) == f, "a vertex is not at an end of the interval of f")
-        tau, t = number(vertex["multiplier"]), number(vertex["margin"])
-        require(tau > 0, "a multiplier must be positive")
-        require(number(vertex["decay_rate"]) == 2 * t / p.m, "a rate is not that of its margin")
-        for q in itertools.product(*(sorted(set(ends)) for ends in box)):
-            M = bound(p.g, p.w, p.eigenvalues, f, q, tau, t)
-            require(positive_definite(M), "Σ - margin·W is not shown to be positive definite")
-        margins.append(t)
-    require(margin == min(margins), "the margin is not the smallest of the vertices")
-    verify_region(c, p)
-    spot = numbers(c["enclosures"]["goal"], 3, 2)
-    require(
-        goal_within(p.points, p.goal, p.centroid, spot, p.eigenvalues),
-        "Q at the goal is not shown to be within the bounds of its eigenvalues",
-    )
-
-
-def goal_within(
-    points: Matrix,
-    goal: Row | None,
-    centroid: Sequence[tuple[Fraction, Fraction]],
-    box: Matrix,
-    eigenvalues: Row,
-) -> bool:
-    """Tell whether a box is shown to hold the goal, and low I ≺ Q ≺ high I all over it.
-
-    A goal by its centroid q* is where the convex Σ|P'i - ξ| + q*ᵀξ, of slope q* - q and Hessian
-    Q ≻ low I, is least. On the largest ball about the middle of the box, of radius r, it is higher
-    than in the middle if |q - q*| < low r/2 there.
-    """
-    if any(a > b for a, b in box) or not eigenvalues_hold(
-        points, box, eigenvalues[0], eigenvalues[1], 1000
-    ):
-        return False
-    if goal is not None:
-        return all(a <= x <= b for x, (a, b) in zip(goal, box, strict=True))
-    seen = centroid_seen(points, [(a + b) / 2 for a, b in box])
-    slope = sum(
-        max(abs(x - y) for x in ends for y in want) ** 2
-        for ends, want in zip(seen, centroid, strict=True)
-    )
-    radius = min(b - a for a, b in box) / 2
-    return slope < (eigenvalues[0] * radius / 2) ** 2
-
-
-def theorem_of_gains(c: Any, p: Question) -> str:
-    """Say in words what is proved."""
-    claim = keys(c["claim"], ("margin", "decay_rate"), "claim")
-    margin, rate = about(number(claim["margin"])), about(number(claim["decay_rate"]))
-    weights = ", ".join(map(str, p.w))
-    stays = "Q and T stay in these intervals (which is assumed of Q, not shown for the target)"
-    region = ""
-    if p.box is not None:
-        stays, region = (
-            "the vehicle stays in that box and T in its interval",
-            theorem_of_region(c, p) + " ",
-        )
-    return (
-        f"For {setting(p)}, the matrix Σ(Q, T) is positive definite: XᵀΣX > {margin} kg/s times "
-        f"Σ wi|δi|² for all X ≠ 0, w = ({weights}). {region}Hence, while {stays} and Ω3 = 0, the "
-        f"Lyapunov function L = ½ Σ wi|δi|² falls at least as fast as exp(-r t), r = {rate} 1/s. "
-        "At the goal Q is within this interval."
-    )
-
-
-def verify_region(c: Any, p: Question | Spread) -> None:
+def verify_region(c: Any, p: Spread) -> None:
     """Verify the eigenvalue bounds over the box, if one is claimed."""
-    if p.box is not None:
-        shown = eigenvalues_hold(p.points, p.box, p.eigenvalues[0], p.eigenvalues[1])
-        require(shown, "the eigenvalue bounds are not shown to hold over the box")
+    if p.box is None or p.tree is None:
+        return
+    grid = Grid.of(p.s.points)
+    low, high = p.low / grid.unit, p.high / grid.unit
+
+    def hold(cell: Cell) -> bool:
+        ball = grid.around(cell)
+        return largest_below(ball, high) and smallest_above(ball, low)
+
+    cover(p.tree, grid.cell(p.box), hold, "the eigenvalue bounds are not shown to hold")
 
 
-def theorem_of_region(c: Any, p: Question | Spread) -> str:
+def theorem_of_region(c: Any, p: Spread) -> str:
     """Say in words over which box the eigenvalue bounds hold."""
     require(p.box is not None, "a claim about a region has a box")
     sides = " x ".join(f"[{about(a)}, {about(b)}]" for a, b in p.box or [])
-    low, high = map(about, p.eigenvalues)
     return (
-        f"For the target of the mission {p.name} and every position in the box {sides} m, the "
-        f"eigenvalues of Q lie between {low} and {high} 1/m."
+        f"For the target of the mission {p.s.name} and every position in the box {sides} m, the "
+        f"eigenvalues of Q lie between {about(p.low)} and {about(p.high)} 1/m."
     )
 
 
@@ -634,7 +585,14 @@ def verify_outside(c: Any, p: Spread) -> None:
     inside = all(a <= y <= b for y, (a, b) in zip(position, p.box or (), strict=True))
     require(inside, "the position is not in the box")
     lower = spot["bound"] == "lower"
-    out = out_of_bounds(p.points, position, x, p.eigenvalues[0 if lower else 1], lower=lower)
+    xx, value = total(a * a for a in x), Fraction(0)
+    for point in p.s.points:  # xᵀQx = Σ (|x|² - (x·pi)²)/ri, rounded against the claim
+        ray = [a - b for a, b in zip(point, position, strict=True)]
+        square = total(a * a for a in ray)
+        require(square > 0, "the position is that of a target point")
+        along = total(a * b for a, b in zip(ray, x, strict=True))
+        value += (xx - along**2 / square) / square_root(square)[0 if lower else 1]
+    out = value < p.low * xx if lower else value > p.high * xx
     require(out, "the eigenvalue of Q there is not shown to be out of bounds")
 
 
@@ -642,8 +600,7 @@ def theorem_of_outside(c: Any, p: Spread) -> str:
     """Say in words what is refuted."""
     spot = keys(c["outside"], ("position", "direction", "bound"), "outside")
     require(spot["bound"] in ("lower", "upper"), "the bound is neither lower nor upper")
-    side = "smaller" if spot["bound"] == "lower" else "larger"
-    value = p.eigenvalues[0 if side == "smaller" else 1]
+    side, value = ("smaller", p.low) if spot["bound"] == "lower" else ("larger", p.high)
     position = ", ".join(map(str, numbers(spot["position"], 3)))
     return (
         f"It is not true that {theorem_of_region(c, p)[:-1]}: at the position ({position}) m in "
@@ -651,52 +608,164 @@ def theorem_of_outside(c: Any, p: Spread) -> str:
     )
 
 
+# --- gains --------------------------------------------------------------------------------------
+#
+# For L = ½ Σ wi|δi|² the terms in Ω drop out and -m L' = XᵀΣX, Σ = Σ0(f, q*) + k1 sym(uᵀQv),
+# u = w1 δ1 - w2 δ2 - w3 δ3 - w4 δ4. For symmetric Q with eigenvalues in [a, b], λ = (a + b)/2,
+# ϱ = (b - a)/2, and any τ > 0,
+#
+#     uᵀQv >= λ uᵀv - ϱ|u||v| >= λ uᵀv - (ϱ/2)(τ|v|² + |u|²/τ),
+#
+# so Σ ≻ t W follows from  M = Σ(λI) - (k1 ϱ/2)(τ vᵀv + uᵀu/τ) - t W ≻ 0,  W = diag(wi I). M is
+# affine in f and in each component of q*: the corners of a box around them suffice. Then
+# L' <= -(2 t/m) L.
+
+
+class Question(NamedTuple):
+    """The numbers of a mission that bear on the claim; intervals enclose what is irrational."""
+
+    s: Setting
+    w: list[Fraction]  # weights of L
+    thrust: Sequence[Fraction]  # lowest and highest, N
+    spread: Spread
+    factor: Interval  # holds every f(T), 1/m
+    attained: Interval  # every value in it is an f(T), 1/m
+
+
+def read_gains(c: Any) -> Question:
+    """Return the numbers of the mission that bear on the claim, and enclosures made from them."""
+    s = read_setting(c)
+    w, bounds = numbers(c["weights"], 4), c["mission"]["bounds"]
+    require(min(w) > 0, "weights must be positive")
+    if "thrust" in bounds:
+        thrust = numbers(bounds["thrust"], 2)
+        require(thrust[0] <= s.weight <= thrust[1], "the thrust interval does not hold m g")
+    else:
+        level = number(bounds["level"])
+        require(level > 0, "the level must be positive")
+        reach = s.stiffness * square_root(2 * level * (1 / w[1] + 1 / w[2]))[1]
+        thrust = [s.weight - reach, s.weight + reach]
+    (low, high), (q_low, q_high) = thrust, s.centroid[2]
+    return Question(
+        s,
+        w,
+        thrust,
+        read_spread(c, s),
+        (factor(s, high, q_low), factor(s, low, q_high)),
+        (factor(s, high, q_high), factor(s, low, q_low)),
+    )
+
+
+def bound(p: Question, f: Fraction, q: Row, tau: Fraction, t: Fraction) -> Form:
+    """Return XᵀMX."""
+    low, high = p.spread.low, p.spread.high
+    errors, loss = (D1, D2, D3, D4), p.s.g["k1"] * (high - low) / 4
+    w1, w2, w3, w4 = p.w
+    u, v = w1 * D1 - w2 * D2 - w3 * D3 - w4 * D4, D1 + D2
+    weighed = sum((w * (d @ d) for w, d in zip(p.w, errors, strict=True)), Form())
+    middle = sigma(p.s, p.w, scaled_identity((low + high) / 2), f, q)
+    return middle - loss * (tau * (v @ v) + (1 / tau) * (u @ u)) - t * weighed
+
+
+def verify_gains(c: Any, p: Question) -> None:
+    """Verify a proof of Σ ≻ margin·W, hence of the decay of L."""
+    hints = fields(c["enclosures"], "enclosures", centroid=(3, 2), factor=(2,), goal=(3, 2))
+    for mine, given in zip(p.s.centroid, hints["centroid"], strict=True):
+        require(within(mine, given), "the box around q* does not hold q*")
+    require(within(p.factor, hints["factor"]), "the interval of f does not hold f(T)")
+    require(isinstance(c["vertices"], list) and len(c["vertices"]) == 2, "two vertices are needed")
+    margin, rate = (number(c["claim"][k]) for k in ("margin", "decay_rate"))
+    require(margin > 0, "a margin of zero or less proves nothing")
+    require(rate == 2 * margin / p.s.m, "the decay rate does not follow from the margin")
+    margins = []
+    for f, vertex in zip(hints["factor"], c["vertices"], strict=True):
+        own = fields(vertex, "vertex", factor=(), multiplier=(), margin=(), decay_rate=())
+        require(own["factor"] == f, "a vertex is not at an end of the interval of f")
+        tau, t = own["multiplier"], own["margin"]
+        require(tau > 0, "a multiplier must be positive")
+        require(own["decay_rate"] == 2 * t / p.s.m, "a rate is not that of its margin")
+        for q in itertools.product(*(sorted(set(ends)) for ends in hints["centroid"])):
+            shown = bound(p, f, q, tau, t).positive()
+            require(shown, "Σ - margin·W is not shown to be positive definite")
+        margins.append(t)
+    require(margin == min(margins), "the margin is not the smallest of the vertices")
+    verify_region(c, p.spread)
+    verify_goal(p, box_of(c["enclosures"]["goal"]))
+
+
+def verify_goal(p: Question, box: Matrix) -> None:
+    """Verify that a box holds the goal, and low I ≺ Q ≺ high I all over it.
+
+    A goal by its centroid q* is where the convex Σ|P'i - ξ| + q*ᵀξ, of slope q* - q and Hessian
+    Q ≻ low I, is least. On the largest ball about the middle of the box, of radius r, it is higher
+    than in the middle if |q - q*| < low r/2 there.
+    """
+    grid, what = Grid.of(p.s.points), "Q at the goal is not shown to be within its bounds"
+    ball, low = grid.around(grid.cell(box)), p.spread.low
+    require(largest_below(ball, p.spread.high / grid.unit), what)
+    require(smallest_above(ball, low / grid.unit), what)
+    if p.s.goal is not None:
+        held = all(a <= x <= b for x, (a, b) in zip(p.s.goal, box, strict=True))
+    else:
+        seen = centroid_seen(p.s.points, [(a + b) / 2 for a, b in box])
+        off = zip(seen, p.s.centroid, strict=True)
+        slope = total(max(abs(x - y) for x in ends for y in want) ** 2 for ends, want in off)
+        held = slope < (low * min(b - a for a, b in box) / 4) ** 2
+    require(held, "the box for Q at the goal is not shown to hold the goal")
+
+
+def theorem_of_gains(c: Any, p: Question) -> str:
+    """Say in words what is proved."""
+    claim = fields(c["claim"], "claim", margin=(), decay_rate=())
+    margin, rate = about(claim["margin"]), about(claim["decay_rate"])
+    weights = ", ".join(map(str, p.w))
+    stays = "Q and T stay in these intervals (which is assumed of Q, not shown for the target)"
+    region = ""
+    if p.spread.box is not None:
+        stays = "the vehicle stays in that box and T in its interval"
+        region = theorem_of_region(c, p.spread) + " "
+    return (
+        f"For {asked(p)}, the matrix Σ(Q, T) is positive definite: XᵀΣX > {margin} kg/s times "
+        f"Σ wi|δi|² for all X ≠ 0, w = ({weights}). {region}Hence, while {stays} and Ω3 = 0, the "
+        f"Lyapunov function L = ½ Σ wi|δi|² falls at least as fast as exp(-r t), r = {rate} 1/s. "
+        "At the goal Q is within this interval."
+    )
+
+
 def verify_counterexample(c: Any, p: Question) -> None:
     """Verify that Σ(Q, f) is not positive semidefinite at one admissible point."""
-    point = c["counterexample"]
-    Q, X = numbers(point["Q"], 3, 3), numbers(point["X"], 11)
-    f, value = number(point["f"]), number(point["value"])
-    n = range(3)
-    require(all(Q[i][j] == Q[j][i] for i in n for j in n), "Q is not symmetric")
-    low, high = p.eigenvalues
-    above = [[Q[i][j] - (low if i == j else 0) for j in n] for i in n]
-    below = [[(high if i == j else 0) - Q[i][j] for j in n] for i in n]
-    inside = positive_definite(above) and positive_definite(below)
+    point = fields(c["counterexample"], "counterexample", Q=(3, 3), f=(), X=(11,), value=())
+    Q, f, value = point["Q"], point["f"], point["value"]
+    require(all(Q[i][j] == Q[j][i] for i in range(3) for j in range(3)), "Q is not symmetric")
+    form, size = D1 @ through(Q, D1), D1 @ D1
+    inside = (form - p.spread.low * size).positive(3) and (p.spread.high * size - form).positive(3)
     require(inside, "the eigenvalues of Q are not inside the interval")
     require(within((f, f), p.attained), "no thrust in the interval gives this f")
-    values = []
-    for q in itertools.product(*p.centroid):
-        S = sigma(p.g, p.w, Q, f, q)
-        values.append(sum(X[i] * S[i][j] * X[j] for i in range(11) for j in range(11)))
-    require(max(values) <= value < 0, "XᵀΣX is not as negative as claimed")
-    verify_region(c, p)
+    corners = itertools.product(*p.s.centroid)
+    worst = max(sigma(p.s, p.w, Q, f, q).value(point["X"]) for q in corners)
+    require(worst <= value < 0, "XᵀΣX is not as negative as claimed")
+    verify_region(c, p.spread)
 
 
 def theorem_of_counterexample(c: Any, p: Question) -> str:
     """Say in words what is refuted."""
     point = keys(c["counterexample"], ("Q", "f", "X", "value"), "counterexample")
     return (
-        f"It is not true that, for {setting(p)}, the matrix Σ(Q, T) is positive definite: for the "
+        f"It is not true that, for {asked(p)}, the matrix Σ(Q, T) is positive definite: for the "
         f"given rational Q and X, and the thrust with f(T) = {about(number(point['f']))} 1/m, "
         f"XᵀΣX <= {about(number(point['value']))} < 0."
     )
 
 
-def setting(p: Question) -> str:
+def asked(p: Question) -> str:
     """Say in words for which vehicle, gains and intervals."""
-    gains = ", ".join(f"{k} = {p.g[k]}" for k in GAINS[:4])
-    q = ", ".join(f"{float((a + b) / 2):.12g}" for a, b in p.centroid)
-    (a, b), (t, u) = p.eigenvalues, p.thrust
+    q = ", ".join(f"{float((a + b) / 2):.12g}" for a, b in p.s.centroid)
+    t, u = p.thrust
     return (
-        f"the mission {p.name} (m = {p.m} kg, {gains}, q* = ({q}) to 12 digits), every "
-        f"symmetric Q with eigenvalues in [{a}, {b}] 1/m and every thrust T in "
-        f"[{about(t)}, {about(u)}] N"
+        f"the mission {p.s.name} (m = {p.s.m} kg, {p.s.words()}, q* = ({q}) to 12 digits), every "
+        f"symmetric Q with eigenvalues in [{p.spread.low}, {p.spread.high}] 1/m and every thrust "
+        f"T in [{about(t)}, {about(u)}] N"
     )
-
-
-def about(x: Fraction) -> str:
-    """Write a rational number so that a person sees its size."""
-    return str(x) if len(str(x)) < 6 else f"{x} (about {float(x):.6g})"
 
 
 # --- regions of attraction ----------------------------------------------------------------------
@@ -721,199 +790,7 @@ def about(x: Fraction) -> str:
 # vehicle rises (it jumps from -1 to 1 through the point). If k3 >= 3 k1 k2, let r <= s have
 # r + s = κ, r s = κ k1 k2/m; then x = z + z'/r obeys x' = s (N - x), z' = r (x - z). So N - x and
 # x - z keep below lags D1 >= (k1/m) max w/s and D2 >= s D1/r, and if w <= 0 wherever
-# z >= zb - D1 - D2, none of N, x, z passes zb. Proofs of all this are in proofs/.
-
-
-class Attraction(NamedTuple):
-    """What follows from mission, weights and level before anything about positions is shown."""
-
-    s: Setting
-    a: list[Fraction]  # weights a2, a3, a4
-    level: Fraction
-    q3: tuple[Fraction, Fraction]  # holds q3*
-    force: Fraction  # bounds |F|, N
-    sine: Fraction  # bounds sin φ
-    cosine: Fraction  # below cos φ
-    bottom: Fraction | None  # zb, m
-    grid: Grid
-    pull: tuple[int, int]  # q3*, in units of 1/ONE, rounded outward
-    range: tuple[int, int]  # min G and level + min G, rounded outward, in units of the grid/ONE
-
-
-ONE = 1 << 64  # fractions of a cell's bounds are whole multiples of 1/ONE
-
-
-def read_attraction(c: Any) -> Attraction:
-    """Return the numbers of the question, and bounds that follow from the level."""
-    s = read_setting(c)
-    q3, n = s.centroid[2], len(s.points)
-    require(all(end == 0 for ends in s.centroid[:2] for end in ends), "the goal is not axial")
-    require(q3[0] > 0 and q3[1] < n, "no hover sees this q3*")
-    require(len({(x, y) for x, y, _ in s.points}) > 1, "the target is one vertical line")
-    a, claim = numbers(c["weights"], 3), c["claim"]
-    keys(claim, ("level", "rate", "barrier_height", "reach", "starts"), "claim")
-    level = number(claim["level"])
-    require(min(*a, level, number(claim["rate"])) > 0, "weights, level and rate must be positive")
-    hover = numbers(c["hover"], 3)
-    require(s.goal in (None, hover), "the hover point is not the goal")
-    low, high = (  # of Σ |P'i - hover|
-        sum((r[k] for r in (square_root(length(p, hover)) for p in s.points)), Fraction(0))
-        for k in (0, 1)
-    )
-    pull = [end * hover[2] for end in q3]
-    # min G >= G(hover) - |∇G||ξ* - hover|, where G(ξ*) <= G(hover) bounds the distance
-    wanted = ((Fraction(0),) * 2, (Fraction(0),) * 2, q3)
-    seen = zip(centroid_seen(s.points, hover), wanted, strict=True)
-    slope = sum((max(abs(x - y) for x in ends for y in want) for ends, want in seen), Fraction(0))
-    base = outward(low + min(pull) - slope * 2 * high / (n - q3[1]), high + max(pull))
-    stiffness, weight = s.g["k1"] ** 2 * s.g["k2"] / s.m, s.m * s.gravity
-    force = stiffness * square_root(2 * level * (1 / a[0] + 1 / a[1]))[1]
-    require(weight - force > stiffness * q3[1], "the thrust reaches the singularity T = c q3*")
-    sine, bottom = force / weight, claim["barrier_height"]
-    if bottom is not None:
-        bottom = sum((p[2] for p in s.points), Fraction(0)) / n - number(bottom)
-    cosine, grid = square_root(1 - sine**2)[0], Grid.of(s.points)
-    whole = (math.floor(ONE * q3[0]), math.ceil(ONE * q3[1]))
-    unit = grid.unit * ONE
-    span = (math.floor(unit * base[0]), math.ceil(unit * (base[1] + level)))
-    return Attraction(s, a, level, q3, force, sine, cosine, bottom, grid, whole, span)
-
-
-def length(p: Row, q: Row) -> Fraction:
-    """Return the square of the distance of two points."""
-    return sum(((a - b) ** 2 for a, b in zip(p, q, strict=True)), Fraction(0))
-
-
-def dissipation(
-    p: Attraction, high: Fraction, f: Fraction, q3: Fraction, t: Fraction, tau: Fraction
-) -> Matrix:
-    """Return the matrix of the lower bound of -(m/k1) Λ' at θ = (t, 0), for all 0 ⪯ Q ⪯ high I."""
-    k1, k2, k3, k4 = (p.s.g[k] for k in GAINS[:4])
-    (a2, a3, a4), K, one = p.a, (k1 * k2 + k3) / k1, Fraction(1)
-    unit = [[Fraction(int(i == j)) for j in range(11)] for i in range(11)]
-    zero = [Fraction(0)] * 11
-    e, d2, d3, d4 = unit[0:3], unit[3:6], unit[6:9], [unit[9], unit[10], zero]
-
-    def mix(*terms: tuple[Fraction, Matrix]) -> Matrix:
-        return [
-            [sum((c * rows[i][j] for c, rows in terms), Fraction(0)) for j in range(11)]
-            for i in range(3)
-        ]
-
-    eta = mix((q3 * k1**2 * k2 / (p.s.m**2 * p.s.gravity), mix((one, d3), (-one, d2))))
-    eta[2] = [-t * x for x in eta[0]]
-    v, u = mix((one, e), (one, eta), (one, d2)), mix((-a2, d2), (-a3, d3), (-a4, d4))
-    turn = [*mix((one, d4), (-one, d3))[:2], zero]
-    M = [[Fraction(0)] * 11 for _ in range(11)]
-    for weight, left, right in (
-        (one, e, v),
-        (a2 * k2, d2, mix((one, d2), (-one, d3))),
-        (a2 * f * q3, d2, turn),
-        (a3, d3, mix((k2, d2), (-K, d4), (k3 / k1, d3))),
-        (a4, d4, mix((K, d3), (k4 / k1, d4))),
-        (high / 2, u, v),
-        (-high * tau / 4, v, v),
-        (-high / (4 * tau), u, u),
-    ):
-        for x, y in zip(left, right, strict=True):
-            for i, j in itertools.product(range(11), repeat=2):
-                if x[i] and y[j]:
-                    M[i][j] += weight * x[i] * y[j] / 2
-                    M[j][i] += weight * x[i] * y[j] / 2
-    return M
-
-
-def verify_attraction(c: Any, p: Attraction) -> None:
-    """Verify that the set is not left, and that Λ falls in it as claimed."""
-    s, weight = p.s, p.s.m * p.s.gravity
-    hints = keys(c["enclosures"], ("goal", "factor", "tilt", "largest_eigenvalue"), "enclosures")
-    goal, span = numbers(hints["goal"], 2), numbers(hints["factor"], 2)
-    tilt, high = number(hints["tilt"]), number(hints["largest_eigenvalue"])
-    require(high > 0 and within(p.q3, goal), "the interval of q3* does not hold it")
-    low = factor(s.m, s.g, weight + p.force, p.q3[0])
-    require(
-        within((low, factor(s.m, s.g, weight - p.force, p.q3[1])), span),
-        "the interval of f does not hold f(T)",
-    )
-    require(tilt * (1 + p.cosine) >= p.sine, "tan(φ/2) is not below the bound of the tilt")
-    rate, multipliers = number(c["claim"]["rate"]), numbers(c["multipliers"], 2)
-    require(min(multipliers) > 0, "a multiplier must be positive")
-    for (f, tau), q3 in itertools.product(zip(span, multipliers, strict=True), goal):
-        M = dissipation(p, high, f, q3, tilt, tau)
-        for i in range(11):
-            M[i][i] -= rate
-        require(positive_definite(M), "-(m/k1) Λ' is not shown to be above rate·|Y|²")
-    starts, work = [*reach_starts(c), *read_starts(c)], Work(MAX_SEARCH)
-    if p.bottom is not None:
-        barrier_holds(p, p.bottom, starts, work)
-    held = positions_hold(p, high, work)
-    require(held, "the largest eigenvalue of Q is not shown to be bounded")
-    for start in starts:
-        start_holds(p, start, work)
-
-
-class Work:
-    """The work that may still be done for a certificate, in units that take about as long."""
-
-    def __init__(self, most: int) -> None:
-        self.left = most
-
-    def may(self, amount: int) -> bool:
-        """Take so much of it, and tell whether it was there."""
-        self.left -= amount
-        return self.left >= 0
-
-
-def positions_hold(p: Attraction, high: Fraction, work: Work) -> bool:
-    """Tell whether Q ≺ high I is shown wherever W <= ℓ and z <= zb.
-
-    Farther than n/high from every target point, Q ⪯ Σ 1/ri does not reach high.
-    """
-    near, box = len(p.s.points) / high, []
-    for i in range(3):
-        box.append([min(x[i] for x in p.s.points) - near, max(x[i] for x in p.s.points) + near])
-    if p.bottom is not None:
-        box[2][1] = min(box[2][1], p.bottom)
-    cells = [p.grid.cover(box)] if box[2][0] <= box[2][1] else []
-    top = high / p.grid.unit
-    while cells and work.may(3 * (len(p.s.points) + 5)):
-        cell = cells.pop()
-        center, _, radius, rays, distances = around(p.grid.points, cell)
-        if not largest_below(rays, distances, radius, top):
-            part = below_level(p, center, cell, rays, distances)
-            cells += [] if part is None else halves(part)
-    return not cells
-
-
-def below_level(
-    p: Attraction, center: list[int], cell: Cell, rays: list[list[int]], near: list[int]
-) -> Cell | None:
-    """Return the part of a cell where W <= ℓ may be; None if it is nowhere.
-
-    W is convex, so it is above its tangent plane at the centre.
-    """
-    if min(near) == 0:
-        return cell
-    value = ONE * sum(near) + min(end * center[2] for end in p.pull) - p.range[1]
-    slopes, falls = [], []
-    for i, (_, b) in enumerate(cell):
-        low, high = p.pull if i == 2 else (0, 0)
-        for ray, d in zip(rays, near, strict=True):  # -ray/distance, the distance in [d, d + 1]
-            parts = (-ONE * ray[i] // d, -ONE * ray[i] // (d + 1))
-            low, high = low + min(parts), high + max(parts) + 1
-        slopes.append((low, high))
-        falls.append(max(abs(low), abs(high)) * (b - center[i]))
-    if value > sum(falls):
-        return None
-    part = []
-    for (a, b), x, (low, high), fall in zip(cell, center, slopes, falls, strict=True):
-        room = sum(falls) - fall - value  # what the slope along this axis may take
-        if low > 0 and room >= 0:
-            b = min(b, x + room // low + 1)
-        elif high < 0 and room >= 0:
-            a = max(a, x - room // -high - 1)
-        part.append((a, b))
-    return part
+# z >= zb - D1 - D2, none of N, x, z passes zb.
 
 
 class Start(NamedTuple):
@@ -927,43 +804,198 @@ class Start(NamedTuple):
     thrust: Fraction  # bounds |T - m g|, N
 
 
-def read_starts(c: Any) -> list[Start]:
+class Attraction(NamedTuple):
+    """What follows from mission, weights and level before anything about positions is shown."""
+
+    s: Setting
+    a: list[Fraction]  # weights a2, a3, a4
+    level: Fraction
+    rate: Fraction
+    q3: Interval  # holds q3*
+    force: Fraction  # bounds |F|, N
+    sine: Fraction  # bounds sin φ
+    cosine: Fraction  # below cos φ
+    bottom: Fraction | None  # zb, m
+    reach: list[Fraction]  # of hovers from the hover at the goal: sideways, up, down, m
+    starts: list[Start]
+    trees: tuple[str, str | None, list[str]]  # of positions, the barrier, and all sets of starts
+    grid: Grid
+    pull: tuple[int, int]  # q3*, in units of 1/ONE, rounded outward
+    range: tuple[int, int]  # min G and level + min G, rounded outward, in units of the grid/ONE
+
+
+ONE = 1 << 64  # fractions of a cell's bounds are whole multiples of 1/ONE
+
+
+def read_attraction(c: Any) -> Attraction:
+    """Return the numbers of the question, and bounds that follow from the level."""
+    s, claim = read_setting(c), c["claim"]
+    q3, n = s.centroid[2], len(s.points)
+    require(all(end == 0 for ends in s.centroid[:2] for end in ends), "the goal is not axial")
+    require(q3[0] > 0 and q3[1] < n, "no hover sees this q3*")
+    require(len({(x, y) for x, y, _ in s.points}) > 1, "the target is one vertical line")
+    keys(claim, ("level", "rate", "barrier_height", "reach", "starts"), "claim")
+    a, level, rate = numbers(c["weights"], 3), number(claim["level"]), number(claim["rate"])
+    require(min(*a, level, rate) > 0, "weights, level and rate must be positive")
+    hover = numbers(c["hover"], 3)
+    require(s.goal in (None, hover), "the hover point is not the goal")
+    force = s.stiffness * square_root(2 * level * (1 / a[0] + 1 / a[1]))[1]
+    require(s.weight - force > s.stiffness * q3[1], "the thrust reaches the singularity T = c q3*")
+    sine, bottom = force / s.weight, claim["barrier_height"]
+    if bottom is not None:
+        bottom = total(p[2] for p in s.points) / n - number(bottom)
+    reach = list(fields(claim["reach"], "reach", sideways=(), up=(), down=()).values())
+    require(min(reach) >= 0, "a reach is negative")
+    starts = read_starts(claim["starts"])
+    grid, base = Grid.of(s.points), least_potential(s, hover)
+    unit = grid.unit * ONE
+    return Attraction(
+        *(s, a, level, rate, q3, force, sine, square_root(1 - sine**2)[0], bottom),
+        reach,
+        [*hovers(hover, *reach), *starts],
+        read_trees(c, s, bottom, len(starts) + 2),
+        grid,
+        (math.floor(ONE * q3[0]), math.ceil(ONE * q3[1])),
+        (math.floor(unit * base[0]), math.ceil(unit * (base[1] + level))),
+    )
+
+
+def least_potential(s: Setting, hover: Row) -> Interval:
+    """Enclose min G >= G(hover) - |∇G||ξ* - hover|; G(ξ*) <= G(hover) bounds the distance."""
+    q3, n = s.centroid[2], len(s.points)
+    roots = [
+        square_root(total((a - b) ** 2 for a, b in zip(p, hover, strict=True))) for p in s.points
+    ]
+    low, high = (total(r[k] for r in roots) for k in (0, 1))
+    pull = [end * hover[2] for end in q3]
+    wanted = ((Fraction(0),) * 2, (Fraction(0),) * 2, q3)
+    seen = zip(centroid_seen(s.points, hover), wanted, strict=True)
+    slope = total(max(abs(x - y) for x in ends for y in want) for ends, want in seen)
+    return outward(low + min(pull) - slope * 2 * high / (n - q3[1]), high + max(pull))
+
+
+def read_starts(values: Any) -> list[Start]:
     """Read the sets of states that are claimed to be inside."""
-    values, starts = c["claim"]["starts"], []
     require(isinstance(values, list) and len(values) <= 16, "starts is not a list of at most 16")
+    starts = []
     for value in values:
-        keys(value, ("position", "speed", "tilt", "rate", "thrust"), "a start")
-        box = numbers(value["position"], 3, 2)
-        sizes = [number(value[k]) for k in ("speed", "tilt", "rate", "thrust")]
-        require(all(a <= b for a, b in box) and min(sizes) >= 0, "a start is not in order")
-        starts.append(Start(box, None, *sizes))
+        own = fields(value, "a start", position=(3, 2), speed=(), tilt=(), rate=(), thrust=())
+        sizes = [own[k] for k in ("speed", "tilt", "rate", "thrust")]
+        require(min(sizes) >= 0, "a start is not in order")
+        starts.append(Start(box_of(value["position"]), None, *sizes))
     return starts
 
 
-def reach_of(c: Any) -> list[Fraction]:
-    """Read how far hovers are certified: sideways, up and down, m."""
-    names = ("sideways", "up", "down")
-    reach = [number(keys(c["claim"]["reach"], names, "reach")[k]) for k in names]
-    require(min(reach) >= 0, "a reach is negative")
-    return reach
-
-
-def reach_starts(c: Any) -> list[Start]:
+def hovers(hover: Row, side: Fraction, up: Fraction, down: Fraction) -> list[Start]:
     """Return the hovers about the goal: a disc at its height, and a line from below to above."""
-    x, y, z = numbers(c["hover"], 3)
-    side, up, down = reach_of(c)
-    still = (Fraction(0),) * 4
+    (x, y, z), still = hover, (Fraction(0),) * 4
     disc = [[x - side, x + side], [y - side, y + side], [z, z]]
     return [Start(disc, side, *still), Start([[x, x], [y, y], [z - up, z + down]], None, *still)]
 
 
-def barrier_holds(p: Attraction, bottom: Fraction, starts: Sequence[Start], work: Work) -> None:
+def read_trees(
+    c: Any, s: Setting, bottom: Fraction | None, count: int
+) -> tuple[str, str | None, list[str]]:
+    """Read how positions, the plane of the barrier and the starts are halved."""
+    trees = keys(c["trees"], ("positions", "barrier", "starts"), "trees")
+    require(isinstance(trees["starts"], list) and len(trees["starts"]) == count, "a tree a start")
+    require((trees["barrier"] is None) == (bottom is None), "a tree belongs to a barrier")
+    positions, work = tree_of(trees["positions"], s.points, 3)
+    barrier, more = (None, 0) if bottom is None else tree_of(trees["barrier"], s.points, 1)
+    starts = [tree_of(text, s.points, 6) for text in trees["starts"]]
+    require(work + more + sum(w for _, w in starts) <= MAX_WORK, "the trees are too long")
+    return positions, barrier, [text for text, _ in starts]
+
+
+def dissipation(
+    p: Attraction, high: Fraction, f: Fraction, q3: Fraction, t: Fraction, tau: Fraction
+) -> Form:
+    """Return the lower bound of -(m/k1) Λ' at θ = (t, 0), for all 0 ⪯ Q ⪯ high I."""
+    k1, k2, k3, k4 = p.s.gains
+    (a2, a3, a4), K, e = p.a, (k1 * k2 + k3) / k1, D1
+    x = (q3 * p.s.stiffness / p.s.weight) * (D3 - D2)
+    eta = Vector([x[0], x[1], -t * x[0]])
+    v, u = e + eta + D2, -a2 * D2 - a3 * D3 - a4 * D4
+    return (
+        (e @ v)
+        + (high / 2) * (u @ v)
+        - (high / 4) * (tau * (v @ v) + (1 / tau) * (u @ u))
+        + a2 * (k2 * (D2 @ (D2 - D3)) + (f * q3) * (D2 @ flat(D4 - D3)))
+        + a3 * (D3 @ (k2 * D2 - K * D4 + (k3 / k1) * D3))
+        + a4 * (D4 @ (K * D3 + (k4 / k1) * D4))
+    )
+
+
+def verify_attraction(c: Any, p: Attraction) -> None:
+    """Verify that the set is not left, and that Λ falls in it as claimed."""
+    s = p.s
+    hints = fields(
+        *(c["enclosures"], "enclosures"), goal=(2,), factor=(2,), tilt=(), largest_eigenvalue=()
+    )
+    goal, span, tilt, high = hints.values()
+    require(high > 0 and within(p.q3, goal), "the interval of q3* does not hold it")
+    own = (factor(s, s.weight + p.force, p.q3[0]), factor(s, s.weight - p.force, p.q3[1]))
+    require(within(own, span), "the interval of f does not hold f(T)")
+    require(tilt * (1 + p.cosine) >= p.sine, "tan(φ/2) is not below the bound of the tilt")
+    multipliers, size = numbers(c["multipliers"], 2), sum((d @ d for d in (D1, D2, D3, D4)), Form())
+    require(min(multipliers) > 0, "a multiplier must be positive")
+    for (f, tau), q3 in itertools.product(zip(span, multipliers, strict=True), goal):
+        M = dissipation(p, high, f, q3, tilt, tau) - p.rate * size
+        require(M.positive(), "-(m/k1) Λ' is not shown to be above rate·|Y|²")
+    positions, barrier, starts = p.trees
+    if p.bottom is not None and barrier is not None:
+        verify_barrier(p, p.bottom, barrier)
+    verify_positions(p, high, positions)
+    for start, tree in zip(p.starts, starts, strict=True):
+        verify_start(p, start, tree)
+
+
+def verify_positions(p: Attraction, high: Fraction, tree: str) -> None:
+    """Verify that Q ≺ high I wherever W <= ℓ and z <= zb.
+
+    Farther than n/high from every target point, Q ⪯ Σ 1/ri does not reach high.
+    """
+    far, top = len(p.s.points) / high, high / p.grid.unit
+    sides = list(zip(*p.s.points, strict=True))
+    box = [[min(side) - far, max(side) + far] for side in sides]
+    if p.bottom is not None:
+        box[2][1] = max(min(box[2][1], p.bottom), box[2][0])
+
+    def hold(cell: Cell) -> bool:
+        ball = p.grid.around(cell)
+        return largest_below(ball, top) or above_level(p, cell, ball)
+
+    cover(tree, p.grid.cell(box), hold, "the largest eigenvalue of Q is not shown to be bounded")
+
+
+def above_level(p: Attraction, cell: Cell, ball: Ball3) -> bool:
+    """Show W > ℓ all over a cell: W is convex, so above its tangent plane at the centre."""
+    if min(ball.near) == 0:
+        return False
+    value = ONE * sum(ball.near) + min(end * ball.center[2] for end in p.pull) - p.range[1]
+    for slope, (_, b), x in zip(slopes(p, ball), cell, ball.center, strict=True):
+        value -= max(map(abs, slope)) * (b - x)
+    return value > 0
+
+
+def slopes(p: Attraction, ball: Ball3) -> list[tuple[int, int]]:
+    """Enclose ∇W = q3* e3 - q at the centre, in units of 1/ONE."""
+    ends = []
+    for i in range(3):
+        low, high = p.pull if i == 2 else (0, 0)
+        for ray, d in zip(ball.rays, ball.near, strict=True):  # -ray/distance, in [d, d + 1]
+            parts = (-ONE * ray[i] // d, -ONE * ray[i] // (d + 1))
+            low, high = low + min(parts), high + max(parts) + 1
+        ends.append((low, high))
+    return ends
+
+
+def verify_barrier(p: Attraction, bottom: Fraction, tree: str) -> None:
     """Verify that no motion from the starts passes below z = bottom while Λ <= ℓ."""
-    s, (_, a3, a4), weight = p.s, p.a, p.s.m * p.s.gravity
-    k1, k2, k3 = (s.g[k] for k in GAINS[:3])
+    s, (_, a3, a4), (k1, k2, k3, _) = p.s, p.a, p.s.gains
     require(k3 >= 3 * k1 * k2, "a barrier needs k3 >= 3 k1 k2")
-    singular = k1**2 * k2 / s.m * p.q3[1]
-    gamma = singular / (weight - p.force - singular)
+    singular = s.stiffness * p.q3[1]
+    gamma = singular / (s.weight - p.force - singular)
     spread = square_root(2 * p.level * ((1 + gamma) ** 2 / a4 + gamma**2 / a3))[1]
     omega = p.q3[1] * (1 - p.cosine) + p.sine * spread
     limit, most = p.q3[0] - omega, len(s.points) - p.q3[0] + omega
@@ -973,122 +1005,93 @@ def barrier_holds(p: Attraction, bottom: Fraction, starts: Sequence[Start], work
     slow, slow_above, fast, fast_above = ((kappa + x) / 2 for x in (-high, -low, low, high))
     require(slow > 0, "a pole is too near zero")
     first, second = k1 / s.m * most / fast, Fraction(0)
-    for start in starts:  # z' <= speed and z'' <= |F|/m there
-        second_rate = (start.thrust + weight * start.tilt) / s.m
+    for start in p.starts:  # z' <= speed and z'' <= |F|/m there
+        second_rate = (start.thrust + s.weight * start.tilt) / s.m
         first = max(first, (second_rate + slow_above * start.speed) / product)
         second = max(second, start.speed / slow)
         ahead = max(start.speed / slow, s.m / (k1 * k2) * (start.speed + second_rate / kappa))
         require(start.position[2][1] + ahead <= bottom, "a start sinks below the barrier")
-    lag = first + max(second, fast_above * first / slow)
-    require(height_part_below(p, bottom - lag, limit, work), "the barrier is not shown to hold")
+    verify_plane(p, bottom - first - max(second, fast_above * first / slow), limit, tree)
 
 
-def height_part_below(p: Attraction, z: Fraction, limit: Fraction, work: Work) -> bool:
-    """Tell whether qz = Σ hi/ri < limit is shown for all positions at a height."""
-    heights = [max(math.ceil((point[2] - z) * p.grid.unit), 0) for point in p.s.points]
-    far = Fraction(sum(heights) + 1, p.grid.unit) / limit  # farther out every ri is above it
-    ends = [[x[i] for x in p.s.points] for i in (0, 1)]
-    cells = [p.grid.cover([[min(line) - far, max(line) + far] for line in ends])]
-    most = math.ceil(ONE * limit)
-    while cells and work.may(len(p.s.points) + 5):
-        cell, total = cells.pop(), 0
+def verify_plane(p: Attraction, z: Fraction, limit: Fraction, tree: str) -> None:
+    """Verify that qz = Σ hi/ri < limit for all positions at a height."""
+    unit, most = p.grid.unit, math.ceil(ONE * limit)
+    heights = [max(math.ceil((point[2] - z) * unit), 0) for point in p.s.points]
+    far = Fraction(sum(heights) + 1, unit) / limit  # farther out every ri is above it
+    sides = list(zip(*p.s.points, strict=True))[:2]
+
+    def hold(cell: Cell) -> bool:
+        whole = 0
         for point, h in zip(p.grid.points, heights, strict=True):
             gaps = (max(a - x, x - b, 0) for x, (a, b) in zip(point, cell, strict=False))
-            total += ONE * h // max(math.isqrt(sum((g * g for g in gaps), h * h)), 1) + 1
-        if total >= most:
-            cells += halves(cell)
-    return not cells
+            whole += ONE * h // max(math.isqrt(sum((g * g for g in gaps), h * h)), 1) + 1
+        return whole < most
+
+    box = p.grid.cell([[min(side) - far, max(side) + far] for side in sides])
+    cover(tree, box, hold, "the barrier is not shown to hold")
 
 
-def start_holds(p: Attraction, start: Start, work: Work) -> None:
+def verify_start(p: Attraction, start: Start, tree: str) -> None:
     """Verify that Λ <= ℓ in a set of states, and that the thrust is above the singularity."""
-    weight, stiffness = p.s.m * p.s.gravity, p.s.g["k1"] ** 2 * p.s.g["k2"] / p.s.m
-    require(weight - start.thrust > stiffness * p.q3[1], "a thrust at the start is too low")
+    safe = p.s.weight - start.thrust > p.s.stiffness * p.q3[1]
+    require(safe, "a thrust at the start is too low")
     require(p.bottom is None or start.position[2][1] <= p.bottom, "a start is below the barrier")
-    cells = [p.grid.cover(start.position)]
-    middle, shares = [sum(side) for side in cells[0][:2]], shares_of(p, start)
+    box, add = p.grid.cell(start.position), added(p, start)
+    middle = [sum(side) for side in box[:2]]
     rim = math.ceil((2 * p.grid.unit * (start.radius or 0) + 2) ** 2)
-    while cells and work.may(4 * (len(p.s.points) + 5)):
-        cell = cells.pop()
-        if start.radius is not None:  # leave out what is farther from the axis
+
+    def hold(cell: Cell) -> bool:
+        if start.radius is not None:  # what is farther from the axis is left out
             gaps = (max(2 * a - x, x - 2 * b, 0) for (a, b), x in zip(cell, middle, strict=False))
             if sum(gap * gap for gap in gaps) > rim:
-                continue
-        terms = start_terms(p, shares, cell)
-        if terms is None or terms[0] + dot(p.a, terms[1:]) > p.level:
-            widest = max(b - a for a, b in cell)
-            require(widest > p.grid.unit >> 16, "a start is not shown to have Λ <= level")
-            cells += halves(cell)
-    require(not cells, "a set of starts is not shown to have Λ <= level")
+                return True
+        return below_level(p, add, cell)
+
+    cover(tree, box, hold, "a start is not shown to have Λ <= level")
 
 
-def dot(x: Row, y: Row) -> Fraction:
-    """Return xᵀy."""
-    return sum((a * b for a, b in zip(x, y, strict=True)), Fraction(0))
+def added(p: Attraction, start: Start) -> list[int]:
+    """Return what a start that moves adds to |δ1|, then |δ2| and |δ3|, and to |δ4|, in 1/ONE.
+
+    To lean by φ turns q3* ρ and the unit vectors of q by φ, and adds at most m g φ to |F|.
+    """
+    s, (k1, k2, k3, _) = p.s, p.s.gains
+    room = s.weight + start.thrust - s.stiffness * p.q3[0]
+    moved, lean = s.m / k1 * start.speed, s.weight / s.stiffness * start.tilt
+    turned = s.m / (s.stiffness * (k1 * k2 + k3)) * room * start.rate
+    last = turned + lean + moved + len(s.points) * start.tilt
+    shares = (p.q3[1] * start.tilt, moved, start.thrust / s.stiffness + lean, last)
+    return [math.ceil(ONE * x) for x in shares]
 
 
-class Shares(NamedTuple):
-    """What speed, lean, rates and thrust of a start add to |δ|, in units of 1/ONE, rounded up."""
-
-    moved: int  # by the speed
-    lean: int  # by the tilt, through the force
-    push: int  # by the thrust
-    turned: int  # by the rates
-    tilted: int  # of q3* by the tilt
-    tilted_all: int  # of q by the tilt
-
-
-def shares_of(p: Attraction, start: Start) -> Shares:
-    """Return what a start that moves adds; to lean by φ adds at most m g φ to |F|."""
-    s, weight = p.s, p.s.m * p.s.gravity
-    k1, k2, k3 = (s.g[k] for k in GAINS[:3])
-    stiffness = k1**2 * k2 / s.m
-    room = weight + start.thrust - stiffness * p.q3[0]
-    shares = [
-        s.m / k1 * start.speed,
-        weight / stiffness * start.tilt,
-        start.thrust / stiffness,
-        s.m / (stiffness * (k1 * k2 + k3)) * room * start.rate,
-        p.q3[1] * start.tilt,
-        len(s.points) * start.tilt,
-    ]
-    return Shares(*(math.ceil(ONE * x) for x in shares))
-
-
-def start_terms(p: Attraction, add: Shares, cell: Cell) -> list[Fraction] | None:
-    """Bound W and half the squares of δ2, δ3, δ4 for positions in a cell; None if too near.
+def below_level(p: Attraction, add: Sequence[int], cell: Cell) -> bool:
+    """Show Λ <= ℓ for positions in a cell.
 
     W is convex, so its corners bound it; q changes by at most Σ 1/ri a metre, and by at most φ
     where unit vectors are turned by φ.
     """
-    _, _, radius, rays, near = around(p.grid.points, cell)
-    if min(near) <= radius:
-        return None
+    ball = p.grid.around(cell)
+    if min(ball.near) <= ball.radius:
+        return False
     highest = p.range[0]
     for a, b, c in itertools.product(*(sorted(set(side)) for side in cell)):
         squares = ((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2 for x, y, z in p.grid.points)
         far = sum(math.isqrt(square) + 1 for square in squares)
         highest = max(highest, ONE * far + max(end * c for end in p.pull))
-    change = sum(ONE * radius // (d - radius) + 1 for d in near)
-    sizes = []  # of q - q* at the centre
-    for i, (low, high) in enumerate(((0, 0), (0, 0), (-p.pull[1], -p.pull[0]))):
-        for ray, d in zip(rays, near, strict=True):
-            parts = (ONE * ray[i] // d, ONE * ray[i] // (d + 1))
-            low, high = low + min(parts), high + max(parts) + 1
-        sizes.append(max(abs(low), abs(high)))
-    flat = math.isqrt(sizes[0] ** 2 + sizes[1] ** 2) + 1 + change
-    d1 = math.isqrt(sum(x * x for x in sizes)) + 1 + change + add.tilted
-    d2 = add.moved + d1
-    d3 = add.push + add.lean + d2
-    d4 = add.turned + add.lean + add.moved + flat + add.tilted_all
+    change = sum(ONE * ball.radius // (d - ball.radius) + 1 for d in ball.near)
+    sizes = [max(map(abs, ends)) for ends in slopes(p, ball)]  # of q - q* at the centre
+    level = math.isqrt(sizes[0] ** 2 + sizes[1] ** 2) + 1 + change
+    d1 = math.isqrt(sum(x * x for x in sizes)) + 1 + change + add[0]
+    d2, d3, d4 = d1 + add[1], d1 + add[1] + add[2], level + add[3]
+    a2, a3, a4 = p.a
     W = Fraction(highest - p.range[0], p.grid.unit * ONE)
-    return [W, *(Fraction(d * d, 2 * ONE * ONE) for d in (d2, d3, d4))]
+    return W + (a2 * d2**2 + a3 * d3**2 + a4 * d4**2) / (2 * ONE**2) <= p.level
 
 
 def theorem_of_attraction(c: Any, p: Attraction) -> str:
     """Say in words what is proved."""
     s, claim = p.s, c["claim"]
-    gains = ", ".join(f"{k} = {s.g[k]}" for k in GAINS[:4])
     if p.bottom is None:
         states = "state of the set {Λ <= level, T > 0}"
         stays = ". This knows no ground: on its way the motion may pass below the target points"
@@ -1096,18 +1099,18 @@ def theorem_of_attraction(c: Any, p: Attraction) -> str:
         height = f", at least {about(number(claim['barrier_height']))} m above the mean height"
         states = f"level hover at rest with Λ <= level{height} of the target points"
         stays = "; it stays in {Λ <= level, T > 0} and at that height or above it"
-    side, up, down = map(about, reach_of(c))
+    side, up, down = map(about, p.reach)
     hover = ", ".join(map(about, numbers(c["hover"], 3)))
-    others = "".join(f", and in every {state_of(start)}" for start in read_starts(c))
+    others = "".join(f", and in every {state_of(start)}" for start in p.starts[2:])
     return (
-        f"For the mission {s.name} (m = {s.m} kg, g = {s.gravity} m/s², {gains}, goal straight "
+        f"For the mission {s.name} (m = {s.m} kg, g = {s.gravity} m/s², {s.words()}, goal straight "
         f"below with q3* = {float(sum(p.q3) / 2):.12g} to 12 digits) let Λ = W + ½(a2|δ2|² + "
         f"a3|δ3|² + a4|δ4|²), W = Σ|P'i - ξ| + q3* z less its minimum, (a2, a3, a4) = "
         f"({', '.join(map(about, p.a))}), level = {about(p.level)}. With the exact model and "
         f"controller in continuous time and all target points seen, the controller may be switched "
         f"on, with any heading and yaw rate, in every {states}: the motion converges to the hover "
         f"at the goal{stays}. On the way Λ <= level and Λ' <= -(k1/m) "
-        f"{about(number(claim['rate']))} (|q - q3* ρ|² + |δ2|² + |δ3|² + |δ4|²). This holds in "
+        f"{about(p.rate)} (|q - q3* ρ|² + |δ2|² + |δ3|² + |δ4|²). This holds in "
         f"every level hover at rest up to {side} m sideways of the point ({hover}) m at its "
         f"height, up to {up} m above it and {down} m below it{others}."
     )
@@ -1115,8 +1118,7 @@ def theorem_of_attraction(c: Any, p: Attraction) -> str:
 
 def state_of(start: Start) -> str:
     """Describe a set of states."""
-    sides = [about(a) if a == b else f"[{about(a)}, {about(b)}]" for a, b in start.position]
-    place = f"position in ({', '.join(sides)}) m"
+    place = f"position in ({', '.join(interval(a, b) for a, b in start.position)}) m"
     if not any((start.speed, start.tilt, start.rate, start.thrust)):
         return f"level hover at rest with {place}"
     return (
@@ -1140,31 +1142,23 @@ def state_of(start: Start) -> str:
 # not leave within the step, hence exists, and ends in c0 + ... + c(p-1) + d.
 
 BITS, ORDER, ACCURACY = 192, 20, 50  # numbers are multiples of 2^-BITS; |d| <= 2^-ACCURACY
-MAX_SERIES = 800  # expansions times (points + 3)
-MAX_TIME = 60  # s
 
 
-class Ball:
+class Ball(NamedTuple):
     """The numbers within `rad` of `mid`, both whole multiples of 2^-BITS."""
 
-    __slots__ = ("mid", "rad")
-
-    def __init__(self, mid: int, rad: int = 0) -> None:
-        self.mid, self.rad = mid, rad
+    mid: int
+    rad: int
 
     @classmethod
-    def over(cls, low: Fraction, high: Fraction) -> "Ball":
-        """Enclose an interval."""
-        bottom, top = math.floor(low * (1 << BITS)), math.ceil(high * (1 << BITS))
+    def over(cls, low: Fraction, high: Fraction | None = None) -> "Ball":
+        """Enclose an interval, or a number."""
+        bottom = math.floor(low * (1 << BITS))
+        top = math.ceil((low if high is None else high) * (1 << BITS))
         return cls((bottom + top) // 2, (top - bottom + 1) // 2)
 
-    def __add__(self, other: "Ball") -> "Ball":
-        return Ball(self.mid + other.mid, self.rad + other.rad)
-
-    def __sub__(self, other: "Ball") -> "Ball":
-        return Ball(self.mid - other.mid, self.rad + other.rad)
-
-    def __mul__(self, other: "Ball") -> "Ball":
+    def times(self, other: "Ball") -> "Ball":
+        """Enclose a product."""
         rad = self.size() * other.rad + self.rad * other.size()
         return Ball(self.mid * other.mid >> BITS, (rad >> BITS) + 2)
 
@@ -1174,43 +1168,64 @@ class Ball:
 
 
 class Series:
-    """Taylor coefficients: their middles, radii and sizes."""
+    """Enclosed Taylor coefficients, each computed when it is asked for, in order."""
 
-    __slots__ = ("mid", "rad", "size")
+    __slots__ = ("mid", "rad", "rule", "size")
 
-    def __init__(self, *balls: Ball) -> None:
+    def __init__(self, rule: Callable[[int], Ball]) -> None:
+        self.rule = rule  # gives the coefficient of an order
         self.mid: list[int] = []
         self.rad: list[int] = []
         self.size: list[int] = []
-        for ball in balls:
-            self.append(ball)
 
-    def append(self, ball: Ball) -> None:
-        """Add a coefficient."""
-        self.mid.append(ball.mid)
-        self.rad.append(ball.rad)
-        self.size.append(ball.size())
+    def __getitem__(self, order: int) -> Ball:
+        while len(self.mid) <= order:
+            ball = self.rule(len(self.mid))
+            self.mid.append(ball.mid)
+            self.rad.append(ball.rad)
+            self.size.append(ball.size())
+        return Ball(self.mid[order], self.rad[order])
 
-    def __getitem__(self, i: int) -> Ball:
-        return Ball(self.mid[i], self.rad[i])
+    def __add__(self, other: "Series") -> "Series":
+        def rule(i: int) -> Ball:
+            x, y = self[i], other[i]
+            return Ball(x.mid + y.mid, x.rad + y.rad)
+
+        return Series(rule)
+
+    def __sub__(self, other: "Series") -> "Series":
+        def rule(i: int) -> Ball:
+            x, y = self[i], other[i]
+            return Ball(x.mid - y.mid, x.rad + y.rad)
+
+        return Series(rule)
+
+    def __mul__(self, other: "Series") -> "Series":
+        return inner([self], [other])
+
+    def __rmul__(self, c: Fraction) -> "Series":
+        ball = Ball.over(c)
+        return Series(lambda i: ball.times(self[i]))
 
 
-NOUGHT = Ball(0)
+def constant(x: Ball) -> Series:
+    """Return the series of a constant."""
+    return Series(lambda i: Ball(0, 0) if i else x)
 
 
-def product(x: Series, y: Series) -> Ball:
-    """Return the last coefficient of the product of two series."""
-    return inner([x], [y])
+def inner(x: Sequence[Series], y: Sequence[Series]) -> Series:
+    """Return the series of xᵀy."""
 
+    def rule(i: int) -> Ball:
+        mid = rad = 0
+        for a, b in zip(x, y, strict=True):
+            a[i], b[i]  # now they are there
+            mid += sum(map(operator.mul, a.mid, b.mid[i::-1]))
+            rad += sum(map(operator.mul, a.size, b.rad[i::-1]))
+            rad += sum(map(operator.mul, a.rad, b.size[i::-1]))
+        return Ball(mid >> BITS, (rad >> BITS) + 2)
 
-def inner(x: Sequence[Series], y: Sequence[Series]) -> Ball:
-    """Return the last coefficient of xᵀy."""
-    mid = rad = 0
-    for a, b in zip(x, y, strict=True):
-        mid += sum(map(operator.mul, a.mid, b.mid[::-1]))
-        rad += sum(map(operator.mul, a.size, b.rad[::-1]))
-        rad += sum(map(operator.mul, a.rad, b.size[::-1]))
-    return Ball(mid >> BITS, (rad >> BITS) + 2)
+    return Series(rule)
 
 
 class Motion(NamedTuple):
@@ -1219,12 +1234,16 @@ class Motion(NamedTuple):
     s: Setting
     start: list[list[Fraction]]  # intervals of ξ, ξ', b, w in world axes, and of T
     time: Fraction  # s
+    steps: list[Fraction]  # s; in which it is followed
     depth: Fraction  # z of the lowest target point, m
 
 
+STATE = ("position", "velocity", "axis", "turning")
+
+
 def read_motion(c: Any) -> Motion:
-    """Read the start of a motion and for how long it is to be followed."""
-    s, given = read_setting(c), keys(c["motion"], (*STATE, "thrust", "time"), "motion")
+    """Read the start of a motion, for how long it is to be followed, and in which steps."""
+    s, given = read_setting(c), keys(c["motion"], (*STATE, "thrust", "time", "steps"), "motion")
     require(all(end == 0 for ends in s.centroid[:2] for end in ends), "the goal is not axial")
     start = [side for name in STATE for side in numbers(given[name], 3, 2)]
     start.append(numbers(given["thrust"], 2))
@@ -1233,7 +1252,11 @@ def read_motion(c: Any) -> Motion:
     time, depth = number(given["time"]), max(point[2] for point in s.points)
     require(0 < time <= MAX_TIME, f"the time is not above 0 s and at most {MAX_TIME} s")
     require(start[2][1] < depth, "the start is not above the lowest target point")
-    return Motion(s, start, time, depth)
+    require(isinstance(given["steps"], list), "steps is not a list")
+    require(len(given["steps"]) * (len(s.points) + 3) <= MAX_STEPS, "there are too many steps")
+    steps = [number(step) for step in given["steps"]]
+    require(min(steps, default=0) > 0 and sum(steps) == time, "the steps do not fill the time")
+    return Motion(s, start, time, steps, depth)
 
 
 def inhabited(axis: Matrix, turning: Matrix) -> bool:
@@ -1249,23 +1272,20 @@ def inhabited(axis: Matrix, turning: Matrix) -> bool:
         ends = [a, b, Fraction(0)] if a < 0 < b else [a, b]
         least += max(min(x * u, x * v) for x in ends)  # concave in x, with a corner at 0
         greatest += min(max(x * u, x * v) for x in ends)
-    low, high = (sum((pair[k] for pair in squares), Fraction(0)) for k in (0, 1))
+    low, high = map(total, zip(*squares, strict=True))
     return low <= 1 <= high and least <= 0 <= greatest
-
-
-STATE = ("position", "velocity", "axis", "turning")
 
 
 def unknowns(p: Motion) -> list[Ball]:
     """Enclose ξ, ξ', b, w, T, 1/D and every 1/ri at the start."""
-    c = p.s.g["k1"] ** 2 * p.s.g["k2"] / p.s.m
-    ends = [p.start[12][0] - c * p.s.centroid[2][1], p.start[12][1] - c * p.s.centroid[2][0]]
-    require(ends[0] > 0, "the thrust at the start is not above the singularity T = c q3*")
-    boxes = [*p.start, [1 / ends[1], 1 / ends[0]]]
+    singular = [p.s.stiffness * q3 for q3 in p.s.centroid[2]]
+    low, high = p.start[12][0] - singular[1], p.start[12][1] - singular[0]
+    require(low > 0, "the thrust at the start is not above the singularity T = c q3*")
+    boxes = [*p.start, [1 / high, 1 / low]]
     for point in p.s.points:
         sides = [[a - x, b - x] for (a, b), x in zip(p.start, point, strict=False)]
-        near = sum((max(a, -b, Fraction(0)) ** 2 for a, b in sides), Fraction(0))
-        far = sum((max(-a, b) ** 2 for a, b in sides), Fraction(0))
+        near = total(max(a, -b, Fraction(0)) ** 2 for a, b in sides)
+        far = total(max(-a, b) ** 2 for a, b in sides)
         require(near > 0, "the start is at a target point")
         boxes.append([1 / square_root(far)[1], 1 / square_root(near)[0]])
     return [Ball.over(*box) for box in boxes]
@@ -1273,105 +1293,73 @@ def unknowns(p: Motion) -> list[Ball]:
 
 def taylor(p: Motion, z: Sequence[Ball], step: Fraction, order: int) -> list[Series]:
     """Return the coefficients up to an order, times stepⁱ, of all motions from a box."""
-    m, g, (k1, k2, k3, k4) = p.s.m, p.s.gravity, (p.s.g[k] for k in GAINS[:4])
-    c, kappa = k1**2 * k2 / m, (k1 * k2 + k3) / m
-    exact = [c, kappa, c * kappa, k4 / m, kappa + k4 / m, m / k1, 1 / m, g, m * g / c, m * g / k1]
-    C, K, CK, H, quick, slow, light, G, far, pull = fixed = [Ball.over(x, x) for x in exact]
-    points = [[Ball.over(x, x) for x in point] for point in p.s.points]
-    singular = Ball.over(*(c * q3 for q3 in p.s.centroid[2]))
-    largest = max(x.size() for x in (*fixed, *z, *itertools.chain(*points)))
-    require(largest < 10**12 << BITS, "a number is out of reach")
-    series, n = [Series(x) for x in z], len(points)
+    s, (k1, k2, k3, k4) = p.s, p.s.gains
+    m, c, kappa, slowing = s.m, s.stiffness, (k1 * k2 + k3) / s.m, k4 / s.m
+    singular = constant(Ball.over(*(c * q3 for q3 in s.centroid[2])))
+    points = [[constant(Ball.over(x)) for x in point] for point in s.points]
+    reach = max(x.size() for x in z)
+    require(reach < 10**12 << BITS, "the motion is not followed to its end")
+    slopes: list[Series] = []  # the right sides, of each unknown
+
+    def unknown(k: int) -> Series:
+        parts = [Ball.over(step / i) for i in range(1, order + 1)]
+        return Series(lambda i: parts[i - 1].times(slopes[k][i - 1]) if i else z[k])
+
+    series = [unknown(k) for k in range(len(z))]
     xi, v, b, w = (series[i : i + 3] for i in (0, 3, 6, 9))
-    T, x, u = series[12], series[13], series[14:]
-    rays, (y, a) = [empty(3) for _ in points], (empty(3), empty(3))
-    closing, u2, u3 = empty(n), empty(n), empty(n)
-    by, ba, rise, swing, gain, x2, inward, brake = empty(8)
-    for i in range(order):
-        first = i == 0  # then constants count
-        for j in range(n):
-            for k in range(3):
-                rays[j][k].append((points[j][k] if first else NOUGHT) - xi[k][i])
-            closing[j].append(inner(rays[j], v))
-            u2[j].append(product(u[j], u[j]))
-            u3[j].append(product(u2[j], u[j]))
-        for k in range(3):
-            up = first and k == 2
-            bent = slow * v[k][i] - inner([ray[k] for ray in rays], u)
-            y[k].append(bent + far if up else bent)
-            quicker = quick * y[k][i]
-            a[k].append(quicker + pull if up else quicker)
-        by.append(inner(b, y))
-        ba.append(inner(b, a))
-        lift = C * by[i] - T[i]
-        rise.append(K * (lift + singular if first else lift))
-        swing.append(rise[i] + CK * by[i])
-        gain.append(CK * x[i])
-        x2.append(product(x, x))
-        inward.append(product(gain, ba) + inner(w, w))
-        braked = product(swing, x)
-        brake.append(braked + H if first else braked)
-        rates = [
-            *(side[i] for side in v),
-            *(NOUGHT - light * product(T, side) for side in b),
-            *(side[i] for side in w),
-            *(product(gain, a[k]) - product(inward, b[k]) - product(brake, w[k]) for k in range(3)),
-            rise[i],
-            NOUGHT - product(x2, rise),
-            *(product(u3[j], closing[j]) for j in range(n)),
-        ]
-        rates[5] += G if first else NOUGHT
-        part = Ball.over(step / (i + 1), step / (i + 1))
-        for line, rate in zip(series, rates, strict=True):
-            line.append(part * rate)
+    T, x, u = series[12], series[13], series[14:]  # x = 1/D, u = 1/r
+    none = constant(Ball(0, 0))
+
+    def up(value: Fraction) -> list[Series]:  # value·e3
+        return [none, none, constant(Ball.over(value))]
+
+    rays = [[at - place for at, place in zip(point, xi, strict=True)] for point in points]
+    seen = [inner(axis, u) for axis in zip(*rays, strict=True)]
+    y = [far + m / k1 * vk - q for far, vk, q in zip(up(s.weight / c), v, seen, strict=True)]
+    a = [g + (kappa + slowing) * yk for g, yk in zip(up(s.weight / k1), y, strict=True)]
+    by = inner(b, y)
+    rise = kappa * (c * by - T + singular)  # T'
+    gain, h = c * kappa * x, (rise + c * kappa * by) * x + constant(Ball.over(slowing))
+    inward = gain * inner(b, a) + inner(w, w)
+    slopes += v
+    slopes += [g - 1 / m * (T * bk) for g, bk in zip(up(s.gravity), b, strict=True)]
+    slopes += w
+    slopes += [gain * ak - inward * bk - h * wk for ak, bk, wk in zip(a, b, w, strict=True)]
+    slopes += [rise, none - x * x * rise]
+    slopes += [uj * uj * uj * inner(ray, v) for uj, ray in zip(u, rays, strict=True)]
+    for i, line in itertools.product(range(order + 1), series):
+        line[i]
     return series
 
 
-def empty(count: int) -> list[Series]:
-    """Return series without coefficients."""
-    return [Series() for _ in range(count)]
-
-
-def advance(p: Motion, z: Sequence[Ball], step: Fraction) -> list[Ball] | None:
-    """Enclose where all motions from a box are after a step; None if that is not shown."""
+def advance(p: Motion, z: Sequence[Ball], step: Fraction) -> list[Ball]:
+    """Enclose where all motions from a box are after a step."""
     series, most = taylor(p, z, step, ORDER - 1), 1 << (BITS - ACCURACY)
     reach = [sum(line.size[1:]) + most for line in series]
-    if max(reach) >> (BITS + 20) or max(line.size[-1] for line in series) > 256 * most:
-        return None
     hull = [Ball(x.mid, x.rad + 2 * r + 1) for x, r in zip(z, reach, strict=True)]
     rest = [line[ORDER] for line in taylor(p, hull, step, ORDER)]
-    if any(x.size() > most for x in rest):
-        return None
+    require(max(x.size() for x in rest) <= most, "the motion is not followed to its end")
     ends = zip(series, rest, strict=True)
     return [Ball(sum(line.mid) + x.mid, sum(line.rad) + x.rad) for line, x in ends]
 
 
 def verify_motion(c: Any, p: Motion) -> None:
     """Verify that the motion exists for the time, and where it ends."""
-    z, left, step, work = unknowns(p), p.time, Fraction(1, 8), Work(MAX_SERIES)
-    wait = 0  # steps until a longer one is tried again
-    while left and work.may(2 * (len(p.s.points) + 3)):
-        step = min(step, left)
-        new = advance(p, z, step)
-        if new is None:
-            step, wait = step / 2, 4
-        else:
-            z, left, wait = new, left - step, wait - 1
-            step *= 2 if wait < 0 else 1
-    require(not left, "the motion is not followed to its end")
+    z = unknowns(p)
+    for step in p.steps:
+        z = advance(p, z, step)
     sunk = z[2].mid - z[2].rad >= p.depth * (1 << BITS)
     require(sunk, "the motion is not shown to sink to the lowest target point")
 
 
 def theorem_of_motion(c: Any, p: Motion) -> str:
     """Say in words from where the vehicle sinks to the target."""
-    gains = ", ".join(f"{k} = {p.s.g[k]}" for k in GAINS[:4])
-    sides = [about(a) if a == b else f"[{about(a)}, {about(b)}]" for a, b in p.start]
+    sides = [interval(a, b) for a, b in p.start]
     place, speed, axis, turning = (", ".join(sides[i : i + 3]) for i in (0, 3, 6, 9))
     return (
         f"It is not true that, for the mission {p.s.name} (m = {p.s.m} kg, g = {p.s.gravity} m/s², "
-        f"{gains}, goal straight below with q3* = {float(sum(p.s.centroid[2]) / 2):.12g} to 12 "
-        f"digits), the vehicle stays above the lowest target point, z < {about(p.depth)} m, for "
+        f"{p.s.words()}, goal straight below with q3* = {float(sum(p.s.centroid[2]) / 2):.12g} to "
+        f"12 digits), the vehicle stays above the lowest target point, z < {about(p.depth)} m, for "
         f"{about(p.time)} s from a state with position ({place}) m, velocity ({speed}) m/s and "
         f"thrust {sides[12]} N whose body axis e3 is ({axis}) and turns at ({turning}) 1/s, all in "
         f"world axes, with yaw rate zero. There is such a state. With the exact model and "
@@ -1382,30 +1370,34 @@ def theorem_of_motion(c: Any, p: Motion) -> str:
     )
 
 
+# --- what a file is, and what is said of it -------------------------------------------------------
+
+
 class Kind(NamedTuple):
     """A kind of certificate: its own keys, how they are read, what it says and how it is shown."""
 
     keys: tuple[str, ...]
-    theorem: Callable[[Any, Any], str]
+    read: Callable[[Any], Any]
     verify: Callable[[Any, Any], None]
-    read: Callable[[Any], Any] = read_mission
+    theorem: Callable[[Any, Any], str]
 
 
-LYAPUNOV = ("weights", "region")
 KINDS = {
-    "gains": Kind((*LYAPUNOV, "enclosures", "vertices", "claim"), theorem_of_gains, verify_gains),
+    "gains": Kind(
+        *(("weights", "region", "enclosures", "vertices", "claim"), read_gains),
+        *(verify_gains, theorem_of_gains),
+    ),
     "counterexample": Kind(
-        (*LYAPUNOV, "counterexample"), theorem_of_counterexample, verify_counterexample
+        *(("weights", "region", "counterexample"), read_gains),
+        *(verify_counterexample, theorem_of_counterexample),
     ),
-    "region": Kind(LYAPUNOV, theorem_of_region, verify_region, read_spread),
-    "outside": Kind((*LYAPUNOV, "outside"), theorem_of_outside, verify_outside, read_spread),
+    "region": Kind(("region",), read_spread, verify_region, theorem_of_region),
+    "outside": Kind(("region", "outside"), read_spread, verify_outside, theorem_of_outside),
     "attraction": Kind(
-        ("weights", "hover", "enclosures", "multipliers", "claim"),
-        theorem_of_attraction,
-        verify_attraction,
-        read_attraction,
+        *(("weights", "hover", "enclosures", "multipliers", "claim", "trees"), read_attraction),
+        *(verify_attraction, theorem_of_attraction),
     ),
-    "sinking": Kind(("motion",), theorem_of_motion, verify_motion, read_motion),
+    "sinking": Kind(("motion",), read_motion, verify_motion, theorem_of_motion),
 }
 
 
@@ -1435,7 +1427,7 @@ def stated(c: Any, question: Any) -> str:
 def check(certificate: Any) -> str:
     """Return the theorem that a certificate (an object read from JSON) proves.
 
-    Raises Rejected if it does not prove what it claims.
+    Raises Rejected if it does not prove what it claims, Unreadable if it is of an older version.
 
     Parameters
     ----------
@@ -1453,10 +1445,12 @@ def checked(certificate: Any) -> str:
     require(isinstance(certificate, dict), "the certificate is not an object")
     kind = certificate.get("kind")
     require(isinstance(kind, str) and kind in KINDS, "unknown kind of certificate")
+    version = certificate.get("version")
+    if certificate.get("format") == "hoverproof certificate" and version == 1:
+        raise Unreadable("was made by an older version of hoverproof; make it anew")
     keys(certificate, COMMON + KINDS[kind].keys, "certificate")
-    head, version = certificate["format"], certificate["version"]
-    known = head == "hoverproof certificate" and type(version) is int and version == 1
-    require(known, "not version 1 of the format")
+    known = certificate["format"] == "hoverproof certificate" and type(version) is int
+    require(known and version == VERSION, f"not version {VERSION} of the format")
     require(matches(certificate["model_sha256"], "[0-9a-f]{64}"), "model_sha256 is no SHA-256")
     tools = keys(certificate["tools"], TOOLS, "tools").values()
     require(all(matches(v, r"[\w.+-]{1,64}") for v in tools), "a tool has no proper version")
@@ -1546,6 +1540,9 @@ def tell(name: str, certificate: Any) -> int:
     """
     try:
         theorem = check(certificate)
+    except Unreadable as error:
+        print(f"{name}: {error}", file=sys.stderr)
+        return 2
     except Rejected as error:
         print(f"{name}: rejected: {error}")
         return 1

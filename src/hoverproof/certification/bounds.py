@@ -9,14 +9,11 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
-from hoverproof import checker
-from hoverproof.certification.region import (
-    Box,
-    Region,
-    default_box,
-    eigenvalues,
-    enclose,
-)
+import numpy as np
+
+from hoverproof.certification.cells import View, largest_below, smallest_above
+from hoverproof.certification.over_box import enclose, none_proved
+from hoverproof.certification.region import Box, Region, default_box, eigenvalues
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, Interval, hover_goal
@@ -49,21 +46,6 @@ def proved_bounds(mission: Mission) -> Region | None:
     if region is None:
         raise none_proved(mission)
     return region
-
-
-def none_proved(mission: Mission) -> InputError:
-    """Say that "auto" found nothing.
-
-    Parameters
-    ----------
-    mission : Mission
-    """
-    return InputError(
-        mission.source,
-        KEY,
-        '"auto": no bounds were proved over the box within the effort; give a smaller one as '
-        "bounds.box, or two numbers",
-    )
 
 
 def eigenvalue_bounds(mission: Mission) -> Interval:
@@ -99,7 +81,7 @@ def eigenvalues_at_goal(mission: Mission) -> tuple[float, float]:
 
 
 def goal_box(mission: Mission, bounds: Interval, box: Box | None) -> Box:
-    """Return a box that holds the goal, and over which Q is proved to be within bounds.
+    """Return a box that holds the goal, and over which Q is within bounds, for the checker to see.
 
     Parameters
     ----------
@@ -114,15 +96,17 @@ def goal_box(mission: Mission, bounds: Interval, box: Box | None) -> Box:
     InputError
         If Q at the goal is not within the bounds: they say nothing about a motion that comes there.
     """
-    goal = hover_goal(mission)
-    points = [list(p) for p in mission.target.points]
-    known = list(goal.position) if mission.goal.height is not None else None
-    for sides in _boxes(mission, goal, exactly=known is not None):
-        held = [list(side) for side in sides]
-        if checker.goal_within(points, known, goal.centroid, held, bounds):
+    goal, numbers = hover_goal(mission), LoopNumbers.of(mission)
+    exactly = mission.goal.height is not None
+    low, high = (float(x) for x in bounds)
+    for sides in _boxes(mission, goal, exactly=exactly):
+        view = View.of(numbers.points.T, np.array([sides], float))
+        seen = (view.rays / view.distance[..., None]).sum(axis=1)
+        off = float(np.linalg.norm(seen - np.array(goal.centroid_midpoint, float)))
+        holds = exactly or off < 0.9 * low * float(view.half.min()) / 2
+        if holds and (largest_below(view, high) & smallest_above(view, low)).all():
             return sides
     least, most = eigenvalues_at_goal(mission)
-    low, high = (float(x) for x in bounds)
     told = (
         f"Q at the goal has eigenvalues from {least:.4g} to {most:.4g} 1/m, not within "
         f"[{low:g}, {high:g}]: a verdict would say nothing about a motion that comes to the goal; "

@@ -12,13 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from hoverproof import checker
-from hoverproof.algebra.graph import fingerprint
-from hoverproof.certification.problem import ONES, GainProblem, sigma_function
-from hoverproof.certification.region import Box, Region
 from hoverproof.errors import InputError
 from hoverproof.files import write_text
 from hoverproof.mission.sections import Mission
-from hoverproof.plant.goal import Interval, hover_goal
+from hoverproof.plant.goal import hover_goal
 
 
 @dataclass(frozen=True)
@@ -57,67 +54,53 @@ class Certificate:
         write_text(path, self.text())
 
 
-def seal(problem: GainProblem, kind: str, parts: dict[str, Any]) -> Certificate:
-    """Complete a certificate: add the mission, the statement, versions and hashes.
+def rejection(certificate: Certificate) -> str:
+    """Return why the checker rejects a certificate; nothing if it accepts it.
 
     Parameters
     ----------
-    problem : GainProblem
+    certificate : Certificate
+    """
+    try:
+        checker.check(certificate.content)
+    except checker.Rejected as rejected:
+        return str(rejected) or "rejected"
+    return ""
+
+
+def accepted(certificate: Certificate) -> Certificate | None:
+    """Return a certificate if the checker accepts it.
+
+    Parameters
+    ----------
+    certificate : Certificate
+    """
+    return None if rejection(certificate) else certificate
+
+
+def seal(mission: Mission, kind: str, parts: dict[str, Any], model: str) -> Certificate:
+    """Complete a certificate about a mission: add the mission, statement, versions and hashes.
+
+    Parameters
+    ----------
+    mission : Mission
     kind : str
         One of `checker.KINDS`.
     parts : dict
         What belongs to this kind; Fractions become exact strings.
-    """
-    held = (problem.box, problem.eigenvalues)
-    return _sealed(problem.mission, problem.weights, held, kind, parts)
-
-
-def seal_region(mission: Mission, region: Region, kind: str, parts: dict[str, Any]) -> Certificate:
-    """Complete a certificate about Q alone: gains and thrust play no part in it.
-
-    Parameters
-    ----------
-    mission : Mission
-    region : Region
-        What is claimed, or refuted.
-    kind : {"region", "outside"}
-    parts : dict
-        See `seal`.
-    """
-    return _sealed(mission, ONES, (region.box, region.eigenvalues), kind, parts)
-
-
-def _sealed(
-    mission: Mission,
-    weights: tuple[Fraction, ...],
-    held: tuple[Box | None, Interval],
-    kind: str,
-    parts: dict[str, Any],
-) -> Certificate:
-    box, eigenvalues = held
-    own = {"weights": weights, "region": {"box": box, "eigenvalues": eigenvalues}, **parts}
-    try:
-        return seal_content(mission, kind, own, model_fingerprint())
-    except checker.Rejected as rejected:  # numbers that grew too long, for one
-        raise InputError(mission.source, "", f"makes no certificate: {rejected}") from None
-
-
-def seal_content(mission: Mission, kind: str, parts: dict[str, Any], model: str) -> Certificate:
-    """Complete a certificate of any kind about a mission.
-
-    Parameters
-    ----------
-    mission : Mission
-    kind, parts
-        See `seal`.
     model : str
         SHA-256 of the graph from which the claim was computed.
+
+    Raises
+    ------
+    InputError
+        If the numbers make no certificate: they have grown too long, for one.
     """
     numbers = mission.exact()
     by_height = mission.goal.height is not None
     content: dict[str, Any] = {
         "format": "hoverproof certificate",
-        "version": 1,
+        "version": checker.VERSION,
         "kind": kind,
         "statement": "",
         "mission": numbers,
@@ -127,7 +110,10 @@ def seal_content(mission: Mission, kind: str, parts: dict[str, Any], model: str)
         "goal_position": exact(hover_goal(mission).position) if by_height else None,
         **exact(parts),
     }
-    content["statement"] = checker.statement(content)
+    try:
+        content["statement"] = checker.statement(content)
+    except checker.Rejected as rejected:
+        raise InputError(mission.source, "", f"makes no certificate: {rejected}") from None
     content["sha256"] = checker.digest(content)
     return Certificate(content)
 
@@ -169,12 +155,6 @@ def _leaves(value: Any, key: str = "") -> Iterator[tuple[str, str]]:
 @cache
 def _tools() -> tuple[tuple[str, str], ...]:
     return tuple((name, version(name)) for name in ("hoverproof", "casadi", "cvxpy", "clarabel"))
-
-
-@cache
-def model_fingerprint() -> str:
-    """Return the SHA-256 of the graph of Σ from which the verdict was computed."""
-    return fingerprint(sigma_function())
 
 
 def exact(value: Any) -> Any:

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import ClassVar, Literal
+from functools import cache
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.algebra.definite import is_positive_definite, quadratic_form
-from hoverproof.certification.certificate import Certificate, seal
+from hoverproof.algebra.graph import fingerprint
+from hoverproof.certification.certificate import Certificate, rejection, seal
 from hoverproof.certification.lmi import (
     Array,
     Vertex,
@@ -211,7 +213,9 @@ def search_weights(mission: Mission, *, region: Region | None = None) -> tuple[F
     return (Fraction(1), *(decimal_below(float(w / found[0]), 4) for w in found[1:]))
 
 
-def _proved(problem: GainProblem, vertices: list[_Vertex], margin_above: Fraction) -> Proved:
+def _proved(
+    problem: GainProblem, vertices: list[_Vertex], margin_above: Fraction
+) -> Proved | Undecided:
     margin = min(v.margin for v in vertices)
     rate = problem.decay_rate(margin)
     parts = {
@@ -231,14 +235,31 @@ def _proved(problem: GainProblem, vertices: list[_Vertex], margin_above: Fractio
             for v in vertices
         ],
     }
-    return Proved(margin, margin_above, rate, problem, seal(problem, "gains", parts))
+    certificate = _seal(problem, "gains", parts)
+    reason = rejection(certificate)
+    if reason:
+        return Undecided(margin_above, reason, problem)
+    return Proved(margin, margin_above, rate, problem, certificate)
 
 
 def _refuted(problem: GainProblem, worst: _Worst, margin_above: Fraction) -> Refuted:
     value = -decimal_below(-worst.value, DIGITS)
     point = {"Q": worst.Q, "f": worst.f, "X": worst.X, "value": value}
-    certificate = seal(problem, "counterexample", {"counterexample": point})
+    certificate = _seal(problem, "counterexample", {"counterexample": point})
     return Refuted(worst.Q, worst.f, worst.X, value, margin_above, problem, certificate)
+
+
+def _seal(problem: GainProblem, kind: str, parts: dict[str, Any]) -> Certificate:
+    tree = problem.region and problem.region.tree
+    region = {"box": problem.box, "eigenvalues": problem.eigenvalues, "tree": tree}
+    own = {"weights": problem.weights, "region": region, **parts}
+    return seal(problem.mission, kind, own, model_fingerprint())
+
+
+@cache
+def model_fingerprint() -> str:
+    """Return the SHA-256 of the graph of Σ from which the verdict was computed."""
+    return fingerprint(sigma_function())
 
 
 def _vertex(problem: GainProblem, f: Fraction) -> Vertex:

@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from hoverproof.certification.bounds import none_proved
-from hoverproof.certification.certificate import Certificate, seal_region
-from hoverproof.certification.region import Box, Outside, Region, enclose, holds_over, outside
+from hoverproof.algebra.graph import fingerprint
+from hoverproof.certification.certificate import Certificate, accepted, seal
+from hoverproof.certification.region import (
+    Box,
+    Outside,
+    Region,
+    enclosures,
+    halved,
+    outside,
+)
+from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
-from hoverproof.plant.goal import Interval
+from hoverproof.plant.goal import Interval, level_view
 
 
 @dataclass(frozen=True)
@@ -59,30 +67,83 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Regio
         If the box holds a target point, where Q is infinite, or if the bounds are "auto" and none
         are proved.
     """
-    enclosed = enclose(mission, box, most)
+    proved = _enclose(mission, box, most)
     wanted = mission.bounds.eigenvalues
     if not isinstance(wanted, tuple):
-        if enclosed is None:
+        if proved is None:
             raise none_proved(mission)
-        certificate = seal_region(mission, enclosed, "region", {})
-        return RegionVerdict("proved", box, enclosed.eigenvalues, enclosed, None, certificate)
-    spot = outside(mission, box, wanted)
-    if spot is not None:
+        held, certificate = proved
+        return RegionVerdict("proved", box, held.eigenvalues, held, None, certificate)
+    narrowest = proved and proved[0]
+    for spot in outside(mission, box, wanted):
         point = {
             "position": spot.position,
             "direction": spot.direction,
             "bound": spot.bound,
         }
-        shown = Region(box, wanted, (spot.eigenvalue, spot.eigenvalue))
-        refutation = seal_region(mission, shown, "outside", {"outside": point})
-        return RegionVerdict("refuted", box, wanted, enclosed, spot, refutation)
-    proved = holds_over(mission, box, wanted, most)
-    held = enclosed
-    if proved:
-        attained = enclosed.attained if enclosed else (float(wanted[0]), float(wanted[1]))
-        held = Region(box, wanted, attained)
-    if held is None:
-        return RegionVerdict("undecided", box, wanted, None, None, None)
-    certificate = seal_region(mission, held, "region", {})
-    status = "proved" if proved else "undecided"
-    return RegionVerdict(status, box, wanted, enclosed, None, certificate)
+        broken = Region(box, wanted, (spot.eigenvalue, spot.eigenvalue), None)
+        refutation = accepted(_seal(mission, broken, "outside", outside=point))
+        if refutation:
+            return RegionVerdict("refuted", box, wanted, narrowest, spot, refutation)
+    tree = halved(mission, box, wanted, most)
+    if tree is not None:
+        attained = narrowest.attained if narrowest else (float(wanted[0]), float(wanted[1]))
+        held = Region(box, wanted, attained, tree)
+        shown = accepted(_seal(mission, held, "region"))
+        if shown:
+            return RegionVerdict("proved", box, wanted, narrowest, None, shown)
+    return RegionVerdict("undecided", box, wanted, narrowest, None, proved and proved[1])
+
+
+def enclose(mission: Mission, box: Box, most: int | None = None) -> Region | None:
+    """Find and prove an interval that holds every eigenvalue of Q over a box.
+
+    Parameters
+    ----------
+    mission : Mission
+    box : (3,) of (low, high), world frame, m
+    most : int, optional
+        Most cells of the box; by default, and at most, as many as the checker takes.
+
+    Returns
+    -------
+    Region or None
+        None if nothing is proved with that many cells.
+
+    Raises
+    ------
+    InputError
+        If the box holds a target point, where Q is infinite.
+    """
+    proved = _enclose(mission, box, most)
+    return None if proved is None else proved[0]
+
+
+def _enclose(mission: Mission, box: Box, most: int | None) -> tuple[Region, Certificate] | None:
+    for region in enclosures(mission, box, most):
+        shown = accepted(_seal(mission, region, "region"))
+        if shown:
+            return region, shown
+    return None
+
+
+def none_proved(mission: Mission) -> InputError:
+    """Say that "auto" found nothing.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    return InputError(
+        mission.source,
+        "bounds.eigenvalues",
+        '"auto": no bounds were proved over the box within the effort; give a smaller one as '
+        "bounds.box, or two numbers",
+    )
+
+
+def _seal(mission: Mission, region: Region, kind: str, **parts: object) -> Certificate:
+    """Complete a certificate about Q alone: gains and thrust play no part in it."""
+    held = {"box": region.box, "eigenvalues": region.eigenvalues, "tree": region.tree}
+    model = fingerprint(level_view(len(mission.target.points)))
+    return seal(mission, kind, {"region": held, **parts}, model)

@@ -86,11 +86,11 @@ class GainProblem:
         Interval of values that f(T) does take, 1/m; empty if low > high.
     eigenvalues : (low, high)
         Interval of the eigenvalues of Q, 1/m.
-    box : (3,) of (low, high), or None
-        Positions over which that interval was proved, m; None if it is the mission's assumption.
+    region : Region or None
+        Positions over which that interval was proved; None if it is the mission's assumption.
     goal_box : (3,) of (low, high), or None
-        Holds the goal, and Q is proved to be within that interval there, m; None where the question
-        is not about gains.
+        Holds the goal, and Q is within that interval there, m; None where the question is not
+        about gains.
     """
 
     mission: Mission
@@ -101,8 +101,13 @@ class GainProblem:
     factor: Interval
     factor_attained: Interval
     eigenvalues: Interval
-    box: Box | None
+    region: Region | None
     goal_box: Box | None = None
+
+    @property
+    def box(self) -> Box | None:
+        """Positions over which the interval of eigenvalues was proved, m; None if assumed."""
+        return None if self.region is None else self.region.box
 
     def corners(self) -> Iterator[tuple[Fraction, ...]]:
         """Yield the corners of the box around q*."""
@@ -259,7 +264,7 @@ def pose(
         factor=(_down(force(high, bottom)[2]), _up(force(low, top)[2])),
         factor_attained=(_up(force(high, top)[2]), _down(force(low, bottom)[2])),
         eigenvalues=eigenvalue_bounds(mission) if region is None else region.eigenvalues,
-        box=None if region is None else region.box,
+        region=region,
     )
 
 

@@ -1,16 +1,24 @@
-"""Eigenvalue bounds of Q over a box of positions: found in floating point, proved exactly."""
+"""Eigenvalue bounds of Q over a box of positions, as they are found, in floating point."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof import checker
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.surd import sqrt_enclosure
+from hoverproof.certification.cells import (
+    Told,
+    View,
+    grow_tree,
+    largest_below,
+    most_cells,
+    smallest_above,
+)
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import Interval, hover_goal
@@ -35,11 +43,15 @@ class Region:
         Proved bounds of every eigenvalue of Q over the box, 1/m.
     attained : (low, high)
         The lowest and the highest eigenvalue found in the box, 1/m: how tight the bounds are.
+    tree : str or None
+        How the box is halved until the bounds are shown over each cell; None of bounds that do not
+        hold.
     """
 
     box: Box
     eigenvalues: Interval
     attained: tuple[float, float]
+    tree: str | None
 
 
 def parse_box(text: str) -> Box:
@@ -108,20 +120,15 @@ def _depth_matrices(points: Array, positions: Array) -> Array:
     return np.asarray(((np.eye(3) - p * p.swapaxes(2, 3)) / distance).sum(axis=1))
 
 
-def enclose(mission: Mission, box: Box, most: int | None = None) -> Region | None:
-    """Find and prove an interval that holds every eigenvalue of Q over a box.
+def enclosures(mission: Mission, box: Box, most: int | None = None) -> Iterator[Region]:
+    """Yield bounds that seem to hold for every eigenvalue of Q over a box, the narrowest first.
 
     Parameters
     ----------
     mission : Mission
     box : (3,) of (low, high), world frame, m
     most : int, optional
-        Most boxes in the branch and bound; by default, and at most, as many as the checker takes.
-
-    Returns
-    -------
-    Region or None
-        None if nothing is proved within that many boxes.
+        Most cells of the box; by default, and at most, as many as the checker takes.
 
     Raises
     ------
@@ -136,9 +143,9 @@ def enclose(mission: Mission, box: Box, most: int | None = None) -> Region | Non
             decimal_below(Fraction(low) * (1 - slack), 3),
             decimal_above(Fraction(high) * (1 + slack), 3),
         )
-        if holds_over(mission, box, bounds, most):
-            return Region(box, bounds, (low, high))
-    return None
+        tree = halved(mission, box, bounds, most)
+        if tree is not None:
+            yield Region(box, bounds, (low, high), tree)
 
 
 def _infinite_in(mission: Mission, box: Box) -> InputError:
@@ -157,10 +164,8 @@ def _infinite_in(mission: Mission, box: Box) -> InputError:
     )
 
 
-def holds_over(mission: Mission, box: Box, bounds: Interval, most: int | None = None) -> bool:
-    """Tell whether it is proved that every eigenvalue of Q over a box lies within bounds.
-
-    The proof is the checker's branch and bound, in exact arithmetic.
+def halved(mission: Mission, box: Box, bounds: Interval, most: int | None = None) -> str | None:
+    """Return how to halve a box until the eigenvalues of Q lie within bounds over each cell.
 
     Parameters
     ----------
@@ -168,15 +173,26 @@ def holds_over(mission: Mission, box: Box, bounds: Interval, most: int | None = 
     box : (3,) of (low, high), world frame, m
     bounds : (low, high), 1/m
     most : int, optional
-        Most boxes, see `enclose`.
+        Most cells, see `enclosures`.
+
+    Returns
+    -------
+    str or None
+        See `grow_tree`; None if it takes more cells, or if they do not hold.
     """
-    points = [list(p) for p in mission.target.points]
-    return checker.eigenvalues_hold(points, [list(side) for side in box], *bounds, most)
+    points, (low, high) = _points(mission), map(float, bounds)
+
+    def hold(cells: Array) -> Told:
+        view = View.of(points, cells)
+        return largest_below(view, high) & smallest_above(view, low)
+
+    limit = most_cells(len(points), 2)
+    return grow_tree(np.array(box, float), hold, min(limit, most or limit))
 
 
 @dataclass(frozen=True)
 class Outside:
-    """A position where Q has an eigenvalue out of bounds, shown exactly.
+    """A position where Q has an eigenvalue out of bounds.
 
     Attributes
     ----------
@@ -196,8 +212,8 @@ class Outside:
     eigenvalue: float
 
 
-def outside(mission: Mission, box: Box, bounds: Interval) -> Outside | None:
-    """Return a position in a box with an eigenvalue of Q out of bounds; None if none is found.
+def outside(mission: Mission, box: Box, bounds: Interval) -> Iterator[Outside]:
+    """Yield positions in a box where an eigenvalue of Q seems to be out of bounds.
 
     Parameters
     ----------
@@ -217,11 +233,9 @@ def outside(mission: Mission, box: Box, bounds: Interval) -> Outside | None:
         (matrix,) = _depth_matrices(points, np.array([place], float))
         ends, vectors = np.linalg.eigh(matrix)
         x = [Fraction(float(c)).limit_denominator(10**6) for c in vectors[:, column]]
-        target = [list(p) for p in mission.target.points]
-        lower = bound == "lower"
-        if checker.out_of_bounds(target, place, x, bounds[0 if lower else 1], lower=lower):
-            return Outside(place, x, bound, float(ends[column]))
-    return None
+        value, (low, high) = float(ends[column]), bounds
+        if value < low if bound == "lower" else value > high:
+            yield Outside(place, x, bound, value)
 
 
 def _within(x: float, side: Interval) -> Fraction:

@@ -88,8 +88,8 @@ def _over_box(mission: Mission, box: str | None, boxes: int | None, weights: str
     """Decide with bounds of Q that are proved over a box."""
     from hoverproof.certification.gains import Undecided
     from hoverproof.certification.gains import certify as decide
+    from hoverproof.certification.over_box import enclose
     from hoverproof.certification.problem import gain_problem
-    from hoverproof.certification.region import enclose
 
     region = enclose(mission, box_sides(mission, box), boxes)
     if region is None:
@@ -182,14 +182,13 @@ def check(
     if set_ and mission is None:
         raise InputError("--set", "", "needs --mission")
     wanted = None if mission is None else load_mission(mission, set_)
-    try:
-        content = checker.read(certificate)
-    except checker.Unreadable as error:
-        raise InputError(str(certificate), "", str(error)) from None
     statement = reason = None
     differing: list[str] = []
     try:
+        content = checker.read(certificate)
         statement = checker.check(content)
+    except checker.Unreadable as error:
+        raise InputError(str(certificate), "", str(error)) from None
     except checker.Rejected as error:
         reason = str(error)
     if wanted is not None and statement is not None:

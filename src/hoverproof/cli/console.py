@@ -80,7 +80,7 @@ Box = Annotated[
 Boxes = Annotated[
     int | None,
     Parameter(
-        help="Most boxes in the branch and bound; fewer answer sooner, perhaps with undecided.",
+        help="Most cells to halve the box into; fewer answer sooner, perhaps with undecided.",
         validator=validators.Number(gte=1),
     ),
 ]

@@ -21,8 +21,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from hoverproof.certification.bounds import eigenvalues_at_goal
-from hoverproof.certification.certificate import model_fingerprint
-from hoverproof.certification.gains import certify
+from hoverproof.certification.gains import certify, model_fingerprint
 from hoverproof.certification.problem import ONES, gain_problem, pose
 from hoverproof.design.margins import Questions, margins
 from hoverproof.errors import InputError

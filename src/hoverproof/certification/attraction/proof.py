@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
-from fractions import Fraction
 from functools import cache
 from typing import Any
 
 import numpy as np
 
-from hoverproof import checker
-from hoverproof.algebra.decimals import decimal_above, decimal_below
+from hoverproof.algebra.decimals import decimal_above
 from hoverproof.algebra.graph import fingerprint
+from hoverproof.certification.attraction.draft import NotShown, draft, force_bound
 from hoverproof.certification.attraction.form import derive_form
-from hoverproof.certification.attraction.inequality import Loop, rate_and_multiplier
+from hoverproof.certification.attraction.inequality import Loop
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.refutation import refute
 from hoverproof.certification.attraction.search import (
@@ -23,17 +23,15 @@ from hoverproof.certification.attraction.search import (
     Search,
     Slack,
     find,
-    reach_along,
 )
+from hoverproof.certification.attraction.sinking import Sinking
+from hoverproof.certification.attraction.start_terms import added, start_terms
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import Proved, Reach, Undecided, Verdict
-from hoverproof.certification.certificate import Certificate, exact, seal_content
+from hoverproof.certification.certificate import Certificate, rejection, seal
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
-from hoverproof.plant.goal import hover_goal
 
-BITS = 64
-DIGITS = 6
 MOST_STARTS = 16
 Progress = Callable[[str], None]
 
@@ -131,7 +129,7 @@ def _search_and_prove(
         verdict: Proved | str
         try:
             verdict = _attempt(mission, potential, loop, objective, wanted, with_barrier, tell)
-        except (checker.Rejected, ArithmeticError, np.linalg.LinAlgError) as error:
+        except (ArithmeticError, np.linalg.LinAlgError) as error:
             verdict = f"these numbers are beyond what can be computed with ({error})"
         if isinstance(verdict, Proved):
             return verdict
@@ -177,7 +175,7 @@ def estimate(mission: Mission, *, objective: Objective = "radius", barrier: bool
     loop = Loop.of(mission, potential.q3)
     starts = (Start.of(mission),) if objective == "start" else ()
     search = _search(mission, potential, loop, SLACKS[0], barrier, starts)
-    found = find(search, objective, _start_terms(mission, potential, starts))
+    found = find(search, objective, _start_terms(mission, potential, loop, starts))
     if found is None:
         raise ValueError("no weights satisfy the inequality for these gains")
     return found
@@ -191,19 +189,8 @@ def _search(
     barrier: bool,
     starts: Sequence[Start],
 ) -> Search:
-    k2 = float(mission.gains.k2)
-    sinking = [_sinking(mission, start) for start in starts]
-    deepest = max((z for z, _, _ in sinking), default=-float("inf"))
-    first = max((x for _, x, _ in sinking), default=0.0)
-    second = max((x for _, _, x in sinking), default=0.0)
-    mass, k1 = float(mission.vehicle.mass), float(mission.gains.k1)
-    slow, fast = _poles(mission)
-
-    def lag(most: float) -> float:
-        one = max(first, k1 / mass * most / fast)
-        return max(most / k2, one + max(second, fast * one / slow))
-
-    return Search(potential, loop, slack, barrier, deepest, lag)
+    sinking = Sinking.of(mission, starts)
+    return Search(potential, loop, slack, barrier, sinking.deepest, sinking.lag)
 
 
 def _attempt(
@@ -216,7 +203,7 @@ def _attempt(
     tell: Progress,
 ) -> Proved | str:
     """Search with more and more room for the proof; return what was proved, or why not."""
-    terms = _start_terms(mission, potential, starts)
+    terms = _start_terms(mission, potential, loop, starts)
     reason = ""
     for slack in SLACKS:
         tell("searching for weights" + (" with a barrier" if barrier else ""))
@@ -256,121 +243,28 @@ def prove(
     -------
     Proved, or the reason why the checker rejects it
     """
-    draft = _draft(mission, found, starts, 1 - slack.reach)
     try:
-        _complete(draft, mission, found)
-        certificate = seal_content(mission, "attraction", draft, model_fingerprint())
-        checker.check(certificate.content)
-    except checker.Rejected as rejected:
-        return str(rejected)
-    return _verdict(mission, certificate, starts)
+        parts = draft(mission, found, starts, 1 - slack.reach)
+    except NotShown as reason:
+        return str(reason)
+    certificate = seal(mission, "attraction", parts, model_fingerprint())
+    return rejection(certificate) or _verdict(mission, certificate, parts, starts)
 
 
-def _draft(mission: Mission, found: Found, starts: Sequence[Start], share: float) -> dict[str, Any]:
-    """Return claim and hints as far as they follow from the search alone."""
-    potential = Potential.of(mission)
-    weights = [decimal_below(float(w), 4) for w in found.weights]
-    level = decimal_below(found.level, DIGITS)
-    a, size = [float(w) for w in weights], float(level)
-    plane = mission.height_of_target
-    height = None if found.bottom is None else plane - Fraction(f"{found.bottom:.6f}")
-    bottom = None if height is None else float(plane - height)
-
-    def reach(*directions: tuple[float, float, float]) -> Fraction:
-        least = min(
-            reach_along(potential, np.array(d), np.array(a), size, bottom) for d in directions
-        )
-        return decimal_below(least * share, 3)
-
-    turns = np.linspace(0, 2 * np.pi, 72, endpoint=False)
-    around = [(float(np.cos(t)), float(np.sin(t)), 0.0) for t in turns]
-    return {
-        "weights": weights,
-        "hover": list(hover_goal(mission).position),
-        "enclosures": {},
-        "multipliers": [],
-        "claim": {
-            "level": level,
-            "rate": Fraction(1),
-            "barrier_height": height,
-            "reach": {
-                "sideways": reach(*around),
-                "up": reach((0, 0, -1)),
-                "down": reach((0, 0, 1)),
-            },
-            "starts": [start.content() for start in starts],
-        },
-    }
-
-
-def _complete(draft: dict[str, Any], mission: Mission, found: Found) -> None:
-    """Add the bounds that follow from the level, rounded outward, the multipliers and the rate."""
-    p = bounds_of(mission, draft)
-    s, weight = p.s, p.s.m * p.s.gravity
-    goal = [_down(p.q3[0]), _up(p.q3[1])]
-    ends = [
-        checker.factor(s.m, s.g, weight + sign * p.force, q)
-        for sign, q in ((1, p.q3[0]), (-1, p.q3[1]))
-    ]
-    factor = [decimal_below(ends[0], 12), decimal_above(ends[1], 12)]
-    tilt = decimal_above(p.sine / (1 + p.cosine), 9)
-    largest = decimal_above(found.largest, 5)
-    loop = Loop.of(mission, float(goal[0]))
-    weights = np.array([float(a) for a in p.a])
-    rates, multipliers = [], []
-    for f in factor:
-        least, tau = rate_and_multiplier(
-            loop, weights, f=float(f), theta=float(tilt), largest=float(largest)
-        )
-        rates.append(least)
-        multipliers.append(decimal_below(tau, DIGITS))
-    rate = decimal_below(min(rates) * (1 - 1e-6), DIGITS)
-    if rate <= 0:
-        raise checker.Rejected("the inequality fails after rounding")
-    draft["claim"]["rate"] = rate
-    draft["multipliers"] = multipliers
-    draft["enclosures"] = {
-        "goal": goal,
-        "factor": factor,
-        "tilt": tilt,
-        "largest_eigenvalue": largest,
-    }
-
-
-def bounds_of(mission: Mission, draft: dict[str, Any]) -> checker.Attraction:
-    """Return what follows from mission, weights and level alone, exactly.
-
-    Parameters
-    ----------
-    mission : Mission
-    draft : dict
-        The hover point, weights, level and other choices, exact; see `checker.read_attraction`.
-    """
-    text = mission.exact()
-    by_height = mission.goal.height is not None
-    content = {
-        "mission": text,
-        "mission_sha256": checker.digest(text),
-        "goal_position": exact(draft["hover"]) if by_height else None,
-        **exact(draft),
-    }
-    return checker.read_attraction(content)
-
-
-def _verdict(mission: Mission, certificate: Certificate, starts: Sequence[Start]) -> Proved:
-    content = certificate.content
-    claim, p = content["claim"], checker.read_attraction(content)
-    weight = p.s.m * p.s.gravity
-    height = claim["barrier_height"]
+def _verdict(
+    mission: Mission, certificate: Certificate, parts: dict[str, Any], starts: Sequence[Start]
+) -> Proved:
+    claim, hints, weight = parts["claim"], parts["enclosures"], mission.vehicle.weight
+    force = force_bound(mission, parts["weights"], claim["level"])
     return Proved(
-        level=p.level,
-        weights=tuple(p.a),
-        rate=Fraction(claim["rate"]),
-        tilt=decimal_above(2 * Fraction(content["enclosures"]["tilt"]), 6),
-        thrust=(weight - p.force, weight + p.force),
-        largest_eigenvalue=Fraction(content["enclosures"]["largest_eigenvalue"]),
-        barrier_height=None if height is None else Fraction(height),
-        reach=Reach(**{k: Fraction(v) for k, v in claim["reach"].items()}),
+        level=claim["level"],
+        weights=tuple(parts["weights"]),
+        rate=claim["rate"],
+        tilt=decimal_above(2 * hints["tilt"], 6),
+        thrust=(weight - force, weight + force),
+        largest_eigenvalue=hints["largest_eigenvalue"],
+        barrier_height=claim["barrier_height"],
+        reach=Reach(**claim["reach"]),
         starts=tuple(starts),
         mission=mission,
         certificate=certificate,
@@ -384,50 +278,18 @@ def model_fingerprint() -> str:
 
 
 def _start_terms(
-    mission: Mission, potential: Potential, starts: Sequence[Start]
+    mission: Mission, potential: Potential, loop: Loop, starts: Sequence[Start]
 ) -> np.ndarray[Any, Any]:
-    """Return the terms of Λ at the corners and the centre of each set of starts, (k, 4)."""
-    if not starts:
-        return np.zeros((0, 4))
-    one = Fraction(1)
-    tiny = {"level": Fraction(1, 10**9), "rate": one, "barrier_height": None}
-    claim: dict[str, Any] = {
-        **tiny,
-        "reach": {"sideways": one, "up": one, "down": one},
-        "starts": [],
-    }
-    draft = {"weights": [one] * 3, "hover": list(hover_goal(mission).position), "claim": claim}
-    p = bounds_of(mission, draft)
+    """Return the terms of Λ at the corners of each set of starts, (k, 4), a little enlarged."""
     rows = []
     for start in starts:
-        shares = checker.shares_of(p, start.for_checker())
-        for corner in np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3):
-            place = [[side[k]] * 2 for side, k in zip(start.position, corner, strict=True)]
-            terms = checker.start_terms(p, shares, p.grid.cover(place))
-            if terms is None:
-                raise InputError("--start", "", "is at a target point, or a hair's breadth from it")
-            rows.append([float(x) * 1.001 for x in terms])
-    return np.unique(np.array(rows), axis=0)
-
-
-def _poles(mission: Mission) -> tuple[float, float]:
-    """Return r <= s of the height's equation, 1/s; see `checker.barrier_holds`."""
-    m, k = float(mission.vehicle.mass), mission.gains
-    k12 = float(k.k1 * k.k2)
-    kappa = (k12 + float(k.k3)) / m
-    root = np.sqrt(max(kappa**2 - 4 * kappa * k12 / m, 0.0))
-    return float((kappa - root) / 2), float((kappa + root) / 2)
-
-
-def _sinking(mission: Mission, start: Start) -> tuple[float, float, float]:
-    """Return how deep (z, m) a start sinks by its own motion, and the two lags it has, m."""
-    slow, fast = _poles(mission)
-    speed = float(start.speed)
-    v = mission.vehicle
-    second_rate = float((start.thrust + v.weight * start.tilt) / v.mass)
-    ahead = max(speed / slow, (speed + second_rate / (slow + fast)) * (1 / slow + 1 / fast))
-    lag = (second_rate + slow * speed) / (slow * fast)
-    return float(start.position[2][1]) + ahead, lag, speed / slow
+        add = added(mission, potential, loop, start)
+        corners = itertools.product(*([float(end) for end in side] for side in start.position))
+        cells = np.array([[(x, x) for x in corner] for corner in corners])
+        rows.append(start_terms(potential, add, cells) * 1.001)
+    if not np.isfinite(rows).all():
+        raise InputError("--start", "", "is at a target point, or a hair's breadth from it")
+    return np.unique(np.concatenate(rows), axis=0) if rows else np.zeros((0, 4))
 
 
 def _require_clear(mission: Mission, potential: Potential, starts: Sequence[Start]) -> None:
@@ -435,11 +297,3 @@ def _require_clear(mission: Mission, potential: Potential, starts: Sequence[Star
         for point in mission.target.points:
             if all(a <= c <= b for c, (a, b) in zip(point, start.position, strict=True)):
                 raise InputError(mission.source, "--start", "holds a target point")
-
-
-def _down(value: Fraction) -> Fraction:
-    return Fraction((value.numerator << BITS) // value.denominator, 1 << BITS)
-
-
-def _up(value: Fraction) -> Fraction:
-    return -_down(-value)

@@ -13,7 +13,6 @@ from mpmath.ctx_iv import MPIntervalContext
 from mpmath.libmp import to_rational
 from numpy.typing import NDArray
 
-from hoverproof import checker
 from hoverproof.algebra.decimals import decimal_above
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.region import Box
@@ -92,11 +91,6 @@ class Start:
     def content(self) -> dict[str, Any]:
         """Return what a certificate holds of it."""
         return asdict(self)
-
-    def for_checker(self) -> checker.Start:
-        """Return it as the checker has it."""
-        box = [list(side) for side in self.position]
-        return checker.Start(box, None, self.speed, self.tilt, self.rate, self.thrust)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,176 @@
+"""Round what a search found to the exact numbers and the hints of a certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.algebra.decimals import decimal_above, decimal_below
+from hoverproof.algebra.surd import sqrt_enclosure
+from hoverproof.certification.attraction.inequality import Loop, rate_and_multiplier
+from hoverproof.certification.attraction.potential import Potential
+from hoverproof.certification.attraction.search import Found, reach_along
+from hoverproof.certification.attraction.sinking import Sinking
+from hoverproof.certification.attraction.start_terms import added
+from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.attraction.trees import Set
+from hoverproof.mission.sections import Mission
+from hoverproof.plant.goal import hover_goal
+
+Array = NDArray[np.float64]
+BITS = 64
+DIGITS = 6
+SPARE = 1e-12
+"""By what share an enclosure is wider than the number in floating point."""
+
+
+class NotShown(Exception):
+    """Something does not hold after rounding, or takes more cells than the checker takes."""
+
+
+def force_bound(mission: Mission, weights: Sequence[Fraction], level: Fraction) -> Fraction:
+    """Return the bound c √(2ℓ(1/a2 + 1/a3)) of |F|, N, from above.
+
+    Parameters
+    ----------
+    mission : Mission
+    weights : (3,)
+        a2, a3, a4, m.
+    level : Fraction
+        ℓ, m.
+    """
+    gains = mission.gains
+    stiffness = gains.k1**2 * gains.k2 / mission.vehicle.mass
+    return stiffness * sqrt_enclosure(2 * level * (1 / weights[0] + 1 / weights[1]))[1]
+
+
+def draft(mission: Mission, found: Found, starts: Sequence[Start], share: float) -> dict[str, Any]:
+    """Return the parts of a certificate of a region of attraction, exact.
+
+    Parameters
+    ----------
+    mission : Mission
+    found : Found
+    starts : sequence of Start
+        Sets of states to be inside, beside the hovers about the goal.
+    share : float
+        Of the reach of these hovers, what is claimed.
+
+    Raises
+    ------
+    NotShown
+        If the checker would not be shown what it asks for.
+    """
+    potential = Potential.of(mission)
+    weights = [decimal_below(float(w), 4) for w in found.weights]
+    level = decimal_below(found.level, DIGITS)
+    force = force_bound(mission, weights, level)
+    height = None
+    if found.bottom is not None:
+        height = mission.height_of_target - Fraction(f"{found.bottom:.6f}")
+    loop = Loop.of(mission, potential.q3)
+    if float(force) >= loop.largest_force:
+        raise NotShown("the thrust reaches the singularity T = c q3*")
+    hints, rate, multipliers = _inequality(mission, found, weights, float(force))
+    region = Set(
+        potential=potential,
+        loop=loop,
+        weights=np.array(weights, float),
+        level=float(level),
+        largest=float(hints["largest_eigenvalue"]),
+        force=float(force),
+        bottom=None if height is None else float(mission.height_of_target - height),
+    )
+    reach = _reach(region, share)
+    claim = {
+        "level": level,
+        "rate": rate,
+        "barrier_height": height,
+        "reach": reach,
+        "starts": [start.content() for start in starts],
+    }
+    return {
+        "weights": weights,
+        "hover": list(hover_goal(mission).position),
+        "enclosures": hints,
+        "multipliers": multipliers,
+        "claim": claim,
+        "trees": _trees(mission, region, reach, starts),
+    }
+
+
+def _inequality(
+    mission: Mission, found: Found, weights: Sequence[Fraction], force: float
+) -> tuple[dict[str, Any], Fraction, list[Fraction]]:
+    """Return the bounds that follow from the level, rounded outward, rate and multipliers."""
+    low, high = hover_goal(mission).centroid[2]
+    goal = [_down(low), _up(high)]
+    loop, sizes = Loop.of(mission, float(goal[0])), np.array(weights, float)
+    ends = loop.factor(force)
+    tilt = decimal_above(loop.tilt(force)[2] * (1 + SPARE), 9)
+    largest = decimal_above(found.largest, 5)
+    factor = [decimal_below(ends[0] * (1 - SPARE), 12), decimal_above(ends[1] * (1 + SPARE), 12)]
+    rates, multipliers = [], []
+    for f in factor:
+        least, tau = rate_and_multiplier(
+            loop, sizes, f=float(f), theta=float(tilt), largest=float(largest)
+        )
+        rates.append(least)
+        multipliers.append(decimal_below(tau, DIGITS))
+    rate = decimal_below(min(rates) * (1 - 1e-6), DIGITS)
+    if rate <= 0:
+        raise NotShown("the inequality fails after rounding")
+    hints = {"goal": goal, "factor": factor, "tilt": tilt, "largest_eigenvalue": largest}
+    return hints, rate, multipliers
+
+
+def _reach(region: Set, share: float) -> dict[str, Fraction]:
+    """Return how far hovers are claimed to be inside: at the height of the goal, up and down."""
+
+    def reach(*directions: tuple[float, float, float]) -> Fraction:
+        least = min(
+            reach_along(region.potential, np.array(d), region.weights, region.level, region.bottom)
+            for d in directions
+        )
+        return decimal_below(least * share, 3)
+
+    turns = np.linspace(0, 2 * np.pi, 72, endpoint=False)
+    around = [(float(np.cos(t)), float(np.sin(t)), 0.0) for t in turns]
+    return {"sideways": reach(*around), "up": reach((0, 0, -1)), "down": reach((0, 0, 1))}
+
+
+def _trees(
+    mission: Mission, region: Set, reach: dict[str, Fraction], starts: Sequence[Start]
+) -> dict[str, Any]:
+    """Halve positions, plane and starts."""
+    x, y, z = hover_goal(mission).position
+    side, up, down = reach["sideways"], reach["up"], reach["down"]
+    disc = Start(((x - side, x + side), (y - side, y + side), (z, z)))
+    line = Start(((x, x), (y, y), (z - up, z + down)))
+    sets = [disc, line, *starts]
+    trees = []
+    for start, radius in zip(sets, [float(side), *[None] * (len(sets) - 1)], strict=True):
+        add = added(mission, region.potential, region.loop, start)
+        box = [[float(end) for end in sides] for sides in start.position]
+        trees.append(region.start(box, radius, add))
+    barrier = region.barrier(Sinking.of(mission, sets))
+    if region.bottom is not None and barrier is None:
+        raise NotShown("the barrier is not shown to hold")
+    positions = region.positions()
+    if positions is None:
+        raise NotShown("the largest eigenvalue of Q is not shown to be bounded")
+    if None in trees:
+        raise NotShown("a start is not shown to have Λ <= level")
+    return {"positions": positions, "barrier": barrier, "starts": trees}
+
+
+def _down(value: Fraction) -> Fraction:
+    return Fraction((value.numerator << BITS) // value.denominator, 1 << BITS)
+
+
+def _up(value: Fraction) -> Fraction:
+    return -_down(-value)

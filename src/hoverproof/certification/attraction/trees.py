@@ -1,0 +1,131 @@
+"""How positions, the plane of the barrier and the starts are halved, for a certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.certification.attraction.inequality import Loop
+from hoverproof.certification.attraction.potential import Potential
+from hoverproof.certification.attraction.sinking import Sinking
+from hoverproof.certification.attraction.start_terms import start_terms
+from hoverproof.certification.cells import (
+    ROOM,
+    Told,
+    View,
+    grow_tree,
+    largest_below,
+    most_cells,
+)
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Set:
+    """The set of states that is to be shown not to be left, {Λ <= ℓ} above a barrier.
+
+    Attributes
+    ----------
+    potential : Potential
+    loop : Loop
+    weights : (3,)
+        a2, a3, a4, m.
+    level : float
+        ℓ, m.
+    largest : float
+        λ₊, 1/m.
+    force : float
+        Bound of |F|, N.
+    bottom : float or None
+        z of the barrier, m.
+    """
+
+    potential: Potential
+    loop: Loop
+    weights: Array
+    level: float
+    largest: float
+    force: float
+    bottom: float | None
+
+    def positions(self) -> str | None:
+        """Halve all positions near the target until Q ≺ λ₊ I, or W > ℓ, over each cell."""
+        p = self.potential
+        box = _widened(p.points, p.n / self.largest)
+        if self.bottom is not None:
+            box[2, 1] = max(min(box[2, 1], self.bottom), box[2, 0])
+        high = self.level * (1 + ROOM) + 1e-11 * np.abs(box).max()
+
+        def hold(cells: Array) -> Told:
+            view = View.of(p.points, cells)
+            slope = np.abs(p.centroid(view.center) - [0, 0, p.q3])
+            least = p.value(view.center) - (slope * view.half).sum(axis=1)
+            return np.asarray(largest_below(view, self.largest) | (least > high))
+
+        return grow_tree(box, hold, most_cells(p.n, 3))
+
+    def barrier(self, sinking: Sinking) -> str | None:
+        """Halve the plane where the barrier acts until qz < q3* - ω over each cell.
+
+        Parameters
+        ----------
+        sinking : Sinking
+            Of all starts.
+        """
+        if self.bottom is None:
+            return None
+        p = self.potential
+        sine, cosine, _ = self.loop.tilt(self.force)
+        gamma, (_, a3, a4) = self.loop.turn_gain(self.force), self.weights
+        spread = np.sqrt(2 * self.level * ((1 + gamma) ** 2 / a4 + gamma**2 / a3))
+        omega = p.q3 * (1 - cosine) + sine * spread
+        limit = (p.q3 - omega) * (1 - ROOM)
+        z = self.bottom - sinking.lag(p.n - p.q3 + omega)
+        heights = np.maximum(p.points[:, 2] - z, 0) * (1 + ROOM)
+        if limit <= 0:
+            return None
+
+        def hold(cells: Array) -> Told:
+            gaps = np.maximum(cells[:, None, :, 0] - p.points[None, :, :2], 0)
+            gaps = np.maximum(gaps, p.points[None, :, :2] - cells[:, None, :, 1])
+            distance = np.sqrt((gaps**2).sum(axis=2) + heights**2)
+            parts = np.divide(heights, distance, out=np.zeros_like(distance), where=distance > 0)
+            return np.asarray(parts.sum(axis=1) < limit)
+
+        box = _widened(p.points[:, :2], float(heights.sum()) / limit)
+        return grow_tree(box, hold, most_cells(p.n, 1))
+
+    def start(self, box: Sequence[Sequence[float]], radius: float | None, add: Array) -> str | None:
+        """Halve a set of states until Λ <= ℓ over each cell.
+
+        Parameters
+        ----------
+        box : (3, 2)
+            Positions, m.
+        radius : float or None
+            Bound of the horizontal distance from the middle of the box, m.
+        add : (4,)
+            What its states add to those of a hover; see `added`.
+        """
+        p, whole = self.potential, np.array(box, float)
+        middle, weights = whole[:2].mean(axis=1), np.array([1, *self.weights])
+        limit = self.level * (1 - ROOM) - 1e-11 * np.abs(whole).max()
+
+        def hold(cells: Array) -> Told:
+            inside = start_terms(p, add, cells) @ weights <= limit
+            if radius is not None:
+                gaps = np.maximum(cells[:, :2, 0] - middle, middle - cells[:, :2, 1])
+                far = np.linalg.norm(np.maximum(gaps, 0), axis=1) > radius * (1 + ROOM) + 1e-9
+                inside |= far
+            return np.asarray(inside)
+
+        return grow_tree(whole, hold, most_cells(p.n, 6))
+
+
+def _widened(points: Array, room: float) -> Array:
+    """Return the box around points (n, d) with room on all sides, (d, 2)."""
+    return np.stack([points.min(axis=0) - room, points.max(axis=0) + room], axis=1)

@@ -1,0 +1,187 @@
+"""How a box is halved until something holds over each cell: the trees that certificates carry.
+
+In floating point, and with a little to spare, as the checker asks the same of each cell exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof import checker
+
+Array = NDArray[np.float64]
+Told = NDArray[np.bool_]
+Holds = Callable[[Array], Told]
+
+ROOM = 1e-8
+"""What is spared, as a share: far above the rounding of both sides."""
+SMALLEST = 1e-9
+"""m; cells that are as small as that are not halved."""
+STEEPEST = 1.155
+"""Bounds 2/√3: the derivative of (I - ppᵀ)/r along a unit vector has norm at most that over r²."""
+
+
+def most_cells(points: int, cost: int) -> int:
+    """Return how many cells the checker takes in a tree.
+
+    Parameters
+    ----------
+    points : int
+        Of the target.
+    cost : int
+        Of a cell; see `checker.tree_of`.
+    """
+    return checker.MAX_WORK // ((points + 5) * cost)
+
+
+def grow_tree(box: Array, holds: Holds, most: int) -> str | None:
+    """Halve a box across the longest side of each cell until something holds over every cell.
+
+    Parameters
+    ----------
+    box : (d, 2)
+        Low and high ends.
+    holds : callable
+        Takes cells, (k, d, 2); tells for each whether it holds, (k,).
+    most : int
+        Most cells at the end.
+
+    Returns
+    -------
+    str or None
+        In preorder: 0 for a cell that is not halved, and 1, 2, ... for one that is, across that
+        axis. None if it takes more cells, or if it does not hold in the middle of one.
+    """
+    cells = np.array(box, float)[None]
+    levels, leaves = [], 0
+    while len(cells):
+        held = holds(cells)
+        leaves += int(held.sum())
+        letters = np.zeros(len(cells), int)
+        levels.append(letters)
+        cells = cells[~held]
+        if not len(cells):
+            break
+        sides, middles = np.ptp(cells, axis=2), cells.mean(axis=2, keepdims=True).repeat(2, axis=2)
+        far = leaves + len(cells) > most or (sides.max(axis=1) <= SMALLEST).any()
+        if far or not holds(middles).all():
+            return None
+        axis, row = sides.argmax(axis=1), np.arange(len(cells))
+        letters[~held] = axis + 1
+        halves = cells[:, None].repeat(2, axis=1)
+        halves[row, 0, axis, 1] = halves[row, 1, axis, 0] = middles[row, axis, 0]
+        cells = halves.reshape(-1, *cells.shape[1:])
+    return _preorder(levels)
+
+
+def _preorder(levels: Sequence[NDArray[np.int_]]) -> str:
+    """Write a tree that is given level by level, the halves of a cell side by side."""
+    first = [2 * (np.cumsum(letters > 0) - 1) for letters in levels]  # place of the first half
+    found, waiting = [], [(0, 0)]
+    while waiting:
+        depth, place = waiting.pop()
+        letter = levels[depth][place]
+        found.append(str(letter))
+        if letter:
+            half = int(first[depth][place])
+            waiting += [(depth + 1, half + 1), (depth + 1, half)]
+    return "".join(found)
+
+
+@dataclass(frozen=True)
+class View:
+    """The target as it is seen from the middle of each cell of positions.
+
+    Attributes
+    ----------
+    center, half : (k, 3)
+        Middle, and half the length of each side, m.
+    radius : (k,)
+        Half the diagonal, m.
+    rays : (k, n, 3)
+        From the middle to each target point, m.
+    distance : (k, n)
+        Their lengths, m.
+    """
+
+    center: Array
+    half: Array
+    radius: Array
+    rays: Array
+    distance: Array
+
+    @classmethod
+    def of(cls, points: Array, cells: Array) -> View:
+        """Look at a target.
+
+        Parameters
+        ----------
+        points : (n, 3)
+            World frame, m.
+        cells : (k, 3, 2)
+            Low and high ends, m.
+        """
+        center, half = cells.mean(axis=2), (cells[..., 1] - cells[..., 0]) / 2
+        rays = points[None] - center[:, None]
+        distance = np.linalg.norm(rays, axis=2)
+        return cls(center, half, np.linalg.norm(half, axis=1), rays, distance)
+
+    @property
+    def apart(self) -> Array:
+        """How far each cell is at least from each point, m, (k, n); tiny if it may hold it."""
+        return np.maximum(self.distance - self.radius[:, None], 1e-12)
+
+    def turns(self, weights: Array) -> Array:
+        """Return the matrix of Σ wi |x × di|², (k, 3, 3), for weights (k, n).
+
+        Parameters
+        ----------
+        weights : (k, n)
+        """
+        return _across(np.einsum("kn,kni,knj->kij", weights, self.rays, self.rays))
+
+
+def _across(outer: Array) -> Array:
+    """Return tr(A) I - A of each matrix, (k, 3, 3)."""
+    return np.asarray(np.trace(outer, axis1=1, axis2=2)[:, None, None] * np.eye(3) - outer)
+
+
+def largest_below(view: View, high: float) -> Told:
+    """Tell whether Q ≺ high I over each cell, (k,); see `checker.largest_below`.
+
+    Parameters
+    ----------
+    view : View
+    high : float
+        1/m.
+    """
+    high *= 1 - ROOM
+    clear, near = (view.distance > view.radius[:, None]).all(axis=1), view.apart
+    steep = (STEEPEST * view.radius[:, None] / near**2).sum(axis=1)
+    at_center = np.linalg.eigvalsh(view.turns(1 / np.maximum(view.distance, 1e-12) ** 3))[:, 2]
+    below: Told = clear & (((1 / near).sum(axis=1) < high) | (at_center + steep < high))
+    return below
+
+
+def smallest_above(view: View, low: float) -> Told:
+    """Tell whether Q ≻ low I over each cell, (k,); see `checker.smallest_above`.
+
+    Parameters
+    ----------
+    view : View
+    low : float
+        1/m.
+    """
+    weights = 1 / (view.distance + view.radius[:, None]) ** 3
+    whole = weights.sum(axis=1)
+    s = (weights[..., None] * view.rays).sum(axis=1)
+    below, lost = view.turns(weights), _across(s[:, :, None] * s[:, None, :])
+    found = np.zeros(len(whole), bool)
+    for k in (2, 4, 16, 64, 2**20):
+        least = np.linalg.eigvalsh(below - lost / (k * whole)[:, None, None])[:, 0]
+        found |= least > low * (1 + ROOM) + (k - 1) * whole * view.radius**2
+    return found
