@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from hoverproof import checker
+from hoverproof.algebra.derived import kept_json
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.problem import ONES, GainProblem, sigma_function
 from hoverproof.certification.region import Box, Region
@@ -171,7 +172,7 @@ def _tools() -> tuple[tuple[str, str], ...]:
     return tuple((name, version(name)) for name in ("hoverproof", "casadi", "cvxpy", "clarabel"))
 
 
-@cache
+@kept_json
 def model_fingerprint() -> str:
     """Return the SHA-256 of the graph of Σ from which the verdict was computed."""
     return fingerprint(sigma_function())

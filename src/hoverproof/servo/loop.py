@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.algebra.derived import kept_graph
 from hoverproof.algebra.graph import evaluate
 from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera, rotors
@@ -77,7 +77,7 @@ def command(measured: Measurement, design: Design) -> tuple[ca.SX, ca.SX]:
     return thrust_rate, torque
 
 
-@cache
+@kept_graph
 def _law() -> ca.Function:
     return derive_controller().function()
 
@@ -151,7 +151,7 @@ def readout(
     }
 
 
-@cache
+@kept_graph
 def readout_function(n: int) -> ca.Function:
     """Return (state, design, points, arm, drag_ratio) ↦ what a flight record holds.
 
@@ -175,7 +175,7 @@ def readout_function(n: int) -> ca.Function:
     )
 
 
-@cache
+@kept_graph
 def _loop_at_goal() -> ca.Function:
     """Return (design, Q, thrust) ↦ B of Ẋ = B X near the goal: (13,), (3, 3), () to (11, 11)."""
     design, Q, thrust = Design.symbols(), ca.SX.sym("Q", 3, 3), ca.SX.sym("thrust")

@@ -20,10 +20,11 @@ from pathlib import Path
 
 import casadi as ca
 import numpy as np
-import platformdirs
 from numpy.typing import NDArray
 
+from hoverproof.algebra.derived import kept_json
 from hoverproof.compilers import command_words, find_compiler
+from hoverproof.files import cache_folder
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.simulation.closed_loop import FLIGHT_SIZE, GUARDED_SIZE, step_function
 
@@ -95,7 +96,7 @@ def runner(n: int, *, compiler: str | None = None) -> Runner:
     return _virtual_machine(n) if made is None else _machine_code(made)
 
 
-@cache
+@kept_json
 def c_source(n: int) -> str:
     """Return the C text of the closed loop with n target points: generated step and driver."""
     step = step_function(n)
@@ -198,7 +199,7 @@ def _call(command: list[str], text: str = "") -> subprocess.CompletedProcess[str
 
 def _cache_folder() -> Path:
     """Return the user's cache directory, or a private one that lasts as long as the process."""
-    folder = Path(platformdirs.user_cache_dir("hoverproof"))
+    folder = cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:

@@ -16,6 +16,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.algebra.derived import kept_json
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rotors import ROTORS
@@ -112,6 +113,18 @@ class Record:
         return content.getbuffer()
 
 
+@kept_json
+def model_fingerprint(n: int) -> str:
+    """Return the SHA-256 of the graph of a step.
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    """
+    return fingerprint(step_function(n))
+
+
 def flight_record(
     mission: Mission, numbers: LoopNumbers, states: Array, times: NDArray[Any]
 ) -> Record:
@@ -186,7 +199,7 @@ def flight_record(
             "goal_position": numbers.goal,
             "goal_centroid": numbers.design[-3:],
             "mission": json.dumps(mission.exact()),
-            "model_sha256": fingerprint(step_function(n)),
+            "model_sha256": model_fingerprint(n),
             "hoverproof_version": __version__,
             "casadi_version": version("casadi"),
         },
