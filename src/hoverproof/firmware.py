@@ -127,8 +127,12 @@ def flown_firmware(
 
     Parameters
     ----------
-    mission, firmware, duration, step, every
+    mission, firmware
         See `fly_firmware`, also for what is raised.
+    duration, step : float, optional
+        s.
+    every : int, optional
+        Keep every so many steps.
     """
     unfit = sorted(set(mission.conditions()) - {"scatter"})
     if unfit:

@@ -99,8 +99,14 @@ def flown(
 
     Parameters
     ----------
-    mission, duration, step, every, seed, compiler
+    mission, compiler
         See `simulate`, also for what is raised.
+    duration, step : float, optional
+        s.
+    every : int, optional
+        Keep every so many steps.
+    seed : int
+        A bare number.
     """
     check_seed(seed)
     step, finer = flight_step(mission, step), SAMPLES if every is None else None

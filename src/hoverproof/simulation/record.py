@@ -39,7 +39,7 @@ class Column:
     ----------
     dims : tuple of str
         Names of its axes.
-    values : ndarray
+    values : ndarray, any shape
         An axis for each of them, in the unit that the attributes tell.
     attrs : dict
         ``units`` and ``long_name``.
@@ -77,7 +77,7 @@ class Record:
         name : str
         dims : sequence of str
             Names of its axes.
-        values : ndarray
+        values : ndarray, any shape
         **attrs
             ``units`` and ``long_name``.
         """
