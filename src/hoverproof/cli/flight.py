@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
-from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, app, load_mission, progress
+from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, load_mission, progress
 from hoverproof.cli.flights import fly_many
 from hoverproof.cli.reading import refuse_given
 from hoverproof.errors import InputError
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from hoverproof.simulation.record import Record
 
 
-@app.command
 def simulate(
     mission: MissionName,
     *,
