@@ -59,9 +59,9 @@ def main(arguments: list[str] | None = None) -> NoReturn:
 
 def run(arguments: list[str] | None) -> object:
     """Run a command and return its status, or exit with a line that says what is wrong."""
-    words = sys.argv[1:] if arguments is None else arguments
+    given = sys.argv[1:] if arguments is None else arguments
     try:
-        if not words or words[0].startswith("-"):  # help or completion: all commands are told of
+        if not given or given[0].startswith("-"):  # help or completion: all commands are told of
             app.resolved_commands()
         status: object = app(
             arguments, console=plain_console(), exit_on_error=False, print_error=False
