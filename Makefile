@@ -50,6 +50,7 @@ bench: .venv/installed-dev
 	$(BIN)/python benchmarks/verdict.py --write
 	$(BIN)/python benchmarks/firmware.py --write
 	$(BIN)/python benchmarks/design.py --write
+	$(BIN)/python benchmarks/commands.py --write
 
 # Ten million calls of the firmware with hostile inputs, under sanitizers (needs clang).
 fuzz: .venv/installed-dev

@@ -21,7 +21,6 @@ from pydantic import BaseModel, BeforeValidator
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-import hoverproof.cli  # noqa: F401 - so that each command joins the application
 from hoverproof.cli import console
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.sections import Mission

@@ -7,6 +7,7 @@ import time
 from collections import Counter
 from fractions import Fraction
 
+import flint
 import numpy as np
 import pytest
 from scipy.optimize import minimize
@@ -247,7 +248,6 @@ STATED = [
 
 @pytest.mark.parametrize("change", STATED, ids=lambda c: ",".join(c.values()))
 def test_a_verdict_can_be_rebuilt_from_its_statement_alone(change):
-    flint = pytest.importorskip("flint")
     verdict = certify(load("x4-flyer", change))
     text = verdict.certificate.statement
     (m,) = said(r"m = (\S+) kg", text)

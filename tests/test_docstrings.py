@@ -13,6 +13,7 @@ from pathlib import Path
 
 import docstring_parser
 import pytest
+import xarray as xr
 from cyclopts import Parameter
 from pydantic import BaseModel
 
@@ -28,7 +29,7 @@ MODULES = [
         if not re.match(r"hoverproof\.(__main__|cli)\b", module.name)  # commands: a test below
     ),
 ]
-TYPING_ONLY = {"Mission": hoverproof.mission.sections.Mission, "Path": Path}
+TYPING_ONLY = {"Mission": hoverproof.mission.sections.Mission, "Path": Path, "xr": xr}
 """Names in annotations that the package imports for a type checker alone."""
 CHECKER = {"check", "check_file", "digest", "main", "statement", "Rejected", "Unreadable"}
 """What the checker offers; the rest is the inside of a program that stands alone."""

@@ -20,6 +20,7 @@ CHANGES = [
     {"start.velocity": "[1, 0, -0.5]"},
     {"bounds": "{eigenvalues = [0.02, 4], level = 3}"},
     {"goal": "{centroid = [0.1, 0, 3]}"},
+    {"bounds": '{eigenvalues = "auto", level = 3}'},
     {"target.points": "[[0, 0, 0], [1, 0, 0], [0, 2, 0.125]]"},
 ]
 
@@ -40,12 +41,20 @@ def test_what_is_written_loads_as_the_same_mission_with_its_comments(change):
     assert load("again.toml").exact() == again.exact()
 
 
-def test_a_file_in_another_layout_is_written_plainly():
+def test_a_file_in_another_layout_keeps_it():
     text = preset_text("x4-flyer").split("[gains]")
     gains = "gains = {k1 = 0.2, k2 = 10, k3 = 30.5, k4 = 3, k_yaw = 1}\n"
     bounds = "[bounds]" + text[1].split("[bounds]")[1]
     Path("inline.toml").write_text(gains + text[0] + bounds)
     mission = load("inline.toml", {"gains.k4": "4.5"})
+    edited = mission_text(mission)
+    assert edited == Path("inline.toml").read_text().replace("k4 = 3", "k4 = 4.5")
+    Path("out.toml").write_text(edited)
+    assert load("out.toml").exact() == mission.exact()
+
+
+def test_a_mission_whose_source_is_gone_is_written_plainly():
+    mission = load("x4-flyer").model_copy(update={"source": "gone.toml"})
     Path("out.toml").write_text(mission_text(mission))
     assert load("out.toml").exact() == mission.exact()
 

@@ -367,6 +367,14 @@ def test_the_firmware_flies_as_the_simulation_does(both, x4):
     assert error < 2e-4, error  # m, of 1.6 m flown
 
 
+def test_a_step_takes_what_the_header_has_a_place_for(firmware):
+    image = np.zeros((4, 2))
+    with pytest.raises(ValueError, match=r"image has the shape \(4, 2\), not \(3, 2\)"):
+        firmware.step(image[:3])
+    with pytest.raises(AttributeError, match="speed"):
+        firmware.step(image, speed=1.0)
+
+
 def test_a_record_of_a_flight_holds_what_the_package_itself_flew(both, x4):
     firmware = both["x4-flyer", "float64"]
     flight = hoverproof.fly_firmware(x4, firmware, duration=2.0, step=0.001, every=100)

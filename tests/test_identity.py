@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 from dataclasses import dataclass
 from fractions import Fraction
 
 import casadi as ca
 import pytest
+import sympy
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -24,11 +24,6 @@ from hoverproof.servo.lyapunov import (
     measurement_of_errors,
     thrust_of_factor,
 )
-
-BACKENDS = ["flint", "sympy"]
-if not importlib.util.find_spec("flint"):
-    BACKENDS.remove("flint")
-backends = pytest.mark.parametrize("backend", BACKENDS)
 
 X = ca.vertcat(*(ca.SX.sym("x") for _ in range(3)))  # three symbols of one name
 x, y, z = ca.vertsplit(X)
@@ -134,24 +129,28 @@ def test_a_normal_form_with_a_root_has_the_values_of_its_graph(expression, value
     assert all(power[0] < 2 for power in reduced.field.polynomials.terms(reduced.numerator))
 
 
-@pytest.mark.skipif(len(BACKENDS) < 2, reason="python-flint is not there")
+SYMPY = sympy.QQ.frac_field(*sympy.symbols("x:z"))
+
+
 @settings(max_examples=60, deadline=None)
-@given(graphs(most=5), graphs(most=5))
-def test_the_backends_agree(left, right):
+@given(graphs())
+def test_sympy_finds_the_same_rational_function(expression):
+    """Its field cancels every common divisor, ours none but those that it meets as factors."""
+    function = ca.Function("f", [X], [expression])
     try:
-        first, second = (form(left - right, backend=b) for b in BACKENDS)
-    except ZeroDivisionError:
+        expected = evaluate(function, [SYMPY.gens], SYMPY.convert)[0][0][0]
+        found = form(expression)
+    except (ZeroDivisionError, OverflowError):
         assume(False)
-    terms = [r.field.polynomials.terms for r in (first, second)]
-    assert dict(terms[0](first.numerator)) == dict(terms[1](second.numerator))
-    assert first.size == second.size
-    factors = [
-        [(dict(t(f)), k) for f, k in r.denominator]
-        for t, r in zip(terms, (first, second), strict=True)
-    ]
-    assert factors[0] == factors[1]
-    proofs = [prove_equal(left, right, backend=b) for b in BACKENDS]
-    assert proofs[0] == proofs[1]
+
+    def same(p):
+        terms = found.field.polynomials.terms(p).items()
+        return SYMPY.field.ring.from_dict(
+            {e: sympy.QQ(c.numerator, c.denominator) for e, c in terms}
+        )
+
+    below = math.prod((same(f) ** k for f, k in found.denominator), start=SYMPY.field.ring.one)
+    assert same(found.numerator) * expected.denom == expected.numer * below
 
 
 @settings(max_examples=100, deadline=None)
@@ -188,13 +187,12 @@ def test_the_laws_of_a_field(a, b, c):
     assert a - a == 0 and a + (b - b) == a
 
 
-@backends
-def test_matrix_identities(backend):
+def test_matrix_identities():
     A = ca.SX.sym("A", 3, 3)
-    assert prove_equal(ca.inv(A) @ A, ca.SX.eye(3), backend=backend)
-    assert prove_equal(ca.det(A @ A), ca.det(A) ** 2, backend=backend)
-    assert prove_equal(ca.solve(A, X), ca.inv(A) @ X, backend=backend)
-    proof = prove_equal(A @ A.T, A.T @ A, backend=backend)
+    assert prove_equal(ca.inv(A) @ A, ca.SX.eye(3))
+    assert prove_equal(ca.det(A @ A), ca.det(A) ** 2)
+    assert prove_equal(ca.solve(A, X), ca.inv(A) @ X)
+    proof = prove_equal(A @ A.T, A.T @ A)
     M = {name: float(v) for name, v in proof.counterexample.items()}
     M = ca.DM([M[f"A_{i}"] for i in range(9)]).reshape((3, 3))
     assert float(ca.norm_1(ca.vec(M @ M.T - M.T @ M))) > 0
@@ -203,7 +201,7 @@ def test_matrix_identities(backend):
 def test_numbers_are_taken_at_their_exact_value():
     assert not prove_equal(ca.SX(0.1) * x, x / 10)
     assert prove_equal(ca.SX(0.25) * x, x / 4)
-    assert prove_equal(ca.SX(2), ca.SX(2)) and not prove_equal(ca.SX(2), ca.SX(3), backend="sympy")
+    assert prove_equal(ca.SX(2), ca.SX(2)) and not prove_equal(ca.SX(2), ca.SX(3))
     # in floating point the constants of the difference would cancel
     assert prove_equal(x + 1e16, x + 1e16 + 1).difference == -1
 
@@ -215,14 +213,13 @@ def test_symbols_of_one_name_are_not_confused():
     assert len(prove_zero(ca.sum1(a)).counterexample) == 3
 
 
-@backends
 @pytest.mark.parametrize(
     ("expression", "name"),
     [(ca.sin(x), "OP_SIN"), (ca.fabs(x), "OP_FABS"), (ca.if_else(x > 0, x, y), "OP_LT")],
 )
-def test_other_operations_are_refused(expression, name, backend):
+def test_other_operations_are_refused(expression, name):
     with pytest.raises(NotImplementedError, match=name):
-        prove_zero(expression + y, backend=backend)
+        prove_zero(expression + y)
 
 
 def test_what_is_never_defined_is_refused():
@@ -232,14 +229,13 @@ def test_what_is_never_defined_is_refused():
         prove_equal(X, x)
 
 
-@backends
-def test_declared_roots(backend):
+def test_declared_roots():
     r, s, t = (ca.SX.sym(name) for name in "rst")
     square = x * x + y * y
     roots = {r: square, s: x / y, t: 2 + r}
 
     def proved(expression):
-        return prove_zero(expression, roots, backend)
+        return prove_zero(expression, roots)
 
     assert proved(ca.sqrt(square) - r)
     assert proved(r**4 - square**2) and proved(
@@ -298,8 +294,7 @@ def loop():
     return derive_error_dynamics()
 
 
-@backends
-def test_the_closed_loop_in_error_coordinates(loop, backend):
+def test_the_closed_loop_in_error_coordinates(loop):
     d, f, e = loop.design, loop.f, Errors.from_vector(loop.errors)
     Omega = measurement_of_errors(loop.errors, thrust_of_factor(f, d), d).rate
     Q, P = ca.SX.sym("Q", 3, 3), ca.SX.eye(3)[:2, :]
@@ -314,33 +309,31 @@ def test_the_closed_loop_in_error_coordinates(loop, backend):
         -m * skew(Omega) @ e.d3 + k1 * Qv + chain + (k12 + d.k3) * d4 - d.k3 * e.d3,
         P @ (k1 * Qv - (k12 + d.k3) * e.d3) - d.k4 * e.d4,
     )
-    assert prove_equal(m * loop.rate_with_depths(Q), rate, backend=backend)
+    assert prove_equal(m * loop.rate_with_depths(Q), rate)
 
     for i in range(11):  # any one component that is off by a term is refuted
         off = ca.SX(ca.Sparsity(11, 1))
         off[i] = f * e.d3[0]
-        proof = prove_equal(m * loop.rate_with_depths(Q), rate + off, backend=backend)
+        proof = prove_equal(m * loop.rate_with_depths(Q), rate + off)
         point = proof.counterexample
         assert proof.difference == -point["f"] * point["X_6"] != 0
 
 
-@backends
-def test_the_dissipation_is_the_quadratic_form_of_sigma(loop, backend):
+def test_the_dissipation_is_the_quadratic_form_of_sigma(loop):
     form = derive_lyapunov_form(loop)
     X = form.errors
-    assert prove_equal(form.dissipation, X.T @ form.Sigma @ X, backend=backend)
-    assert prove_equal(form.Sigma, form.Sigma.T, backend=backend)
-    assert not prove_equal(form.dissipation, 2 * X.T @ form.Sigma @ X, backend=backend)
+    assert prove_equal(form.dissipation, X.T @ form.Sigma @ X)
+    assert prove_equal(form.Sigma, form.Sigma.T)
+    assert not prove_equal(form.dissipation, 2 * X.T @ form.Sigma @ X)
 
 
-@backends
-def test_the_centroid_of_a_moving_camera(backend):
+def test_the_centroid_of_a_moving_camera():
     P, V, Omega, r = ca.SX.sym("P", 3, 2), ca.SX.sym("V", 3), ca.SX.sym("Om", 3), ca.SX.sym("r", 2)
     distances = {r[i]: ca.sumsqr(P[:, i]) for i in range(2)}
     q = camera.centroid(P / ca.repmat(ca.sqrt(ca.sum1(P * P)), 3, 1))
     motion = -skew(Omega) @ P - ca.repmat(V, 1, 2)
     flow = lie_derivative(q, ca.vec(P), ca.vec(motion))
     expected = camera.centroid_rate(q, Omega, camera.depth_matrix(P) @ V)
-    assert prove_equal(flow, expected, distances, backend)
-    proof = prove_equal(flow, expected + V / r[0], distances, backend)
+    assert prove_equal(flow, expected, distances)
+    proof = prove_equal(flow, expected + V / r[0], distances)
     assert proof.difference != 0 and proof.counterexample["r_0"] > 0

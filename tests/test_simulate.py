@@ -22,11 +22,12 @@ from hoverproof.servo.loop import slowest_rate
 from hoverproof.simulation import compiled
 from hoverproof.simulation.flight import (
     default_duration,
-    euler_angles,
+    flown,
     save,
     simulate,
     summary,
 )
+from hoverproof.simulation.numbers import euler_angles
 
 needs_compiler = pytest.mark.skipif(not compiled.find_compiler(), reason="no C compiler here")
 
@@ -258,12 +259,25 @@ def test_the_default_duration_is_seven_slowest_time_constants(x4):
 
 
 def test_the_flight_file_opens_elsewhere_and_carries_units_and_mission(x4):
-    save(simulate(x4, duration=10), "a.nc")
+    save(flown(x4, duration=10), "a.nc")
     with xr.open_dataset("a.nc") as flight:
         assert flight["position"].attrs["units"] == "m"
         assert all("units" in flight[name].attrs for name in flight)
         assert json.loads(flight.attrs["mission"])["gains"]["k3"] == "61/2"
         assert len(flight.attrs["model_sha256"]) == 64
+
+
+@pytest.mark.parametrize("change", [{}, {"wind": "{mean = [1, 0, 0], drag = 0.2}"}])
+def test_the_flight_file_is_the_one_that_xarray_writes(x4, change):
+    flight = flown(load("x4-flyer", change), duration=10)
+    save(flight, "ours.nc")
+    flight.dataset().to_netcdf("theirs.nc", engine="h5netcdf")
+    files = [xr.open_dataset(name, engine="h5netcdf") for name in ("ours.nc", "theirs.nc")]
+    ours, theirs = (file.load() for file in files)
+    assert ours.identical(theirs) and ours.identical(flight.dataset())
+    for name in theirs.variables:
+        stored = [{**file[name].encoding, "source": ""} for file in files]
+        assert str(stored[0]) == str(stored[1])
 
 
 def test_a_failed_write_leaves_the_old_file(x4, monkeypatch):
@@ -272,7 +286,7 @@ def test_a_failed_write_leaves_the_old_file(x4, monkeypatch):
     def full(*_, **__):
         raise OSError(28, "No space left on device")
 
-    flight = simulate(x4, duration=1)
+    flight = flown(x4, duration=1)
     monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(InputError, match="No space left"):
         save(flight, "a.nc")

@@ -15,6 +15,13 @@ from hoverproof.errors import InputError
 _unfinished: set[Path] = set()
 
 
+def cache_folder() -> Path:
+    """Return where this user's machine keeps what can be made anew; it may not be there yet."""
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("hoverproof"))
+
+
 def discard_unfinished() -> None:
     """Remove what is not written whole: for a process that ends without unwinding."""
     for beside in list(_unfinished):

@@ -6,10 +6,9 @@ import tempfile
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from hoverproof.certification.gains import Proved, certify
@@ -24,7 +23,11 @@ from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import flight as simulation
 from hoverproof.simulation.cut_short import last_good_step, up_to
+from hoverproof.simulation.record import Record, flight_record
 from hoverproof.simulation.timing import flight_step, steps_and_interval
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -129,6 +132,33 @@ def fly_firmware(
         If the mission adds anything to the model, the firmware is that of another mission, a time
         cannot be used, or there is no C compiler.
     """
+    return flown_firmware(
+        mission, firmware, duration=duration, step=step, every=every, law=law
+    ).dataset()
+
+
+def flown_firmware(
+    mission: Mission,
+    firmware: Firmware | None = None,
+    *,
+    duration: float | None = None,
+    step: float | None = None,
+    every: int | None = None,
+    law: Law = HAMEL_MAHONY,
+) -> Record:
+    """Fly a mission with the exported C: `fly_firmware`, without importing xarray.
+
+    Parameters
+    ----------
+    mission, firmware
+        See `fly_firmware`, also for what is raised.
+    duration, step : float, optional
+        s.
+    every : int, optional
+        Keep every so many steps.
+    law : Law
+        That of the firmware; by default the law of the paper.
+    """
     unfit = sorted(set(mission.conditions()) - {"scatter"})
     if unfit:
         raise InputError(
@@ -162,11 +192,11 @@ def fly_firmware(
         rows, taken = up_to(fly, rows, every, last, finer)
         at = 0 if len(flown["status"]) == 1 else last + 1
     numbers = LoopNumbers.of(mission, law)
-    record = simulation.flight_record(mission, numbers, rows[:, :19], step * taken)
+    record = flight_record(mission, numbers, rows[:, :19], step * taken)
     record["torque"].values[:] = rows[:, 19:22]
     record["rotor_thrust"].values[:] = rows[:, 22:26]
     words = "0, or a sum of the bits in the firmware's header"
-    record["firmware_status"] = ("time", rows[:, 26].astype(np.uint32), {"long_name": words})
+    record.add("firmware_status", ["time"], rows[:, 26].astype(np.uint32), long_name=words)
     status, states = int(flown["status"][-1]), flown["state"]  # the last ones are of the fault
     faults = " and ".join(words for bit, words in FAULTS.items() if status & bit)
     height = float(mission.height_of_target) - states[-1, 2]
@@ -175,13 +205,15 @@ def fly_firmware(
         f"{faults or 'a fault'} (firmware status {status}), {height:.3g} m above the target, "
         f"tilted by {tilt:.0f} degrees"
     )
-    record.attrs |= {
-        "outcome": "flown" if whole else f"ended at {at * step:g} s: {fault}",
-        "step": step,
-        "steps": int(taken[-1]),
-        "seconds": seconds,
-        "machine": f"firmware, {firmware.manifest['precision']}",
-    }
+    record.attrs.update(
+        {
+            "outcome": "flown" if whole else f"ended at {at * step:g} s: {fault}",
+            "step": step,
+            "steps": int(taken[-1]),
+            "seconds": seconds,
+            "machine": f"firmware, {firmware.manifest['precision']}",
+        }
+    )
     return record
 
 

@@ -47,9 +47,7 @@ class Identity:
         return self.holds
 
 
-def normal_form(
-    expression: ca.SX, roots: Roots | None = None, backend: str | None = None
-) -> list[list[Rational]]:
+def normal_form(expression: ca.SX, roots: Roots | None = None) -> list[list[Rational]]:
     """Return the entries of an expression as rational functions of its symbols.
 
     Parameters
@@ -59,8 +57,6 @@ def normal_form(
     roots : mapping of SX to SX, optional
         Scalar symbols to scalar radicands: ``r = sqrt(s) ≥ 0``. A radicand may contain the
         roots before it. Radicands should be independent: no product of some of them a square.
-    backend : {"flint", "sympy"}, optional
-        The library for polynomials; see `Polynomials.over`.
 
     Returns
     -------
@@ -77,45 +73,41 @@ def normal_form(
         If the roots are not scalar symbols with scalar radicands that contain no later root.
     """
     graph = _Graph.of([expression], roots or {})
-    field = graph.field(backend)
+    field = graph.field()
     return evaluate(graph.expressions, [field.variables()], field.constant)[0]
 
 
-def prove_zero(
-    expression: ca.SX, roots: Roots | None = None, backend: str | None = None
-) -> Identity:
+def prove_zero(expression: ca.SX, roots: Roots | None = None) -> Identity:
     """Prove that an expression is zero at every point where it is defined, or refute it.
 
     Parameters
     ----------
     expression : SX, (n, m)
-    roots, backend
+    roots
         See `normal_form`, also for what is raised.
     """
-    return prove_equal(expression, ca.SX.zeros(expression.shape), roots, backend)
+    return prove_equal(expression, ca.SX.zeros(expression.shape), roots)
 
 
-def prove_equal(
-    left: ca.SX, right: ca.SX, roots: Roots | None = None, backend: str | None = None
-) -> Identity:
+def prove_equal(left: ca.SX, right: ca.SX, roots: Roots | None = None) -> Identity:
     """Prove that two expressions agree at every point where both are defined, or refute it.
 
     Parameters
     ----------
     left, right : SX, (n, m)
-    roots, backend
+    roots
         See `normal_form`, also for what is raised.
     """
     if left.shape != right.shape:
         raise ValueError(f"the shapes {left.shape} and {right.shape} differ")
     # Subtracting here and not in CasADi, which would fold constants in floating point.
     graph = _Graph.of([left, right], roots or {})
-    field = graph.field(backend)
+    field = graph.field()
     entries = graph.difference(field, field.variables())
     terms = max((entry.size for entry in entries), default=0)
     if all(entry.is_zero() for entry in entries):
         return Identity(True, terms)
-    point, value = graph.counterexample(backend) or (None, None)
+    point, value = graph.counterexample() or (None, None)
     return Identity(False, terms, point, value)
 
 
@@ -152,9 +144,9 @@ class _Graph:
         functions = [(position[r], ca.Function("radicand", [x], [s])) for r, s in pairs]
         return cls(_distinct(symbols), ca.Function("graph", [x], list(expressions)), functions)
 
-    def field(self, backend: str | None) -> Field:
+    def field(self) -> Field:
         """Return the field of the symbols with all roots."""
-        field = Field(Polynomials.over(self.names, backend))
+        field = Field(Polynomials.over(self.names))
         for index, radicand in self.roots:
             value = evaluate(radicand, [field.variables()], field.constant)[0][0][0]
             field = field.with_root(index, value)
@@ -165,12 +157,12 @@ class _Graph:
         left, right = evaluate(self.expressions, [values], field.constant)
         return [a - b for p, q in zip(left, right, strict=True) for a, b in zip(p, q, strict=True)]
 
-    def counterexample(self, backend: str | None) -> tuple[dict[str, Fraction], Fraction] | None:
+    def counterexample(self) -> tuple[dict[str, Fraction], Fraction] | None:
         """Return a point of small integers where the difference is not zero, and its value.
 
         The graph itself is run at the point, so this does not rely on the normal form.
         """
-        constants, draw = Field(Polynomials.over(["none"], backend)), random.Random(0)
+        constants, draw = Field(Polynomials.over(["none"])), random.Random(0)
         for attempt in range(ATTEMPTS):
             bound = 3 + attempt // 4  # no nonzero polynomial vanishes on every grid
             try:

@@ -6,67 +6,77 @@ form of every output, and an output is identically zero iff its numerator is the
 
 from __future__ import annotations
 
-import heapq
-import importlib
-import importlib.util
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from operator import add, neg, sub
 from typing import Any
 
-Poly = Any  # a polynomial of the library in use: it knows + - * ** == len degrees
+from flint import fmpq, fmpq_mpoly_ctx
+
+Poly = Any  # fmpq_mpoly
 Terms = Mapping[tuple[int, ...], Fraction]  # exponents to coefficient
 Factors = tuple[tuple[Poly, int], ...]  # distinct monic polynomials and their exponents
 
 
 @dataclass(frozen=True)
 class Polynomials:
-    """A polynomial ring Q[x₁…xₙ]: the little that its libraries spell differently.
+    """A polynomial ring Q[x₁…xₙ] of python-flint, with coefficients that are Fractions.
 
     Attributes
     ----------
-    generators : tuple of n polynomials
-    of_terms, terms : callable
-        From and to a mapping of exponents to coefficient.
-    quotient : callable
-        p/f if f divides p, otherwise None.
+    context : fmpq_mpoly_ctx
     """
 
-    generators: tuple[Poly, ...]
-    of_terms: Callable[[Terms], Poly]
-    terms: Callable[[Poly], Terms]
-    quotient: Callable[[Poly, Poly], Poly | None]
+    context: fmpq_mpoly_ctx
 
     @classmethod
-    def over(cls, names: Sequence[str], backend: str | None = None) -> Polynomials:
+    def over(cls, names: Sequence[str]) -> Polynomials:
         """Return the ring in variables of these distinct names.
 
         Parameters
         ----------
         names : (n,) str
-        backend : {"flint", "sympy"}, optional
-            The library that computes; by default python-flint if it is there, otherwise sympy.
         """
-        backend = backend or ("flint" if importlib.util.find_spec("flint") else "sympy")
-        library = importlib.import_module(backend)
-        if backend == "flint":
-            ring, rational = library.fmpq_mpoly_ctx.get(tuple(names), "lex"), library.fmpq
-            generators, to_dict, quotient = ring.gens(), library.fmpq_mpoly.to_dict, _flint_quotient
-        else:
-            ring = library.polys.ring([library.Symbol(name) for name in names], library.QQ)[0]
-            generators, to_dict, rational = ring.gens, dict, library.QQ
-            quotient = _sympy_quotient
-        return cls(
-            tuple(generators),
-            lambda t: ring.from_dict({e: rational(*c.as_integer_ratio()) for e, c in t.items()}),
-            lambda p: {
-                tuple(map(int, e)): Fraction(int(c.numerator), int(c.denominator))
-                for e, c in to_dict(p).items()
-            },
-            quotient,
+        return cls(fmpq_mpoly_ctx.get(tuple(names), "lex"))
+
+    @property
+    def generators(self) -> tuple[Poly, ...]:
+        """The variables."""
+        return self.context.gens()
+
+    def of_terms(self, terms: Terms) -> Poly:
+        """Return a polynomial of a mapping of exponents to coefficient.
+
+        Parameters
+        ----------
+        terms : mapping
+        """
+        return self.context.from_dict(
+            {e: fmpq(c.numerator, c.denominator) for e, c in terms.items()}
         )
+
+    def terms(self, p: Poly) -> Terms:
+        """Return a mapping of exponents to coefficient.
+
+        Parameters
+        ----------
+        p : polynomial
+        """
+        return {
+            tuple(map(int, e)): Fraction(int(c.numerator), int(c.denominator))
+            for e, c in p.to_dict().items()
+        }
+
+    def quotient(self, p: Poly, f: Poly) -> Poly | None:
+        """Return p/f if f divides p, otherwise None.
+
+        Parameters
+        ----------
+        p, f : polynomials
+        """
+        quotient, rest = divmod(p, f)
+        return quotient if rest == 0 else None
 
     def constant(self, value: Fraction | int) -> Poly:
         """Return a number as a polynomial.
@@ -76,32 +86,6 @@ class Polynomials:
         value : Fraction or int
         """
         return self.of_terms({(0,) * len(self.generators): Fraction(value)} if value else {})
-
-
-def _flint_quotient(p: Poly, f: Poly) -> Poly | None:
-    quotient, rest = divmod(p, f)
-    return quotient if rest == 0 else None
-
-
-def _sympy_quotient(p: Poly, f: Poly) -> Poly | None:
-    """Divide with a heap of exponents: sympy searches the leading term in every step."""
-    (lead, c), *tail = sorted(f.items(), reverse=True)
-    rest, quotient = dict(p), {}
-    heap = [tuple(map(neg, e)) for e in rest]
-    heapq.heapify(heap)
-    while heap:
-        e = tuple(map(neg, heapq.heappop(heap)))
-        if a := rest.pop(e, None):
-            m = tuple(map(sub, e, lead))
-            if any(k < 0 for k in m):
-                return None
-            quotient[m] = a / c
-            for t, b in tail:
-                n = tuple(map(add, m, t))
-                if n not in rest:
-                    heapq.heappush(heap, tuple(map(neg, n)))
-                rest[n] = rest.get(n, 0) - quotient[m] * b
-    return p.ring.from_dict(quotient)
 
 
 @dataclass(frozen=True)

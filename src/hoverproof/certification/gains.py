@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cache
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.algebra.definite import is_positive_definite, quadratic_form
+from hoverproof.algebra.derived import kept_json
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.certificate import Certificate, rejection, seal
 from hoverproof.certification.lmi import (
@@ -256,7 +256,7 @@ def _seal(problem: GainProblem, kind: str, parts: dict[str, Any]) -> Certificate
     return seal(problem.mission, kind, own, model_fingerprint())
 
 
-@cache
+@kept_json
 def model_fingerprint() -> str:
     """Return the SHA-256 of the graph of Σ from which the verdict was computed."""
     return fingerprint(sigma_function())

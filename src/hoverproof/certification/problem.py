@@ -17,8 +17,8 @@ from typing import Literal
 
 import casadi as ca
 
+from hoverproof.algebra.derived import kept_graph, kept_json
 from hoverproof.algebra.graph import evaluate
-from hoverproof.algebra.identity import normal_form
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.bounds import eigenvalue_bounds, goal_box, proved_bounds
 from hoverproof.certification.region import Box, Region
@@ -33,7 +33,7 @@ Terms = list[tuple[Fraction, list[int]]]
 BITS = 64
 
 
-@cache
+@kept_graph
 def sigma_function() -> ca.Function:
     """Return (design, weights, Q, f) ↦ (Σ, u, v) of the derived closed loop."""
     return derive_lyapunov_form().function()
@@ -45,6 +45,17 @@ def _sigma_polynomials() -> list[tuple[int, int, int, Terms]]:
 
     A term is a coefficient with the positions of its factors among the inputs of `sigma_function`.
     """
+    return [
+        (matrix, row, column, [(Fraction(coefficient), factors) for coefficient, factors in terms])
+        for matrix, row, column, terms in _sigma_terms()
+    ]
+
+
+@kept_json
+def _sigma_terms() -> list[tuple[int, int, int, list[tuple[str, list[int]]]]]:
+    """Return `_sigma_polynomials` with its coefficients in words."""
+    from hoverproof.algebra.identity import normal_form  # its library of polynomials is large
+
     form = derive_lyapunov_form()
     inputs = ca.vertcat(form.design.vector(), form.weights, form.Q_lower, form.f)
     stacked = ca.vertcat(form.Sigma, form.flow_weight, form.scaled_velocity)
@@ -56,7 +67,7 @@ def _sigma_polynomials() -> list[tuple[int, int, int, Terms]]:
         for column, value in enumerate(row):
             terms = [
                 (
-                    coefficient,
+                    str(coefficient),
                     [position[s] for s, n in zip(used, powers, strict=True) for _ in range(n)],
                 )
                 for powers, coefficient in value.polynomial().items()

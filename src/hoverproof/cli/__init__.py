@@ -17,27 +17,23 @@ from typing import NoReturn
 try:
     from cyclopts import CycloptsError
 
-    # A command joins the application where it is defined; this order is the order of the help.
-    # isort: off
-    from hoverproof.cli import (  # noqa: F401
-        certification,
-        tuning,
-        atlas,
-        attraction,
-        firmware,
-        flight,
-        missions,
-        paper,
-        report,
-    )
-
-    # isort: on
     from hoverproof.cli.console import app, fail, plain_console, usage
     from hoverproof.cli.interruption import STATUS, heard, interruption
     from hoverproof.errors import InputError
 except KeyboardInterrupt:  # in the fraction of a second before a command begins
     os.write(2, b"hoverproof: interrupted\n")
     os._exit(130)
+
+COMMANDS = (
+    *("certification:certify", "certification:region", "certification:check"),
+    *("tuning:tune", "atlas:atlas", "attraction:attraction"),
+    *("firmware:export", "flight:simulate"),
+    *("missions:presets", "missions:new", "paper:derive", "report:report"),
+)
+"""Module and function of each command; imported when it is run, or when help tells of it."""
+
+for command in COMMANDS:
+    app.command(f"{__name__}.{command}")
 
 
 def main(arguments: list[str] | None = None) -> NoReturn:
@@ -63,7 +59,10 @@ def main(arguments: list[str] | None = None) -> NoReturn:
 
 def run(arguments: list[str] | None) -> object:
     """Run a command and return its status, or exit with a line that says what is wrong."""
+    given = sys.argv[1:] if arguments is None else arguments
     try:
+        if not given or given[0].startswith("-"):  # help or completion: all commands are told of
+            app.resolved_commands()
         status: object = app(
             arguments, console=plain_console(), exit_on_error=False, print_error=False
         )

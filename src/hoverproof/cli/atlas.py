@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
-from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, app, load_mission, progress
+from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, load_mission, progress
 from hoverproof.cli.reading import parse_weights, picture_path
 from hoverproof.errors import InputError
 
@@ -23,7 +23,6 @@ VARY = (
 )
 
 
-@app.command
 def atlas(
     mission: MissionName,
     *,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
-from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, app, load_mission
+from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, load_mission
 from hoverproof.cli.reading import certificate_stem
 from hoverproof.errors import InputError
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from hoverproof.certification.attraction.verdict import Proved
 
 
-@app.command
 def attraction(
     mission: MissionName,
     *,

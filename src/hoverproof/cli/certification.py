@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import mission_names
-from hoverproof.cli.console import NO_FOLDER, Box, Boxes, Json, MissionName, Set, app, load_mission
+from hoverproof.cli.console import NO_FOLDER, Box, Boxes, Json, MissionName, Set, load_mission
 from hoverproof.cli.reading import box_sides, certificate_stem, parse_weights
 from hoverproof.errors import InputError
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from hoverproof.mission.sections import Mission
 
 
-@app.command
 def certify(
     mission: MissionName,
     *,
@@ -98,7 +97,6 @@ def _over_box(mission: Mission, box: str | None, boxes: int | None, weights: str
     return decide(mission, weights=parse_weights(mission, weights, region), region=region)
 
 
-@app.command
 def region(
     mission: MissionName,
     *,
@@ -148,7 +146,6 @@ def region(
     return tell(answer, json_, loaded)
 
 
-@app.command
 def check(
     certificate: Annotated[Path, Parameter(help="Certificate file.")],
     *,

@@ -9,11 +9,10 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import EXIT, print_json, tell
-from hoverproof.cli.console import Json, MissionName, Set, app, fail, load_mission
+from hoverproof.cli.console import Json, MissionName, Set, fail, load_mission
 from hoverproof.errors import InputError
 
 
-@app.command
 def export(
     mission: MissionName,
     *,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
-from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, app, load_mission, progress
+from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, load_mission, progress
 from hoverproof.cli.flights import fly_many
 from hoverproof.cli.reading import refuse_given
 from hoverproof.errors import InputError
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from hoverproof.cli.answers.flight import FlightAnswer
     from hoverproof.mission.sections import Mission
     from hoverproof.show.decay import Decay
+    from hoverproof.simulation.record import Record
 
 
-@app.command
 def simulate(
     mission: MissionName,
     *,
@@ -139,23 +139,23 @@ def _check_animation(animate: Path | None, speed_up: float | None) -> None:
         check_request(animate, speed_up)
 
 
-def _fly_model(mission: Mission, seed: int, timing: dict[str, Any]) -> xr.Dataset:
-    from hoverproof.simulation.flight import simulate as fly
+def _fly_model(mission: Mission, seed: int, timing: dict[str, Any]) -> Record:
+    from hoverproof.simulation.flight import flown as fly
 
     return fly(mission, seed=seed, **timing)
 
 
-def _fly_firmware(mission: Mission, seed: int, timing: dict[str, Any]) -> xr.Dataset:
-    from hoverproof.firmware import fly_firmware
+def _fly_firmware(mission: Mission, seed: int, timing: dict[str, Any]) -> Record:
+    from hoverproof.firmware import flown_firmware
 
     if seed:
         raise InputError("--seed", "", "is not for --controller firmware: nothing is drawn")
-    return fly_firmware(mission, **timing)
+    return flown_firmware(mission, **timing)
 
 
 def _keep(
     mission: Mission,
-    flight: xr.Dataset,
+    flight: Record,
     path: Path,
     figures: Sequence[str] | None,
     animate: Path | None,
@@ -171,13 +171,13 @@ def _keep(
         from hoverproof.show.animation import save_animation
 
         with progress("animation") as report:
-            save_animation(flight, animate, speed_up=speed_up, report=report)
+            save_animation(flight.dataset(), animate, speed_up=speed_up, report=report)
     facts = {**summary(flight), **without_conditions(mission, flight)}
     return FlightAnswer(mission, facts, decay, path, pictures, animate)
 
 
 def _draw(
-    mission: Mission, flight: xr.Dataset, stem: Path, figures: Sequence[str] | None
+    mission: Mission, flight: Record, stem: Path, figures: Sequence[str] | None
 ) -> tuple[Decay | None, list[Path]]:
     """Draw figures of a flight; return the decay that is drawn in them, and their paths."""
     if figures is not None and not figures:
@@ -185,8 +185,9 @@ def _draw(
     from hoverproof.show.figures import FIGURES, save_figures
 
     which = FIGURES if figures is None else figures
-    decay = _certified_decay(mission, flight) if "features" in which else None
-    return decay, save_figures(flight, stem, which, decay)
+    drawn = flight.dataset()
+    decay = _certified_decay(mission, drawn) if "features" in which else None
+    return decay, save_figures(drawn, stem, which, decay)
 
 
 def _certified_decay(mission: Mission, flight: xr.Dataset) -> Decay | None:

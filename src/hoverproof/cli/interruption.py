@@ -9,7 +9,6 @@ are whole, so nothing half-written is left.
 from __future__ import annotations
 
 import contextlib
-import multiprocessing
 import os
 import signal
 import socket
@@ -71,7 +70,8 @@ class Interruption:
     def leave(self) -> None:
         """End the process and those that it started."""
         discard_unfinished()
-        for child in multiprocessing.active_children():
+        processes = sys.modules.get("multiprocessing")  # else there are no children
+        for child in processes.active_children() if processes else ():
             child.terminate()
         self.tell()
         os._exit(STATUS)

@@ -11,14 +11,13 @@ from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import preset_names
-from hoverproof.cli.console import Json, app, warn
+from hoverproof.cli.console import Json, warn
 from hoverproof.cli.reading import mission_name
 from hoverproof.errors import InputError
 
 AUTO = 'eigenvalues = "auto"          # of Q: proved over a box around start and goal'
 
 
-@app.command
 def presets(
     name: Annotated[
         str | None,
@@ -50,7 +49,6 @@ def presets(
     return tell(PresetsAnswer(facts), json_)
 
 
-@app.command
 def new(
     path: Annotated[Path, Parameter(help="Mission file to write.")],
     *,

@@ -7,10 +7,9 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
-from hoverproof.cli.console import Json, app
+from hoverproof.cli.console import Json
 
 
-@app.command
 def derive(
     *,
     equation: Annotated[

@@ -10,10 +10,9 @@ from typing import Annotated, Literal
 from cyclopts import Parameter, validators
 
 from hoverproof.cli.answers.answer import tell
-from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, app, load_mission
+from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, load_mission
 
 
-@app.command
 def report(
     mission: MissionName,
     *,

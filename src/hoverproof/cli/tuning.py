@@ -17,7 +17,6 @@ from hoverproof.cli.console import (
     Json,
     MissionName,
     Set,
-    app,
     load_mission,
     progress,
     warn,
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
     from hoverproof.mission.sections import Mission
 
 
-@app.command
 def tune(
     mission: MissionName,
     *,

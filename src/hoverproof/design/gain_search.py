@@ -12,7 +12,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from hoverproof.design.limits import FirstCommand, Limits, highest_k4
 from hoverproof.design.margins import Questions, margins
@@ -99,6 +98,8 @@ class GainSearch:
 
     def starts(self) -> Array:
         """Return the best of a Halton sequence of points, best first, (STARTS, size)."""
+        from scipy.stats import qmc  # takes a second to import
+
         top = math.log(self.limits.fastest * self.questions.mass)
         points = qmc.Halton(self.size, scramble=False).random(SAMPLES + 1)[1:]
         span = DECADES * math.log(10)

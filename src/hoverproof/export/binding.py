@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import re
 import subprocess
@@ -12,7 +13,6 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-import cffi
 import numpy as np
 from numpy.typing import NDArray
 
@@ -78,12 +78,14 @@ class Firmware:
             header = (folder / f"{self.name}.h").read_text("utf-8")
         except (OSError, ValueError, KeyError):
             raise InputError(str(folder), "", "is no firmware package: see `export`") from None
-        self._ffi = cffi.FFI()
-        self._ffi.cdef(_declarations(header, self.name) + _LOOP)
+        self._real = {"float32": ctypes.c_float, "float64": ctypes.c_double}[
+            self.manifest["precision"]
+        ]
+        self._structs = _structs(header, self.name)
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as build:
             library = _built(folder, self.name, compiler, Path(build))
             try:
-                self._library = self._ffi.dlopen(str(library))  # what is loaded needs no file
+                self._library = ctypes.CDLL(str(library))  # what is loaded needs no file
             except OSError as error:
                 reason = f"was compiled, but cannot be loaded here: {error}"
                 raise InputError(str(folder), "", reason) from None
@@ -109,11 +111,9 @@ class Firmware:
         thrust : float, optional
             N.
         """
-        design = getattr(self._library, f"{self.name}_design")
+        design = self._structs["design"].in_dll(self._library, f"{self.name}_design")
         hover = design.mass * design.gravity
-        return int(
-            self._call("reset", self._params, self._state, hover if thrust is None else thrust)
-        )
+        return self._call("reset", self._params, self._state, hover if thrust is None else thrust)
 
     def set_rotor_limits(self, lowest: float, highest: float) -> int:
         """Set the limits of each rotor, N, and return the status.
@@ -123,7 +123,7 @@ class Firmware:
         lowest, highest : float
             Of the thrust of one rotor, N.
         """
-        return int(self._call("set_rotor_limits", self._params, lowest, highest))
+        return self._call("set_rotor_limits", self._params, lowest, highest)
 
     def set_gains(self, gains: Sequence[float]) -> int:
         """Set the gains of a tunable package and return the status.
@@ -133,11 +133,11 @@ class Firmware:
         gains : sequence of float
             In the order and units of the header, (5,) for the paper's law.
         """
-        return int(self._call("set_gains", self._params, list(gains)))
+        return self._call("set_gains", self._params, (self._real * 5)(*gains))
 
     def selftest(self) -> int:
         """Return 0 if every built-in vector holds bit for bit, else the first that does not."""
-        return int(self._call("selftest"))
+        return self._call("selftest")
 
     def step(self, seen: Any, **rest: Any) -> Output:
         """Run one step.
@@ -153,11 +153,11 @@ class Firmware:
         values = {"image" if of_points else "centroid": seen, "target_seen": True, **rest}
         given = self._new("input")
         for key, value in values.items():
-            setattr(given, key, int(value) if key == "target_seen" else np.asarray(value).tolist())
+            _put(given, key, value)
         out = self._new("output")
         status = self._call("step", self._params, self._state, given, out)
         rotor, torque = tuple(out.rotor), tuple(out.torque)
-        return Output(int(status), out.thrust, out.thrust_rate, torque, rotor)
+        return Output(status, out.thrust, out.thrust_rate, torque, rotor)
 
     def fly(self, dt: float, samples: int, every: int) -> Mapping[str, Any]:
         """Fly the mission from its start with the package's simulated vehicle.
@@ -177,22 +177,16 @@ class Firmware:
             any_status, all bits that came up in between.
         """
         rows, bits = np.zeros((samples + 1, ROW)), np.zeros(samples + 2, np.uint32)
-        stop = self._ffi.new("int *", 0)
+        stop = ctypes.c_int(0)
 
         def end() -> None:
-            stop[0] = 1
+            stop.value = 1
 
-        taken = interruptibly(
-            lambda: self._library.hoverproof_fly(
-                dt,
-                samples,
-                every,
-                self._ffi.cast("double *", self._ffi.from_buffer(rows)),
-                self._ffi.cast("uint32_t *", self._ffi.from_buffer(bits)),
-                stop,
-            ),
-            end,
-        )
+        fly = self._library.hoverproof_fly
+        fly.restype = ctypes.c_long
+        times = ctypes.c_double(dt), ctypes.c_long(samples), ctypes.c_long(every)
+        places = [ctypes.c_void_p(a.ctypes.data) for a in (rows, bits)]
+        taken = interruptibly(lambda: fly(*times, *places, ctypes.byref(stop)), end)
         rows = rows[:taken]
         return {
             "state": rows[:, :18],
@@ -204,27 +198,55 @@ class Firmware:
         }
 
     def _new(self, kind: str) -> Any:
-        return self._ffi.new(f"{self.name}_{kind}_t *")
+        return self._structs[kind]()
 
-    def _call(self, verb: str, *arguments: Any) -> Any:
-        return getattr(self._library, f"{self.name}_{verb}")(*arguments)
+    def _call(self, verb: str, *arguments: Any) -> int:
+        """Call a function, structs by reference; what answers nothing answers anything."""
+        function = getattr(self._library, f"{self.name}_{verb}")
+        function.restype = ctypes.c_uint32
+        given = [
+            ctypes.byref(a)
+            if isinstance(a, ctypes.Structure)
+            else a
+            if isinstance(a, ctypes.Array)
+            else self._real(a)
+            for a in arguments
+        ]
+        return int(function(*given))
 
 
 ROW = 26
-_LOOP = """
-long hoverproof_fly(double dt, long samples, long every, double *rows, uint32_t *status,
-                    const volatile int *stop);
-"""
+NUMBERS = {"float": ctypes.c_float, "double": ctypes.c_double, "uint32_t": ctypes.c_uint32}
 
 
-def _declarations(header: str, name: str) -> str:
-    """Return the declarations of a header, without what belongs to the preprocessor."""
+def _structs(header: str, name: str) -> dict[str, type[ctypes.Structure]]:
+    """Return the structs of a package's header, by the word between its name and ``_t``."""
     text = re.sub(r"/\*.*?\*/", "", header, flags=re.S)
-    text = re.sub(r"#ifdef __cplusplus.*?#endif", "", text, flags=re.S)
     points = re.search(rf"#define {name.upper()}_POINTS \((\d+)\)", text)
-    text = re.sub(r"(?m)^#.*$", "", text)
-    text = text.replace("extern const", "extern")  # cffi reads no constants of a library
-    return text.replace(f"{name.upper()}_POINTS", points[1] if points else "")
+    text = text.replace(f"{name.upper()}_POINTS", points[1] if points else "")
+    found = {}
+    for body, kind in re.findall(rf"typedef struct \{{([^}}]*)\}} {name}_(\w+)_t;", text):
+        fields = []
+        for number, field, sizes in re.findall(r"(\w+) (\w+)((?:\[\d+\])*);", body):
+            held: Any = NUMBERS[number]
+            for size in reversed(re.findall(r"\d+", sizes)):
+                held *= int(size)
+            fields.append((field, held))
+        found[kind] = type(kind, (ctypes.Structure,), {"_fields_": fields})
+    return found
+
+
+def _put(struct: ctypes.Structure, key: str, value: Any) -> None:
+    """Set a field to a number, or to numbers of its own shape."""
+    field = getattr(struct, key)
+    if not isinstance(field, ctypes.Array):
+        setattr(struct, key, int(value) if isinstance(field, int) else float(value))
+        return
+    place = np.ctypeslib.as_array(field)
+    if place.shape != np.shape(value):
+        raise ValueError(f"{key} has the shape {place.shape}, not {np.shape(value)}")
+    with np.errstate(over="ignore"):  # beyond its precision it is infinite: the step refuses it
+        place[...] = value
 
 
 def _built(folder: Path, name: str, compiler: str | None, build: Path) -> Path:

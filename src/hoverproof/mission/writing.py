@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
 from fractions import Fraction
 from pathlib import Path
@@ -16,8 +15,8 @@ from hoverproof.mission.sections import Mission
 def mission_text(mission: Mission, *, name: str | None = None, note: str = "") -> str:
     """Return a mission as TOML, in the words of its source as far as they still hold.
 
-    Values that changed are put in place, comments stay; where the source has another layout (as
-    with inline tables), the mission is written plainly.
+    Values that changed are put in place, comments stay; a mission without a source is written
+    plainly.
 
     Parameters
     ----------
@@ -33,60 +32,51 @@ def mission_text(mission: Mission, *, name: str | None = None, note: str = "") -
         If a number of the mission is no decimal.
     """
     wanted = mission.exact() | ({"name": name} if name else {})
-    text = _source_text(mission)
-    edited = None if text is None else _edited(text, wanted)
     head = "".join(f"# {line}\n" for line in note.splitlines())
-    return head + (_plain(wanted) if edited is None else edited)
+    edited = _written(_source_text(mission), wanted)
+    return head + (edited if _read(edited) == wanted else _written("", wanted))
 
 
-def _source_text(mission: Mission) -> str | None:
+def _source_text(mission: Mission) -> str:
     if mission.source in presets():
         return preset_text(mission.source)
     try:
         return Path(mission.source).read_text(encoding="utf-8")
     except (OSError, ValueError):
-        return None
+        return ""
 
 
-def _edited(text: str, wanted: dict[str, Any]) -> str | None:
-    """Replace, one by one, the values that differ; None if the result does not read as wanted."""
-    held = _read(text)
-    if held is None:
-        return None
-    text = re.sub(r"(?m)^name(\s*)=.*$", rf'name\1= "{wanted["name"]}"', text, count=1)
+def _written(text: str, wanted: dict[str, Any]) -> str:
+    """Replace, one by one, the values of a text that differ from those that are wanted."""
+    import tomlkit
+
+    try:
+        document = tomlkit.parse(text)
+    except (ValueError, RecursionError):
+        document = tomlkit.document()
+    held = _read(text) or {}
+    if held.get("name") != wanted["name"]:
+        document["name"] = wanted["name"]
     for section, entries in wanted.items():
         if isinstance(entries, dict):
-            old = held.get(section, {})
-            for key in old.keys() - entries.keys():
-                text = _replaced(text, section, key, None)
+            if not isinstance(document.get(section), dict):
+                document[section] = tomlkit.table()
+            table: Any = document[section]
+            for key in table.keys() - entries.keys():
+                del table[key]
             for key, value in entries.items():
-                if old.get(key) != value:
-                    text = _replaced(text, section, key, _value(value))
-    return text if _read(text) == wanted else None
+                if held.get(section, {}).get(key) != value:
+                    _put(table, key, tomlkit.value(_value(value)))
+    return tomlkit.dumps(document)
 
 
-def _replaced(text: str, section: str, key: str, value: str | None) -> str:
-    """Put a value in its place in a section, add it at the section's end, or take it out."""
-    lines = text.splitlines(keepends=True)
-    here, last = False, None
-    for i, line in enumerate(lines):
-        header = re.match(r"\s*\[\s*([\w.-]+)\s*\]", line)
-        if header:
-            here = header[1] == section
-            last = i if here else last
-        elif here and line.strip():
-            last = i
-            entry = re.match(rf"(\s*{re.escape(key)}\s*=\s*)([^#\n]*?)(\s*)(#.*)?$", line)
-            if entry and value is None:
-                lines[i] = ""
-                return "".join(lines)
-            if entry:
-                room = " " * max(len(entry[2] + entry[3]) - len(str(value)), 2) if entry[4] else ""
-                lines[i] = f"{entry[1]}{value}{room}{entry[4] or ''}\n"
-                return "".join(lines)
-    if last is not None and value is not None:
-        lines[last] = lines[last].rstrip("\n") + f"\n{key} = {value}\n"
-    return "".join(lines)
+def _put(table: Any, key: str, value: Any) -> None:
+    """Set a value; a comment behind it stays where it is, if there is room."""
+    room = len(table[key].as_string() + table[key].trivia.comment_ws) if key in table else 0
+    table[key] = value
+    trivia = table[key].trivia
+    if trivia.comment:
+        trivia.comment_ws = " " * max(room - len(value.as_string()), 2)
 
 
 def _read(text: str) -> dict[str, Any] | None:
@@ -97,20 +87,11 @@ def _read(text: str) -> dict[str, Any] | None:
         return None
 
 
-def _plain(wanted: dict[str, Any]) -> str:
-    sections = [f'name = "{wanted["name"]}"\n']
-    for section, entries in wanted.items():
-        if isinstance(entries, dict):
-            lines = [f"{key} = {_value(value)}\n" for key, value in entries.items()]
-            sections.append(f"[{section}]\n{''.join(lines)}")
-    return "\n".join(sections)
-
-
 def _value(value: Any) -> str:
-    """Write exact strings, in any nesting, as decimals."""
+    """Write exact strings, in any nesting, as decimals; a word stays a word."""
     if isinstance(value, list):
         return f"[{', '.join(map(_value, value))}]"
-    return decimal(Fraction(value))
+    return f'"{value}"' if value == "auto" else decimal(Fraction(value))
 
 
 def decimal(value: Fraction) -> str:

@@ -12,6 +12,7 @@ from hoverproof.algebra.identity import prove_equal, prove_zero
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.mission.reading import load
 from hoverproof.mission.sections import Mission
+from hoverproof.paper.conditions import k3_limit, printed_conditions
 from hoverproof.paper.equations import FREE
 from hoverproof.paper.judge import (
     Claim,
@@ -29,7 +30,6 @@ from hoverproof.paper.symbols import (
     k2,
     m,
 )
-from hoverproof.paper.theorem import k3_limit, printed_conditions
 from hoverproof.plant import camera
 
 Point = Sequence[Fraction]

@@ -1,19 +1,22 @@
-"""What the printed theorem demands of a mission, beside what the mission has."""
+"""What the printed theorem demands of gains: the conditions as printed, beside a mission's own."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.mission.sections import Mission
-from hoverproof.paper.theorem import k3_limit, printed_conditions
 from hoverproof.plant.goal import Interval, hover_goal
 from hoverproof.servo.law import Design
 from hoverproof.servo.loop import LoopNumbers, readout_function
+
+Real = TypeVar("Real", Fraction, float)
 
 
 @dataclass(frozen=True)
@@ -119,3 +122,47 @@ def start_level(mission: Mission) -> float:
     read = readout_function(numbers.target_size)  # L depends on neither of the rotors' lengths
     seen = read(x=numbers.start, design=numbers.design, points=numbers.points)
     return float(seen["lyapunov"])
+
+
+def printed_conditions(
+    mass: Any, gravity: Any, gains: Sequence[Any], q3: Any, low: Any, high: Any, length: Any = None
+) -> dict[str, Any]:
+    """Tell which conditions of the theorem are met; units are not looked at.
+
+    Numbers may be arrays.
+
+    Parameters
+    ----------
+    mass, gravity : number or array, kg and m/s²
+    gains : sequence of numbers or arrays
+        k1 kg m/s, k2 1/m, k3 and k4 kg/s.
+    q3, length : number or array
+        q3* and |q*|, dimensionless; by default q* is along e3, so that its length is q3*.
+    low, high : number or array
+        λmin and λmax of Q, 1/m.
+    """
+    a, b, k_3, k_4 = gains
+    return {
+        "k2": b > high,
+        "k1": a**2 < 2 * mass * gravity * q3 / b,
+        "k3": k_3 > k3_limit(a, b, k_3, q3, q3 if length is None else length, low, high),
+        "k4": k_4 > 0,
+    }
+
+
+def k3_limit(a: Real, b: Real, k_3: Real, q3: Real, length: Real, low: Real, high: Real) -> Real:
+    """Return what the theorem asks k3 to be above, for gains a = k1, b = k2 above high = λmax.
+
+    f(Tmin) = (k1 k2 + k3)/(k1 q3*) at Tmin = 2 (k1² k2/m) q3*.
+
+    Parameters
+    ----------
+    a, b, k_3 : number or expression
+        k1 kg m/s, k2 1/m and k3 kg/s.
+    q3, length : number or expression
+        q3* and |q*|, dimensionless.
+    low, high : number or expression
+        λmin and λmax of Q, 1/m.
+    """
+    f_min = (a * b + k_3) / (a * q3)
+    return (b + high) * (high + f_min * length) ** 2 / (low * (b - high))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any, TypeVar
 
 from hoverproof.algebra.definite import quadratic_form
 from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.identity import prove_equal
 from hoverproof.algebra.surd import sqrt_enclosure
+from hoverproof.paper.conditions import printed_conditions
 from hoverproof.paper.equations import FREE, c
 from hoverproof.paper.judge import (
     Claim,
@@ -45,53 +45,6 @@ GAINS = _exact(100, 4, 1000, Fraction(1, 1000))
 LOW, HIGH, BETWEEN = _exact(1, 2, Fraction(3, 2))
 STATE = _exact(Fraction(1, 10), 0, 0, 0, 0, 0, 0, 0, 0, Fraction(1, 5), 0)
 """Gains that meet every printed condition, and a state with T = m g at which L grows."""
-
-
-def printed_conditions(
-    mass: Any, gravity: Any, gains: Sequence[Any], q3: Any, low: Any, high: Any, length: Any = None
-) -> dict[str, Any]:
-    """Tell which conditions of the theorem are met; units are not looked at.
-
-    Numbers may be arrays.
-
-    Parameters
-    ----------
-    mass, gravity : number or array, kg and m/s²
-    gains : sequence of numbers or arrays
-        k1 kg m/s, k2 1/m, k3 and k4 kg/s.
-    q3, length : number or array
-        q3* and |q*|, dimensionless; by default q* is along e3, so that its length is q3*.
-    low, high : number or array
-        λmin and λmax of Q, 1/m.
-    """
-    a, b, k_3, k_4 = gains
-    return {
-        "k2": b > high,
-        "k1": a**2 < 2 * mass * gravity * q3 / b,
-        "k3": k_3 > k3_limit(a, b, k_3, q3, q3 if length is None else length, low, high),
-        "k4": k_4 > 0,
-    }
-
-
-Real = TypeVar("Real", Fraction, float)
-
-
-def k3_limit(a: Real, b: Real, k_3: Real, q3: Real, length: Real, low: Real, high: Real) -> Real:
-    """Return what the theorem asks k3 to be above, for gains a = k1, b = k2 above high = λmax.
-
-    f(Tmin) = (k1 k2 + k3)/(k1 q3*) at Tmin = 2 (k1² k2/m) q3*.
-
-    Parameters
-    ----------
-    a, b, k_3 : number or expression
-        k1 kg m/s, k2 1/m and k3 kg/s.
-    q3, length : number or expression
-        q3* and |q*|, dimensionless.
-    low, high : number or expression
-        λmin and λmax of Q, 1/m.
-    """
-    f_min = (a * b + k_3) / (a * q3)
-    return (b + high) * (high + f_min * length) ** 2 / (low * (b - high))
 
 
 def _growing() -> tuple[bool, Fraction, dict[str, str]]:

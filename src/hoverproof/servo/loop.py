@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.algebra.derived import kept_graph
 from hoverproof.algebra.graph import evaluate
 from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera, rotors
@@ -89,7 +89,7 @@ def command(measured: Measurement, design: Design, law: Law = HAMEL_MAHONY) -> t
     return thrust_rate, torque
 
 
-@cache
+@kept_graph
 def _controller(law: Law) -> ca.Function:
     return derive_controller(law).function()
 
@@ -165,7 +165,7 @@ def readout(
     }
 
 
-@cache
+@kept_graph
 def readout_function(n: int, law: Law = HAMEL_MAHONY) -> ca.Function:
     """Return (state, design, points, arm, drag_ratio) ↦ what a flight record holds.
 
@@ -190,14 +190,14 @@ def readout_function(n: int, law: Law = HAMEL_MAHONY) -> ca.Function:
     )
 
 
-@cache
+@kept_graph
 def _feature_slope(n: int, law: Law) -> ca.Function:
     """Return q ↦ the slope of the feature of n points, (3,) to (3, 3)."""
     q = ca.SX.sym("q", 3)
     return ca.Function("feature_slope", [q], [ca.densify(ca.jacobian(law.feature(q, n), q))])
 
 
-@cache
+@kept_graph
 def _loop_at_goal(law: Law) -> ca.Function:
     """Return (design, Q, thrust) ↦ B of Ẋ = B X near the goal: (3, 3) and () to (11, 11)."""
     design, Q, thrust = law.design.symbols(), ca.SX.sym("Q", 3, 3), ca.SX.sym("thrust")

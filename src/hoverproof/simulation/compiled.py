@@ -20,10 +20,11 @@ from pathlib import Path
 
 import casadi as ca
 import numpy as np
-import platformdirs
 from numpy.typing import NDArray
 
+from hoverproof.algebra.derived import kept_json
 from hoverproof.compilers import command_words, find_compiler
+from hoverproof.files import cache_folder
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
@@ -98,7 +99,7 @@ def runner(n: int, law: Law = HAMEL_MAHONY, *, compiler: str | None = None) -> R
     return _virtual_machine(n, law) if made is None else _machine_code(made)
 
 
-@cache
+@kept_json
 def c_source(n: int, law: Law = HAMEL_MAHONY) -> str:
     """Return the C text of the closed loop with n target points: generated step and driver.
 
@@ -208,7 +209,7 @@ def _call(command: list[str], text: str = "") -> subprocess.CompletedProcess[str
 
 def _cache_folder() -> Path:
     """Return the user's cache directory, or a private one that lasts as long as the process."""
-    folder = Path(platformdirs.user_cache_dir("hoverproof"))
+    folder = cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:

@@ -5,43 +5,38 @@ from __future__ import annotations
 import json
 import math
 import time
-from collections.abc import Callable
 from dataclasses import replace
-from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
-from hoverproof.algebra.graph import fingerprint
 from hoverproof.files import write_bytes
 from hoverproof.mission.sections import CONDITIONS, Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
-from hoverproof.plant.rotors import ROTORS, wrench
+from hoverproof.plant.rotors import wrench
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.layout import place
-from hoverproof.servo.loop import LoopNumbers, readout_function
+from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import kernel
 from hoverproof.simulation.batch import fly_raw, how_it_ended, log_of
 from hoverproof.simulation.compiled import Runner, has_diverged, runner
 from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.flight_log import ending, ending_words, is_noted, settled_at
-from hoverproof.simulation.numbers import euler_angles, settled_index
+from hoverproof.simulation.numbers import settled_index
 from hoverproof.simulation.plan import Plan, check_seed, is_ideal
 from hoverproof.simulation.realistic import LAYOUT
-from hoverproof.simulation.step import (
-    GUARDED_SIZE,
-    flight_states,
-    step_function,
-)
+from hoverproof.simulation.record import Record, flight_record
+from hoverproof.simulation.step import GUARDED_SIZE, flight_states
 from hoverproof.simulation.timing import default_duration as default_duration
 from hoverproof.simulation.timing import flight_step, steps_and_interval
 from hoverproof.spread import interruptibly
-from hoverproof.version import __version__
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -89,6 +84,36 @@ def simulate(
     InputError
         If the duration, the step or the mission cannot be used.
     """
+    return flown(
+        mission, duration=duration, step=step, every=every, seed=seed, compiler=compiler, law=law
+    ).dataset()
+
+
+def flown(
+    mission: Mission,
+    *,
+    duration: float | None = None,
+    step: float | None = None,
+    every: int | None = None,
+    seed: int = 0,
+    compiler: str | None = None,
+    law: Law = HAMEL_MAHONY,
+) -> Record:
+    """Fly a mission from its start: `simulate`, without the time that it takes to import xarray.
+
+    Parameters
+    ----------
+    mission, compiler
+        See `simulate`, also for what is raised.
+    duration, step : float, optional
+        s.
+    every : int, optional
+        Keep every so many steps.
+    seed : int
+        A bare number.
+    law : Law
+        What flies it; by default the law of the paper.
+    """
     check_seed(seed)
     step, finer = flight_step(mission, step, law), SAMPLES if every is None else None
     steps, every = steps_and_interval(
@@ -116,14 +141,16 @@ def simulate(
         states, taken = up_to(fly, states[:-1], every, last, finer)
         outcome = ending_words(code, (last if told is not None else last + 1) * step)
     flight = flight_record(mission, numbers, states[:, :STATE_SIZE], step * taken)
-    flight.attrs |= {
-        "outcome": outcome,
-        "settled_at": float(settled_at(log, step)) if good else math.nan,
-        "step": step,
-        "steps": int(taken[-1]),
-        "seconds": seconds,
-        "machine": machine.name,
-    }
+    flight.attrs.update(
+        {
+            "outcome": outcome,
+            "settled_at": float(settled_at(log, step)) if good else math.nan,
+            "step": step,
+            "steps": int(taken[-1]),
+            "seconds": seconds,
+            "machine": machine.name,
+        }
+    )
     return flight
 
 
@@ -137,16 +164,16 @@ def sample_bytes(mission: Mission) -> int:
     return 8 * (53 + 2 * len(mission.target.points))
 
 
-def summary(flight: xr.Dataset) -> dict[str, Any]:
+def summary(flight: xr.Dataset | Record) -> dict[str, Any]:
     """Return what a flight came to: positions and errors in m, times in s.
 
     Parameters
     ----------
-    flight : Dataset
-        From `simulate`.
+    flight : Dataset or Record
+        From `simulate` or `flown`.
     """
     error = np.linalg.norm(flight["position"].values - flight.attrs["goal_position"], axis=1)
-    times = flight["time"].values
+    times, thrusts = flight["time"].values, flight["rotor_thrust"].values.ravel()
     if "settled_at" in flight.attrs:  # noted at each step of the flight
         settled = float(flight.attrs["settled_at"])
     else:
@@ -164,23 +191,23 @@ def summary(flight: xr.Dataset) -> dict[str, Any]:
         "steps": int(flight.attrs["steps"]),
         "seconds": float(flight.attrs["seconds"]),
         "machine": flight.attrs["machine"],
-        "largest_tilt": float(flight["tilt"].max()),
-        "rotor_thrust": [float(flight["rotor_thrust"].min()), float(flight["rotor_thrust"].max())],
+        "largest_tilt": float(np.fmax.reduce(flight["tilt"].values)),
+        "rotor_thrust": [float(end.reduce(thrusts)) for end in (np.fmin, np.fmax)],
         "frames_lost": int(flight.attrs.get("frames_lost", 0)),
         "left_view_at": flight.attrs.get("left_view_at"),
     }
 
 
 def without_conditions(
-    mission: Mission, flight: xr.Dataset, law: Law = HAMEL_MAHONY
+    mission: Mission, flight: xr.Dataset | Record, law: Law = HAMEL_MAHONY
 ) -> dict[str, Any]:
     """Return how far a flight is from the same one without sensors, rotors, wind and errors.
 
     Parameters
     ----------
     mission : Mission
-    flight : Dataset
-        Its flight, from `simulate`.
+    flight : Dataset or Record
+        Its flight, from `simulate` or `flown`.
     law : Law
         What flew it.
 
@@ -196,11 +223,11 @@ def without_conditions(
         return {}
     bare = mission.model_copy(update={name: type(getattr(mission, name))() for name in CONDITIONS})
     every = round(float(times[1]) / step)
-    ideal = simulate(bare, duration=float(times[-1]), step=step, every=every, law=law)
+    ideal = flown(bare, duration=float(times[-1]), step=step, every=every, law=law)
     positions, times_of_ideal = ideal["position"].values, ideal["time"].values
     if len(times) == len(positions) + 1 and ideal.attrs["outcome"] == "flown":  # cut short
         whole = round(float(times[-1]) / step)
-        end = simulate(bare, duration=float(times[-1]), step=step, every=whole, law=law)
+        end = flown(bare, duration=float(times[-1]), step=step, every=whole, law=law)
         positions = np.vstack([positions, end["position"].values[-1:]])
         times_of_ideal = np.append(times_of_ideal, end["time"].values[-1])
     both = min(len(times), len(positions))
@@ -215,12 +242,12 @@ def without_conditions(
     }
 
 
-def save(flight: xr.Dataset, path: str | Path) -> None:
+def save(flight: Record, path: str | Path) -> None:
     """Write a flight to a netCDF-4 file.
 
     Parameters
     ----------
-    flight : Dataset
+    flight : Record
     path : str or Path
 
     Raises
@@ -228,7 +255,7 @@ def save(flight: xr.Dataset, path: str | Path) -> None:
     InputError
         If the file cannot be written.
     """
-    write_bytes(path, flight.to_netcdf(engine="h5netcdf"))
+    write_bytes(path, flight.netcdf())
 
 
 def _run(
@@ -240,7 +267,7 @@ def _run(
     return np.vstack([start, states]), good
 
 
-def _fly_as_built(plan: Plan, compiler: str | None, finer: int | None) -> xr.Dataset:
+def _fly_as_built(plan: Plan, compiler: str | None, finer: int | None) -> Record:
     """Fly once with the sensors, rotors, wind and errors that the mission names.
 
     A flight that ends early, with few samples kept, is kept in about `finer` samples.
@@ -283,112 +310,21 @@ def _fly_as_built(plan: Plan, compiler: str | None, finer: int | None) -> xr.Dat
         ("wind", ("time", "axis"), "m/s", "wind, world frame"),
     ):
         values = parts[name].reshape(len(kept), *([3] if len(dims) > 1 else []))
-        flight[name] = (dims, values, {"units": units, "long_name": words})
-    flight.attrs |= {
-        "outcome": outcome,
-        "settled_at": math.nan if code else float(settled_at(log_of(plan, last), plan.step)),
-        "step": plan.step,
-        "steps": int(taken[-1]),
-        "seconds": seconds,
-        "machine": machine.split(",")[0],
-        "model_sha256": plan.model_sha256,
-        "conditions": json.dumps(mission.conditions()),
-        "seed": plan.seed,
-        "frames_lost": int(lost),
-    }
+        flight.add(name, dims, values, units=units, long_name=words)
+    flight.attrs.update(
+        {
+            "outcome": outcome,
+            "settled_at": math.nan if code else float(settled_at(log_of(plan, last), plan.step)),
+            "step": plan.step,
+            "steps": int(taken[-1]),
+            "seconds": seconds,
+            "machine": machine.split(",")[0],
+            "model_sha256": plan.model_sha256,
+            "conditions": json.dumps(mission.conditions()),
+            "seed": plan.seed,
+            "frames_lost": int(lost),
+        }
+    )
     if lost:
         flight.attrs["left_view_at"] = float(lost_at) * plan.step
     return flight
-
-
-def flight_record(
-    mission: Mission, numbers: LoopNumbers, states: Array, times: NDArray[Any]
-) -> xr.Dataset:
-    """Return states of a flight as a record, with all that is read off them.
-
-    Parameters
-    ----------
-    mission : Mission
-    numbers : LoopNumbers
-        Of the mission.
-    states : (n, 19)
-        Packed, a row each sample; see `hoverproof.plant.rigid_body.RigidBodyState`.
-    times : (n,)
-        Of the samples, s.
-
-    Returns
-    -------
-    xarray.Dataset
-        As `simulate` returns it, but for the attributes that tell what flew, and how it ended.
-    """
-    n = numbers.points.shape[1]
-    read = _columns(readout_function(n, numbers.law), mission, numbers, states)
-    rotation = states[:, 6:15].reshape(-1, 3, 3).transpose(0, 2, 1)
-    body, world, point = ("time", "body_axis"), ("time", "axis"), ("time", "point", "image_axis")
-    tilt = np.arctan2(np.hypot(rotation[:, 2, 0], rotation[:, 2, 1]), rotation[:, 2, 2])
-    variables: dict[str, tuple[Any, Array, str, str]] = {
-        "position": (world, states[:, 0:3], "m", "position ξ, world frame, z down"),
-        "velocity": (body, states[:, 3:6], "m/s", "velocity V, body frame"),
-        "rotation": (("time", "axis", "body_axis"), rotation, "1", "rotation R, body to world"),
-        "euler_angles": (
-            ("time", "angle"),
-            euler_angles(rotation),
-            "rad",
-            "R = Rz(yaw) Ry(pitch) Rx(roll)",
-        ),
-        "tilt": (("time",), tilt, "rad", "angle between body and world vertical"),
-        "body_rate": (body, states[:, 15:18], "rad/s", "angular velocity Ω, body frame"),
-        "thrust": (("time",), states[:, 18], "N", "thrust T"),
-        "torque": (body, read["torque"], "N m", "torque Γ, body frame"),
-        "rotor_thrust": (("time", "rotor"), read["rotor_thrusts"], "N", "thrust of each rotor"),
-        "image": (point, read["image"].reshape(-1, n, 2), "1", "pinhole image, focal length 1"),
-        "centroid": (body, read["centroid"], "1", "image centroid q"),
-        "delta1": (body, read["delta1"], "1", "image error δ1"),
-        "delta2": (body, read["delta2"], "1", "velocity error δ2"),
-        "delta3": (body, read["delta3"], "1", "force error δ3"),
-        "delta4": (("time", "horizontal_axis"), read["delta4"], "1", "body-rate error δ4"),
-        "lyapunov": (("time",), read["lyapunov"][:, 0], "1", "L = ½ Σ|δᵢ|²"),
-    }
-    axes = list("xyz")
-    return xr.Dataset(
-        {
-            name: (dims, values, {"units": units, "long_name": words})
-            for name, (dims, values, units, words) in variables.items()
-        },
-        coords={
-            "time": ("time", times, {"units": "s"}),
-            "axis": axes,
-            "body_axis": axes,
-            "horizontal_axis": axes[:2],
-            "image_axis": axes[:2],
-            "angle": ["roll", "pitch", "yaw"],
-            "rotor": list(ROTORS),
-            "point": np.arange(1, n + 1),
-        },
-        attrs={
-            "title": f"closed-loop flight of {mission.name}",
-            "goal_position": numbers.goal,
-            "goal_centroid": numbers.goal_centroid,
-            "mission": json.dumps(mission.exact()),
-            "model_sha256": fingerprint(step_function(n, numbers.law)),
-            "hoverproof_version": __version__,
-            "casadi_version": version("casadi"),
-        },
-    )
-
-
-def _columns(
-    read: ca.Function, mission: Mission, numbers: LoopNumbers, states: Array
-) -> dict[str, Array]:
-    """Evaluate a readout along the flight; each result is (samples, size)."""
-    samples = len(states)
-    names: Callable[[int], str] = read.name_out
-    mapped = read.map(samples)
-    held = (
-        np.tile(numbers.design[:, None], samples),
-        np.tile(numbers.points, samples),
-        np.full((1, samples), float(mission.vehicle.arm)),
-        np.full((1, samples), float(mission.vehicle.drag_ratio)),
-    )
-    outputs = mapped(states.T, *held)
-    return {names(i): np.array(output).T.reshape(samples, -1) for i, output in enumerate(outputs)}

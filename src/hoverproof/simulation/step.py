@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.algebra.derived import kept_graph
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
 from hoverproof.servo.law import Design, Law
@@ -90,7 +90,7 @@ def nearest_rotation(rotation: ca.SX) -> ca.SX:
     return rotation @ (3 * ca.SX.eye(3) - rotation.T @ rotation) / 2
 
 
-@cache
+@kept_graph
 def step_function(n: int, law: Law = HAMEL_MAHONY) -> ca.Function:
     """Return (flight state, design, points, dt) ↦ flight state after one step of RK4.
 

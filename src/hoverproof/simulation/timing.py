@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from functools import cache
 
 import casadi as ca
 import numpy as np
 
+from hoverproof.algebra.derived import kept_graph
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
@@ -97,7 +97,7 @@ def fastest_rate(mission: Mission, law: Law = HAMEL_MAHONY) -> float:
     return max(rates) / min(1.0, *(float(1 + e) for e in (error.mass, *error.inertia)))
 
 
-@cache
+@kept_graph
 def _linearised(n: int, law: Law) -> ca.Function:
     """Return (state, design, points) ↦ slope of the loop, (19, 19), 1/s, and its guards."""
     (design, points), x = parameters(n, law), ca.SX.sym("x", STATE_SIZE)

@@ -1,0 +1,226 @@
+"""A flight in arrays with names, units and axes: written to a file, or shown as a Dataset.
+
+xarray takes longer to import than most flights to fly, so it is left to those who ask for it.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.algebra.derived import kept_json
+from hoverproof.algebra.graph import fingerprint
+from hoverproof.mission.sections import Mission
+from hoverproof.plant.rotors import ROTORS
+from hoverproof.servo.law import Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.loop import LoopNumbers, readout_function
+from hoverproof.simulation.numbers import euler_angles
+from hoverproof.simulation.step import step_function
+from hoverproof.version import __version__
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Column:
+    """What is kept of one quantity.
+
+    Attributes
+    ----------
+    dims : tuple of str
+        Names of its axes.
+    values : ndarray, any shape
+        An axis for each of them, in the unit that the attributes tell.
+    attrs : dict
+        ``units`` and ``long_name``.
+    """
+
+    dims: tuple[str, ...]
+    values: NDArray[Any]
+    attrs: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Record:
+    """A flight, or another table over time.
+
+    Attributes
+    ----------
+    variables, coordinates : dict of Column
+        By name; a coordinate has the name of its one axis.
+    attrs : dict
+        What is true of the whole: the mission, the outcome, versions.
+    """
+
+    variables: dict[str, Column]
+    coordinates: dict[str, Column]
+    attrs: dict[str, Any]
+
+    def __getitem__(self, name: str) -> Column:
+        return (self.variables | self.coordinates)[name]
+
+    def add(self, name: str, dims: Sequence[str], values: NDArray[Any], **attrs: str) -> None:
+        """Add a variable.
+
+        Parameters
+        ----------
+        name : str
+        dims : sequence of str
+            Names of its axes.
+        values : ndarray, any shape
+        **attrs
+            ``units`` and ``long_name``.
+        """
+        self.variables[name] = Column(tuple(dims), values, attrs)
+
+    def dataset(self) -> xr.Dataset:
+        """Return it as a Dataset, which shares the arrays."""
+        import xarray as xr
+
+        def given(columns: dict[str, Column]) -> dict[str, Any]:
+            return {name: (c.dims, c.values, c.attrs) for name, c in columns.items()}
+
+        return xr.Dataset(given(self.variables), given(self.coordinates), self.attrs)
+
+    def netcdf(self) -> memoryview:
+        """Return the bytes of a netCDF-4 file: those that xarray would write of the Dataset."""
+        import h5netcdf
+        import h5py
+
+        content = io.BytesIO()
+        with h5netcdf.File(content, "w") as file:
+            for name, column in self.coordinates.items():
+                file.dimensions[name] = len(column.values)
+            for name, column in (self.variables | self.coordinates).items():
+                kind: Any = column.values.dtype
+                values = column.values
+                if kind.kind == "U":
+                    kind, values = h5py.string_dtype(), values.astype(object)
+                missing = np.nan if column.values.dtype.kind == "f" else None
+                made = file.create_variable(name, column.dims, kind, values, fillvalue=missing)
+                made.attrs.update(column.attrs)
+            file.attrs.update(self.attrs)
+        return content.getbuffer()
+
+
+@kept_json
+def model_fingerprint(n: int, law: Law = HAMEL_MAHONY) -> str:
+    """Return the SHA-256 of the graph of a step.
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    law : Law
+    """
+    return fingerprint(step_function(n, law))
+
+
+def flight_record(
+    mission: Mission, numbers: LoopNumbers, states: Array, times: NDArray[Any]
+) -> Record:
+    """Return states of a flight as a record, with all that is read off them.
+
+    Parameters
+    ----------
+    mission : Mission
+    numbers : LoopNumbers
+        Of the mission.
+    states : (n, 19)
+        Packed, a row each sample; see `hoverproof.plant.rigid_body.RigidBodyState`.
+    times : (n,)
+        Of the samples, s.
+
+    Returns
+    -------
+    Record
+        As `flown` returns it, but for the attributes that tell what flew, and how it ended.
+    """
+    n = numbers.points.shape[1]
+    read = _columns(readout_function(n, numbers.law), mission, numbers, states)
+    rotation = states[:, 6:15].reshape(-1, 3, 3).transpose(0, 2, 1)
+    body, world, point = ("time", "body_axis"), ("time", "axis"), ("time", "point", "image_axis")
+    tilt = np.arctan2(np.hypot(rotation[:, 2, 0], rotation[:, 2, 1]), rotation[:, 2, 2])
+    variables: dict[str, tuple[Any, Array, str, str]] = {
+        "position": (world, states[:, 0:3], "m", "position ξ, world frame, z down"),
+        "velocity": (body, states[:, 3:6], "m/s", "velocity V, body frame"),
+        "rotation": (("time", "axis", "body_axis"), rotation, "1", "rotation R, body to world"),
+        "euler_angles": (
+            ("time", "angle"),
+            euler_angles(rotation),
+            "rad",
+            "R = Rz(yaw) Ry(pitch) Rx(roll)",
+        ),
+        "tilt": (("time",), tilt, "rad", "angle between body and world vertical"),
+        "body_rate": (body, states[:, 15:18], "rad/s", "angular velocity Ω, body frame"),
+        "thrust": (("time",), states[:, 18], "N", "thrust T"),
+        "torque": (body, read["torque"], "N m", "torque Γ, body frame"),
+        "rotor_thrust": (("time", "rotor"), read["rotor_thrusts"], "N", "thrust of each rotor"),
+        "image": (point, read["image"].reshape(-1, n, 2), "1", "pinhole image, focal length 1"),
+        "centroid": (body, read["centroid"], "1", "image centroid q"),
+        "delta1": (body, read["delta1"], "1", "image error δ1"),
+        "delta2": (body, read["delta2"], "1", "velocity error δ2"),
+        "delta3": (body, read["delta3"], "1", "force error δ3"),
+        "delta4": (("time", "horizontal_axis"), read["delta4"], "1", "body-rate error δ4"),
+        "lyapunov": (("time",), read["lyapunov"][:, 0], "1", "L = ½ Σ|δᵢ|²"),
+    }
+    axes = list("xyz")
+    coordinates: dict[str, Sequence[str] | NDArray[Any]] = {
+        "time": times,
+        "axis": axes,
+        "body_axis": axes,
+        "horizontal_axis": axes[:2],
+        "image_axis": axes[:2],
+        "angle": ["roll", "pitch", "yaw"],
+        "rotor": list(ROTORS),
+        "point": np.arange(1, n + 1),
+    }
+    units = {"time": {"units": "s"}}
+    return Record(
+        {
+            name: Column(dims, values, {"units": units, "long_name": words})
+            for name, (dims, values, units, words) in variables.items()
+        },
+        {
+            name: Column((name,), np.asarray(values), units.get(name, {}))
+            for name, values in coordinates.items()
+        },
+        attrs={
+            "title": f"closed-loop flight of {mission.name}",
+            "goal_position": numbers.goal,
+            "goal_centroid": numbers.goal_centroid,
+            "mission": json.dumps(mission.exact()),
+            "model_sha256": model_fingerprint(n, numbers.law),
+            "hoverproof_version": __version__,
+            "casadi_version": version("casadi"),
+        },
+    )
+
+
+def _columns(
+    read: ca.Function, mission: Mission, numbers: LoopNumbers, states: Array
+) -> dict[str, Array]:
+    """Evaluate a readout along the flight; each result is (samples, size)."""
+    samples = len(states)
+    names: Callable[[int], str] = read.name_out
+    mapped = read.map(samples)
+    held = (
+        np.tile(numbers.design[:, None], samples),
+        np.tile(numbers.points, samples),
+        np.full((1, samples), float(mission.vehicle.arm)),
+        np.full((1, samples), float(mission.vehicle.drag_ratio)),
+    )
+    outputs = mapped(states.T, *held)
+    return {names(i): np.array(output).T.reshape(samples, -1) for i, output in enumerate(outputs)}
