@@ -274,19 +274,22 @@ def _draft(mission: Mission, found: Found, starts: Sequence[Start], share: float
     a, size = [float(w) for w in weights], float(level)
     plane = mission.height_of_target
     height = None if found.bottom is None else plane - Fraction(f"{found.bottom:.6f}")
-    bottom = None if height is None else float(plane - height)
+    hover = hover_goal(mission).position
 
     def reach(*directions: tuple[float, float, float]) -> Fraction:
         least = min(
-            reach_along(potential, np.array(d), np.array(a), size, bottom) for d in directions
+            reach_along(potential, np.array(d), np.array(a), size, None) for d in directions
         )
         return decimal_below(least * share, 3)
 
+    down = reach((0, 0, 1))
+    if height is not None:  # the barrier is exact: nothing of that needs to be given away
+        down = min(down, decimal_below(plane - height - hover[2], 3))
     turns = np.linspace(0, 2 * np.pi, 72, endpoint=False)
     around = [(float(np.cos(t)), float(np.sin(t)), 0.0) for t in turns]
     return {
         "weights": weights,
-        "hover": list(hover_goal(mission).position),
+        "hover": list(hover),
         "enclosures": {},
         "multipliers": [],
         "claim": {
@@ -296,7 +299,7 @@ def _draft(mission: Mission, found: Found, starts: Sequence[Start], share: float
             "reach": {
                 "sideways": reach(*around),
                 "up": reach((0, 0, -1)),
-                "down": reach((0, 0, 1)),
+                "down": down,
             },
             "starts": [start.content() for start in starts],
         },
