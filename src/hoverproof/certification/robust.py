@@ -38,7 +38,9 @@ class Term(NamedTuple):
     Attributes
     ----------
     u, v : (..., m, n)
+        Matrices of the bilinear form.
     radius : (...)
+        r; its unit is that of S over that of uᵀv.
     """
 
     u: Array
@@ -134,7 +136,7 @@ def margins(inequality: Inequality, floor: float = -np.inf) -> tuple[Array, Arra
     inequality : Inequality
         One, or k of them if it has a single term.
     floor : float
-        Of margins that are surely below, no more than that is found out.
+        Of margins that are surely below, no more than that is found out; in the unit of S.
 
     Raises
     ------
@@ -263,7 +265,7 @@ def worst_case(inequality: Inequality, tau: float) -> tuple[Array, Array]:
     inequality : Inequality
         One, of a single term.
     tau : float
-        The best τ.
+        The best τ, a scalar.
     """
     ((u, v, radius),) = inequality.terms
     values, vectors = np.linalg.eigh(inequality.bound([tau]))
@@ -293,7 +295,15 @@ def worst_case(inequality: Inequality, tau: float) -> tuple[Array, Array]:
 
 
 class Solution(NamedTuple):
-    """Parameters, (k,), and the multipliers of each corner, (terms,) each."""
+    """What the solver found.
+
+    Attributes
+    ----------
+    x : (k,)
+        Parameters.
+    multipliers : list of (m,) each
+        Of the m terms of each corner.
+    """
 
     x: Array
     multipliers: list[Array]
@@ -356,7 +366,7 @@ def reciprocals(most: float, factors: Mapping[int, float], size: int) -> Array:
     Parameters
     ----------
     most : float
-        Positive.
+        A positive scalar.
     factors : mapping
         From the place among (1, x) to pᵢ, positive.
     size : int

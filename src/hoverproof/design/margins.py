@@ -159,7 +159,7 @@ def margins(questions: Questions, floor: float = -np.inf) -> Array:
     ----------
     questions : Questions
     floor : float
-        Where the worst eigenvalue is surely below, what is returned is only known to be so too.
+        Where the worst eigenvalue is surely below, what is returned is below too, kg/s.
     """
     good = posed(questions)
     worst = np.full(len(good), np.nan)
