@@ -218,11 +218,11 @@ def _tangents(blocks: list[Array], tau: Array) -> tuple[Array, Array]:
     return np.concatenate([values, u / tau**2 - v]), above
 
 
-def _lowest(point: Array) -> Array:
-    """Return the least of the values at τ, and the slope there, (2, k)."""
-    values, slopes = np.split(point[1:], 2)
-    lowest = values.argmin(axis=0)[None]
-    return np.concatenate([np.take_along_axis(x, lowest, 0) for x in (values, slopes)])
+def _lowest(point: Array) -> tuple[Array, Array]:
+    """Return the least of the values at τ, and the slope there, (k,) each."""
+    half = len(point) // 2 + 1
+    lowest, each = point[1:half].argmin(axis=0), np.arange(point.shape[1])
+    return point[1 + lowest, each], point[half + lowest, each]
 
 
 def _crossing(low: Array, high: Array) -> tuple[Array, Array]:
@@ -238,8 +238,8 @@ def _crossing(low: Array, high: Array) -> tuple[Array, Array]:
         turns = (slopes[:, None] > 0) & (slopes[None] <= 0)
         height = np.where(turns, starts[:, None] + slopes[:, None] * at, np.inf)
     at, height = (x.reshape(-1, len(low[0])) for x in (at, height))
-    lowest = height.argmin(axis=0)[None]
-    return np.take_along_axis(at, lowest, 0)[0], np.take_along_axis(height, lowest, 0)[0]
+    lowest = height.argmin(axis=0), np.arange(len(low[0]))
+    return at[lowest], height[lowest]
 
 
 def _blocks(matrices: Array) -> list[NDArray[np.intp]]:

@@ -127,7 +127,7 @@ class GainSearch:
         reach, finest : float
             Half the width of the lattice at first, and at last; dimensionless, as z are logarithms.
         """
-        line = np.linspace(-1, 1, 5)
+        line = np.linspace(-1, 1, 7 if self.size == 3 else 5)
         lattice = np.stack(np.meshgrid(*[line] * self.size, indexing="ij"), -1)
         lattice = lattice.reshape(-1, self.size)
         best, value = start, float(self.values(self.gains(start[None]))[0])
