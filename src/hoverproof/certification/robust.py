@@ -122,9 +122,6 @@ def _lengthened(array: Array, size: int) -> Array:
     return np.concatenate([array, np.zeros((size - len(array), *array.shape[1:]))])
 
 
-# --- the best multipliers -------------------------------------------------------------------------
-
-
 def margins(inequality: Inequality, floor: float = -np.inf) -> tuple[Array, Array]:
     """Return the largest least eigenvalue of M(τ) over τ, and where it is, (..., terms).
 
@@ -289,9 +286,6 @@ def worst_case(inequality: Inequality, tau: float) -> tuple[Array, Array]:
     tiny = np.finfo(float).tiny
     axes = [y / max(float(np.linalg.norm(y)), tiny) for y in (u @ x, v @ x)]
     return x, axes[0] + axes[1]
-
-
-# --- the best parameters --------------------------------------------------------------------------
 
 
 class Solution(NamedTuple):
