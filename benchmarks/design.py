@@ -14,8 +14,8 @@ import numpy as np
 from scipy.optimize import minimize
 
 from hoverproof.certification.gains import certify
-from hoverproof.certification.lmi import Vertex, best_multiplier
-from hoverproof.certification.problem import gain_problem, sigma_function
+from hoverproof.certification.problem import gain_inequality, gain_problem
+from hoverproof.certification.robust import Inequality, optimise
 from hoverproof.design.atlas import atlas, axis, cell_mission
 from hoverproof.design.margins import Questions, factor_of
 from hoverproof.design.tuning import tune
@@ -37,16 +37,19 @@ def cpu() -> float:
 
 def one_inequality(questions: Questions) -> float:
     """Return the margin of one question by the interior-point solver, at both ends of f."""
-    low, high = (float(e) for e in questions.eigenvalues)
-    middle, spread = (low + high) / 2, (high - low) / 2
-    found = []
+    ends = tuple(float(e) for e in questions.eigenvalues)
+    k1, found = float(questions.gains[0][0]), []
+    design = [float(np.ravel(x)[0]) for x in questions.design()]
     for thrust in questions.thrust:
         f = float(factor_of(questions, thrust)[0])
-        lower = [middle, 0, 0, middle, 0, middle]
-        design = [float(np.ravel(x)[0]) for x in questions.design()]
-        sigma, u, v = (np.array(x) for x in sigma_function()(design, questions.weights, lower, f))
-        vertex = Vertex(sigma, u, v, float(questions.gains[0][0]) * spread / 2, np.ones(11))
-        found.append(vertex.margin(best_multiplier(vertex)))
+        one = gain_inequality(design, questions.weights, k1, ends, f)
+        (term,) = one.terms
+        corner = Inequality(one.S[None], (term._replace(u=term.u[None]),))
+        corner = corner.less(np.array([0 * one.S, np.eye(len(one.S))]))  # S - t I, largest t
+        solution = optimise([-1.0], [corner])
+        if solution is None:
+            raise RuntimeError("the solver found no multiplier")
+        found.append(float(solution.x[0]))
     return min(found)
 
 

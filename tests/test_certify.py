@@ -114,16 +114,17 @@ def test_a_level_gives_the_thrust_interval_that_it_implies():
 
 def test_a_solver_that_finds_nothing_leaves_the_question_undecided(x4, monkeypatch):
     def nothing(_):
-        raise RuntimeError("the solver found no multiplier (infeasible)")
+        raise np.linalg.LinAlgError("eigenvalues did not converge")
 
-    monkeypatch.setattr("hoverproof.certification.gains.best_multiplier", nothing)
+    monkeypatch.setattr("hoverproof.certification.gains.margins", nothing)
     assert isinstance(certify(x4), Undecided)
 
 
 @pytest.mark.parametrize("tau", [1e-6, 0.5, 1.5, 1e6])
 def test_a_bad_multiplier_never_proves_too_much(x4, monkeypatch, tau):
     best = certify(x4)
-    monkeypatch.setattr("hoverproof.certification.gains.best_multiplier", lambda _: tau)
+    found = (None, np.array([tau]))
+    monkeypatch.setattr("hoverproof.certification.gains.margins", lambda _: found)
     verdict = certify(x4)
     assert not isinstance(verdict, Refuted)
     if isinstance(verdict, Proved):

@@ -16,7 +16,7 @@ from hoverproof import checker
 from hoverproof.algebra.definite import is_positive_definite
 from hoverproof.certification import gains
 from hoverproof.certification.gains import Proved, certify
-from hoverproof.certification.lmi import Vertex
+from hoverproof.certification.robust import Inequality
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 
@@ -41,13 +41,13 @@ def proved():
 @pytest.mark.parametrize("tau", [1e-9, 1e-3, 0.99, 1.0, 1.7, 1e9])
 def test_a_solver_that_says_optimal_with_an_infeasible_matrix(monkeypatch, tau):
     """Whatever multiplier and margin a solver reports, gains that do not work are not proved."""
-    monkeypatch.setattr(gains, "best_multiplier", lambda _: tau)
-    monkeypatch.setattr(Vertex, "margin", lambda *_: 0.5)  # "optimal", it says
+    monkeypatch.setattr(gains, "margins", lambda _: (np.array(0.5), np.array([tau])))
+    monkeypatch.setattr(Inequality, "bound", lambda *_: 0.5 * np.eye(11))  # "optimal", it says
     assert not isinstance(certify(load("x4-flyer", WEAK)), Proved)
 
 
 def test_weights_from_a_solver_that_are_infeasible(monkeypatch):
-    monkeypatch.setattr(gains, "best_weights", lambda _: np.array([1.0, 50.0, 1e-3, 1e3]))
+    monkeypatch.setattr(gains, "_best_weights", lambda _: np.array([1.0, 50.0, 1e-3, 1e3]))
     mission = load("x4-flyer")
     assert not isinstance(certify(mission, weights=gains.search_weights(mission)), Proved)
 

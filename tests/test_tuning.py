@@ -15,12 +15,13 @@ import pytest
 from hypothesis import given as drawn
 from hypothesis import settings
 from hypothesis import strategies as st
+from scipy.stats import qmc
 
 import checker_kit
 from hoverproof import checker, cli
 from hoverproof.certification.gains import Proved, certify
 from hoverproof.certification.problem import ONES, gain_problem
-from hoverproof.design.gain_search import GainSearch
+from hoverproof.design.gain_search import GainSearch, halton
 from hoverproof.design.limits import FirstCommand, Limits, highest_k4, uses
 from hoverproof.design.margins import Questions, margins
 from hoverproof.design.outcome import Infeasible, Tuned
@@ -435,3 +436,8 @@ def test_the_search_is_the_same_each_time(x4):
         Questions.of(gain_problem(x4)), limits, FirstCommand.of(x4), objective="decay"
     )
     assert (search.starts() == search.starts()).all()
+
+
+def test_the_points_of_the_search_are_halton_s():
+    wanted = qmc.Halton(4, scramble=False).random(1001)[1:]
+    assert halton(1000, 4) == pytest.approx(wanted, abs=1e-12)

@@ -6,6 +6,7 @@ import hashlib
 import operator
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 import casadi as ca
@@ -57,11 +58,9 @@ def evaluate(
     work: list[Any] = [None] * function.sz_w()
     zero = number(Fraction(0))
     results: list[list[Any]] = [[zero] * function.nnz_out(i) for i in range(function.n_out())]
-    for k in range(function.n_instructions()):
-        op = function.instruction_id(k)
-        inputs, outputs = function.instruction_input(k), function.instruction_output(k)
+    for op, inputs, outputs, constant in _instructions(function):
         if op == ca.OP_CONST:
-            work[outputs[0]] = number(Fraction(function.instruction_constant(k)))
+            work[outputs[0]] = number(constant)
         elif op == ca.OP_INPUT:
             work[outputs[0]] = arguments[inputs[0]][inputs[1]]
         elif op == ca.OP_OUTPUT:
@@ -76,6 +75,20 @@ def evaluate(
             name = next((n for n, v in vars(ca).items() if n[:3] == "OP_" and v == op), op)
             raise NotImplementedError(f"no exact counterpart of CasADi operation {name}")
     return [_dense(values, function.sparsity_out(i), zero) for i, values in enumerate(results)]
+
+
+@lru_cache(maxsize=16)
+def _instructions(function: ca.Function) -> list[tuple[int, list[int], list[int], Fraction]]:
+    """Read the graph once: operation, inputs, outputs and constant of each instruction."""
+    return [
+        (
+            op := function.instruction_id(k),
+            function.instruction_input(k),
+            function.instruction_output(k),
+            Fraction(function.instruction_constant(k) if op == ca.OP_CONST else 0),
+        )
+        for k in range(function.n_instructions())
+    ]
 
 
 def fingerprint(function: ca.Function) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar, Literal
 
@@ -14,26 +14,28 @@ from hoverproof.algebra.definite import is_positive_definite, quadratic_form
 from hoverproof.algebra.derived import kept_json
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.certificate import Certificate, rejection, seal
-from hoverproof.certification.lmi import (
-    Array,
-    Vertex,
-    best_multiplier,
-    best_weights,
-    worst_direction,
-)
 from hoverproof.certification.problem import (
     ONES,
     GainProblem,
     Rows,
     gain_problem,
     sigma_function,
+    squares,
 )
 from hoverproof.certification.region import Region
+from hoverproof.certification.robust import (
+    Array,
+    Inequality,
+    margins,
+    optimise,
+    worst_case,
+)
 from hoverproof.mission.sections import Mission
-from hoverproof.servo.error_chain import Design
 
 WITNESS_BITS = 40
 DIGITS = 10
+MOST_ROUNDS = 40
+NO_BETTER = 1e-7
 
 
 @dataclass(frozen=True)
@@ -168,15 +170,17 @@ def certify(
     """
     problem = gain_problem(mission, weights, region)
     vertices, candidates = [], []
+    root = np.sqrt([float(w) for w in problem.weight_diagonal])
     for f, attained in zip(problem.factor, problem.factor_attained, strict=True):
-        vertex = _vertex(problem, f)
+        question = problem.inequality(f).scaled(root**2)
         try:
-            best = best_multiplier(vertex)
-        except RuntimeError as error:
-            return Undecided(None, str(error), problem)
+            best = float(margins(question)[1][0])
+        except np.linalg.LinAlgError as error:
+            return Undecided(None, f"no multiplier was found ({error})", problem)
         tau = _short_multiplier(best)
-        estimate = vertex.margin(float(tau))
-        candidates.append((estimate, attained, worst_direction(vertex, best)))
+        estimate = float(np.linalg.eigvalsh(question.bound([float(tau)]))[0])
+        x, axis = worst_case(question, best)
+        candidates.append((estimate, attained, (x / root, axis)))
         vertices.append(_Vertex(f, tau, _proved_margin(problem, f, tau, estimate)))
     _, attained, direction = min(candidates, key=lambda candidate: candidate[0])
     worst = _worst_case(problem, direction, attained, WITNESS_BITS)
@@ -204,13 +208,32 @@ def search_weights(mission: Mission, *, region: Region | None = None) -> tuple[F
     InputError
         See `certify`.
     """
-    families = []
-    units = [tuple(Fraction(int(i == j)) for j in range(4)) for i in range(4)]
     base = gain_problem(mission, ONES, region)
-    for f in base.factor:
-        families.append([_vertex(replace(base, weights=unit), f) for unit in units])
-    found = best_weights(families)
+    units = list(np.eye(4))
+    found = _best_weights([base.inequality(f, units) for f in base.factor])
     return (Fraction(1), *(decimal_below(float(w / found[0]), 4) for w in found[1:]))
+
+
+def _best_weights(corners: Sequence[Inequality]) -> Array:
+    """Return the weights w, (4,), w1 = 1, that maximise the margin over all corners.
+
+    S and u are linear in w. By Dinkelbach's rounds: with the margin t of weights w', the next ones
+    maximise the s with M ⪰ t W + s W'; then s is how much is left to be won, and t never falls.
+    """
+    best, margin = np.ones(4), -np.inf
+    weights, units = best, np.array([np.diag(squares(list(unit))) for unit in np.eye(4)])
+    for _ in range(MOST_ROUNDS):
+        scale = np.array(squares(list(weights)))
+        found = min(float(margins(c.at(weights).scaled(scale))[0]) for c in corners)
+        if found <= margin + NO_BETTER * abs(margin):
+            break
+        best, margin = weights, found
+        lost = np.array([*(margin * units), np.diag(scale)])
+        step = optimise([0, 0, 0, -1], [c.less(lost) for c in corners], rows=np.eye(5)[1:4])
+        if step is None or not (step.x[:3] > 0).all():
+            break
+        weights = np.array([1, *step.x[:3]])
+    return best
 
 
 def _proved(
@@ -260,18 +283,6 @@ def _seal(problem: GainProblem, kind: str, parts: dict[str, Any]) -> Certificate
 def model_fingerprint() -> str:
     """Return the SHA-256 of the graph of Σ from which the verdict was computed."""
     return fingerprint(sigma_function())
-
-
-def _vertex(problem: GainProblem, f: Fraction) -> Vertex:
-    """Take one end of the interval of f in floating point, q* in the middle of its box."""
-    middle, spread = (float(x) for x in _middle_and_spread(problem))
-    q = [(low + high) / 2 for low, high in problem.centroid]
-    design = [float(x) for x in Design.values(problem.mission, q)]
-    weights = [float(w) for w in problem.weights]
-    lower = [middle, 0, 0, middle, 0, middle]
-    sigma, u, v = (np.array(x) for x in sigma_function()(design, weights, lower, float(f)))
-    diagonal = np.array([float(w) for w in problem.weight_diagonal])
-    return Vertex(sigma, u, v, float(problem.mission.gains.k1) * spread / 2, diagonal)
 
 
 def _proved_margin(problem: GainProblem, f: Fraction, tau: Fraction, estimate: float) -> Fraction:

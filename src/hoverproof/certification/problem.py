@@ -2,34 +2,33 @@
 
 Is Σ(Q, f, q*) positive definite for every symmetric Q with eigenvalues in the given interval, every
 thrust in the given interval, and the q* of the goal? Σ is affine in each of f and the components of
-q*, so the corners of a box around them suffice; Q enters through one bilinear form (see `lmi`).
+q*, so the corners of a box around them suffice; Q enters through one bilinear form (see `robust`).
 """
 
 from __future__ import annotations
 
 import itertools
-import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cache, cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import casadi as ca
+import numpy as np
 
-from hoverproof.algebra.derived import kept_graph, kept_json
+from hoverproof.algebra.derived import kept_graph
 from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.bounds import eigenvalue_bounds, goal_box, proved_bounds
 from hoverproof.certification.region import Box, Region
+from hoverproof.certification.robust import Array, Inequality, Term
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, Interval, hover_goal
-from hoverproof.servo.error_chain import Design
-from hoverproof.servo.lyapunov import ERROR_SIZE, derive_lyapunov_form, force_function
+from hoverproof.servo.law import Design
+from hoverproof.servo.lyapunov import derive_lyapunov_form, force_function
 
 Rows = list[list[Fraction]]
-Terms = list[tuple[Fraction, list[int]]]
 BITS = 64
 
 
@@ -39,42 +38,47 @@ def sigma_function() -> ca.Function:
     return derive_lyapunov_form().function()
 
 
-@cache
-def _sigma_polynomials() -> list[tuple[int, int, int, Terms]]:
-    """Return the nonzero entries of Σ, u and v as polynomials: (matrix, row, column, terms).
+def gain_inequality(
+    design: Sequence[Any], weights: Sequence[Any], k1: Any, eigenvalues: tuple[Any, Any], f: Any
+) -> Inequality:
+    """Return Σ ≻ 0 for all Q with bounded eigenvalues in floating point, k questions at once.
 
-    A term is a coefficient with the positions of its factors among the inputs of `sigma_function`.
+    Parameters
+    ----------
+    design : (13,) of (k,) or numbers
+        In the order of `Design`.
+    weights : (4,) of (k,) or numbers
+        w of L = ½ Σ wᵢ|δᵢ|².
+    k1 : (k,) or number
+        The gain, kg m/s.
+    eigenvalues : (low, high) of (k,) or numbers
+        Of Q, 1/m.
+    f : (k,) or number
+        f(T), 1/m.
     """
-    return [
-        (matrix, row, column, [(Fraction(coefficient), factors) for coefficient, factors in terms])
-        for matrix, row, column, terms in _sigma_terms()
-    ]
+    low, high = eigenvalues
+    middle = (low + high) / 2
+    inputs = [design, weights, [middle, 0, 0, middle, 0, middle], [f]]
+    shape = np.broadcast_shapes(*(np.shape(x) for part in inputs for x in part))
+
+    def stacked(rows: list[list[Any]]) -> Array:
+        matrix = np.array([[np.broadcast_to(x, shape) for x in row] for row in rows], float)
+        return np.moveaxis(matrix, (0, 1), (-2, -1))
+
+    sigma, u, v = map(stacked, evaluate(sigma_function(), inputs, float))
+    first = v.reshape(-1, *v.shape[-2:])[0]
+    v = first if (v == first).all() else v  # as it is in parameters
+    return Inequality(sigma, (Term(u, v, np.asarray(k1 * (high - low) / 2)),))
 
 
-@kept_json
-def _sigma_terms() -> list[tuple[int, int, int, list[tuple[str, list[int]]]]]:
-    """Return `_sigma_polynomials` with its coefficients in words."""
-    from hoverproof.algebra.identity import normal_form  # its library of polynomials is large
+def squares(weights: Sequence[Any]) -> list[Any]:
+    """Return the diagonal of W, (11,): L = ½ XᵀWX.
 
-    form = derive_lyapunov_form()
-    inputs = ca.vertcat(form.design.vector(), form.weights, form.Q_lower, form.f)
-    stacked = ca.vertcat(form.Sigma, form.flow_weight, form.scaled_velocity)
-    used = ca.symvar(ca.vec(stacked))
-    position = {symbol: i for i, symbol in enumerate(ca.vertsplit(inputs))}
-    entries = []
-    for i, row in enumerate(normal_form(stacked)):
-        matrix, row_of_it = (0, i) if i < ERROR_SIZE else divmod(i - ERROR_SIZE + 3, 3)
-        for column, value in enumerate(row):
-            terms = [
-                (
-                    str(coefficient),
-                    [position[s] for s, n in zip(used, powers, strict=True) for _ in range(n)],
-                )
-                for powers, coefficient in value.polynomial().items()
-            ]
-            if terms:
-                entries.append((matrix, row_of_it, column, terms))
-    return entries
+    Parameters
+    ----------
+    weights : (4,)
+    """
+    return [w for w, size in zip(weights, (3, 3, 3, 2), strict=True) for _ in range(size)]
 
 
 @dataclass(frozen=True)
@@ -134,37 +138,25 @@ class GainProblem:
         q : (3,) corner of the box around q*
         """
         lower = [Q[i][j] for j in range(3) for i in range(j, 3)]
-        inputs = [*Design.values(self.mission, q), *self.weights, *lower, f]
-        zero = Fraction(0)
-        sigma = [[zero] * ERROR_SIZE for _ in range(ERROR_SIZE)]
-        u, v = ([[zero] * ERROR_SIZE for _ in range(3)] for _ in range(2))
-        for matrix, i, j, terms in self._entries:
-            value = zero
-            for coefficient, factors in terms:
-                for k in factors:
-                    coefficient *= inputs[k]
-                value += coefficient
-            (sigma, u, v)[matrix][i][j] = value
+        inputs = [Design.values(self.mission, q), self.weights, lower, [f]]
+        sigma, u, v = evaluate(sigma_function(), inputs)
         return sigma, u, v
 
-    @cached_property
-    def _entries(self) -> list[tuple[int, int, int, Terms]]:
-        """Σ, u and v with the numbers of this mission put in, but q*, Q and f left."""
-        design = Design.values(self.mission, (Fraction(1),) * 3)  # ends with q*
-        held = [*design, *self.weights]
-        q_star, after = range(len(design) - 3, len(design)), range(len(held), len(held) + 7)
-        free = {*q_star, *after}  # after the weights come the six entries of Q, and f
-        entries = []
-        for matrix, i, j, terms in _sigma_polynomials():
-            short = [
-                (
-                    math.prod((held[k] for k in factors if k not in free), start=coefficient),
-                    [k for k in factors if k in free],
-                )
-                for coefficient, factors in terms
-            ]
-            entries.append((matrix, i, j, short))
-        return entries
+    def inequality(self, f: Fraction, weights: Sequence[Any] | None = None) -> Inequality:
+        """Return the question at one end of f in floating point, q* in the middle of its box.
+
+        Parameters
+        ----------
+        f : Fraction, 1/m
+        weights : (4,) of (k,) or numbers, optional
+            In place of the problem's own.
+        """
+        q = [(low + high) / 2 for low, high in self.centroid]
+        design = [float(x) for x in Design.values(self.mission, q)]
+        low, high = (float(x) for x in self.eigenvalues)
+        held = [float(w) for w in self.weights] if weights is None else weights
+        k1 = float(self.mission.gains.k1)
+        return gain_inequality(design, held, k1, (low, high), float(f))
 
     @property
     def origin(self) -> Literal["assumed", "proved"]:
@@ -179,8 +171,7 @@ class GainProblem:
     @property
     def weight_diagonal(self) -> list[Fraction]:
         """Diagonal of W, (11,): L = ½ XᵀWX."""
-        w1, w2, w3, w4 = self.weights
-        return [w1] * 3 + [w2] * 3 + [w3] * 3 + [w4] * 2
+        return squares(self.weights)
 
     def decay_rate(self, margin: Fraction) -> Fraction:
         """Return the rate of L, 1/s, that follows from Σ ⪰ margin·W: L' ≤ -rate·L.

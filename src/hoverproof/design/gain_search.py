@@ -75,7 +75,7 @@ class GainSearch:
         k4 = low + (high - low) * part
         return k1, stiff / k1, k3, np.where((low < high) & (part <= 1.0), k4, np.nan)
 
-    def values(self, gains: tuple[Array, ...]) -> Array:
+    def values(self, gains: tuple[Array, ...], floor: float = -math.inf) -> Array:
         """Return the rate to be made large of n sets of gains, 1/s; -inf where there is none.
 
         Parameters
@@ -83,31 +83,38 @@ class GainSearch:
         gains : (4,) of (n,)
             Those of the error chain, in the order and units of the law's design; NaN where there
             are none.
+        floor : float
+            Rates below are only found to be so, 1/s.
         """
         good = np.isfinite(gains[3])
         held = tuple(np.where(good, k, 1.0) for k in gains)
         questions = replace(self.questions, gains=held)
-        rate = 2 * margins(questions) / questions.mass
         if self.objective == "settling":
-            floor = max(self.at_least * (1 + GUARD), LEAST * self.limits.fastest)
-            proved = rate > floor
+            least = max(self.at_least * (1 + GUARD), LEAST * self.limits.fastest)
+            rate = 2 * margins(questions) / questions.mass
+            proved = rate > least
             slowest = np.full(len(good), -np.inf)
             slowest[proved] = slowest_rates(self.command.mission, tuple(k[proved] for k in held))
-            rate = np.where(slowest > 0, slowest, np.minimum(rate - floor, 0.0))
+            rate = np.where(slowest > 0, slowest, np.minimum(rate - least, 0.0))
+        else:
+            rate = 2 * margins(questions, floor * questions.mass / 2) / questions.mass
         return np.where(good & np.isfinite(rate), rate, -np.inf)
 
     def starts(self) -> Array:
-        """Return the best of a Halton sequence of points, best first, (STARTS, size)."""
-        from scipy.stats import qmc  # takes a second to import
+        """Return the best of a Halton sequence of points, best first, (STARTS, size).
 
+        The best of its first points are the floor of all others.
+        """
         top = math.log(self.limits.fastest * self.questions.mass)
-        points = qmc.Halton(self.size, scramble=False).random(SAMPLES + 1)[1:]
+        points = halton(SAMPLES, self.size)
         span = DECADES * math.log(10)
         z = top - span * points
         z[:, 0] += span / 2  # k1 has other units: about the square root of the others
         if self.size == 4:
             z[:, 3] = -3 * points[:, 3]
-        values = self.values(self.gains(z))
+        first = self.values(self.gains(z[: SAMPLES // 8]))
+        rest = self.values(self.gains(z[SAMPLES // 8 :]), np.sort(first)[-STARTS])
+        values = np.concatenate([first, rest])
         best: Array = z[np.argsort(-values, kind="stable")[:STARTS]]
         return best
 
@@ -121,14 +128,13 @@ class GainSearch:
         reach, finest : float
             Half the width of the lattice at first, and at last; dimensionless, as z are logarithms.
         """
-        count = 7 if self.size == 3 else 5
-        line = np.linspace(-1, 1, count)
+        line = np.linspace(-1, 1, 7 if self.size == 3 else 5)
         lattice = np.stack(np.meshgrid(*[line] * self.size, indexing="ij"), -1)
         lattice = lattice.reshape(-1, self.size)
         best, value = start, float(self.values(self.gains(start[None]))[0])
         for _ in range(MOST_ROUNDS if value > -np.inf else 0):
             trial = best + reach * lattice
-            values = self.values(self.gains(trial))
+            values = self.values(self.gains(trial), value)
             k = int(values.argmax())
             better = values[k] > value
             if better:
@@ -144,3 +150,23 @@ class GainSearch:
         found = [self.climb(z, 1.0, COARSE) for z in self.starts()]
         best, _ = max(found, key=lambda one: one[1])
         return self.climb(best, 2 * COARSE, FINEST)
+
+
+def halton(count: int, size: int) -> Array:
+    """Return the first points of Halton's sequence in a cube, (count, size).
+
+    As `scipy.stats.qmc.Halton` does, which takes as long to import as half the search.
+
+    Parameters
+    ----------
+    count : int
+        Number of points.
+    size : int
+        Number of dimensions, up to 4.
+    """
+    columns = []
+    for base in (2, 3, 5, 7)[:size]:
+        powers = base ** np.arange(1, math.ceil(math.log(count + 1, base)) + 1)
+        digits = np.arange(1, count + 1)[:, None] * base // powers % base
+        columns.append((digits / powers).sum(axis=1))
+    return np.stack(columns, axis=1)

@@ -85,7 +85,8 @@ def draft(mission: Mission, found: Found, starts: Sequence[Start], share: float)
         force=float(force),
         bottom=None if height is None else float(mission.height_of_target - height),
     )
-    reach = _reach(region, share)
+    above = mission.height_of_target - hover_goal(mission).position[2]
+    reach = _reach(region, share, None if height is None else above - height)
     claim = {
         "level": level,
         "rate": rate,
@@ -128,19 +129,22 @@ def _inequality(
     return hints, rate, multipliers
 
 
-def _reach(region: Set, share: float) -> dict[str, Fraction]:
+def _reach(region: Set, share: float, room: Fraction | None) -> dict[str, Fraction]:
     """Return how far hovers are claimed to be inside: at the height of the goal, up and down."""
 
     def reach(*directions: tuple[float, float, float]) -> Fraction:
         least = min(
-            reach_along(region.potential, np.array(d), region.weights, region.level, region.bottom)
+            reach_along(region.potential, np.array(d), region.weights, region.level, None)
             for d in directions
         )
         return decimal_below(least * share, 3)
 
+    down = reach((0, 0, 1))
+    if room is not None:  # the barrier is exact: nothing of that needs to be given away
+        down = min(down, decimal_below(room, 3))
     turns = np.linspace(0, 2 * np.pi, 72, endpoint=False)
     around = [(float(np.cos(t)), float(np.sin(t)), 0.0) for t in turns]
-    return {"sideways": reach(*around), "up": reach((0, 0, -1)), "down": reach((0, 0, 1))}
+    return {"sideways": reach(*around), "up": reach((0, 0, -1)), "down": down}
 
 
 def _trees(

@@ -13,7 +13,8 @@ import casadi as ca
 from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant.rigid_body import E3
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.error_chain import Design, Errors, Measurement, errors, measured_rate
+from hoverproof.servo.law import Design, Errors, Measurement, measured_rate
+from hoverproof.servo.laws.hamel_mahony import errors
 from hoverproof.servo.lyapunov import (
     ERROR_SIZE,
     at_origin,

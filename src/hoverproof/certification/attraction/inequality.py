@@ -7,39 +7,28 @@ d²/c² >= 2 (1/b2 + 1/b3), the bound of the term w of the height, and Λ/ℓ at
 
 from __future__ import annotations
 
-import itertools
-import warnings
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
 from hoverproof.certification.attraction.form import derive_form
+from hoverproof.certification.robust import Inequality, Term, margins, optimise, reciprocals
 from hoverproof.mission.sections import Mission
-from hoverproof.servo.error_chain import Design
-from hoverproof.servo.lyapunov import ERROR_SIZE, thrust_factor
-
-if TYPE_CHECKING:
-    import cvxpy as cp
+from hoverproof.servo.law import Design
+from hoverproof.servo.lyapunov import ERROR_SIZE, force_function
 
 Array = NDArray[np.float64]
 LEAST_RATE = 0.1
 """ε that the program asks for; what is proved in the end is what the rounded numbers give."""
+ZERO_AND_UNITS = np.vstack([np.zeros(3), np.eye(3)])
 
 
 @cache
 def _form_function() -> ca.Function:
     return derive_form().function()
-
-
-@cache
-def _factor_function() -> ca.Function:
-    d, thrust = Design.symbols(), ca.SX.sym("T")
-    return ca.Function("factor", [d.vector(), thrust], [thrust_factor(thrust, d)])
 
 
 @dataclass(frozen=True)
@@ -89,8 +78,8 @@ class Loop:
         force : float
             Bound of |T - m g|, N.
         """
-        f = _factor_function()
-        low, high = (float(f(self.design, self.weight + s * force)) for s in (1, -1))
+        ends = (force_function()(self.design, self.weight + s * force) for s in (1, -1))
+        low, high = (float(f) for _, _, f in ends)
         return low, high
 
     def tilt(self, force: float) -> tuple[float, float, float]:
@@ -116,8 +105,10 @@ class Loop:
         singular = self.stiffness * self.q3
         return singular / (self.weight - force - singular)
 
-    def blocks(self, f: float, theta: float) -> list[tuple[Array, Array, Array]]:
-        """Return (terms without Q, u, v) of the potential alone, and of each weight alone.
+    def corner(self, f: float, theta: float, largest: float) -> Inequality:
+        """Return -(m/k1) Λ̇ ⪰ 0 for all Q with eigenvalues in [0, largest], at one end of f.
+
+        It is affine in 1 (which has no part in it), the factor of the potential, and a2, a3, a4.
 
         Parameters
         ----------
@@ -125,14 +116,17 @@ class Loop:
             f(T), 1/m.
         theta : float
             tan(φ/2), dimensionless.
+        largest : float
+            Bound of the eigenvalues of Q, 1/m.
         """
-        read = _form_function()
-        base = [np.array(x) for x in read(self.design, np.zeros(3), f, [theta, 0])]
-        parts = [(base[0], base[1], base[2])]
-        for unit in np.eye(3):
-            S, u, v = (np.array(x) for x in read(self.design, unit, f, [theta, 0]))
-            parts.append((S - base[0], u, v))
-        return parts
+        outputs = _form_function()(self.design, ZERO_AND_UNITS.T, f, [theta, 0])  # four at once
+        S, u, v = (np.array(np.hsplit(np.array(x), 4)) for x in outputs)
+        S[1:] -= S[0]
+        none = np.zeros_like(S[:1]), np.zeros_like(u[:1])
+        S, u = np.concatenate([none[0], S]), np.concatenate([none[1], u])
+        cross = largest / 4 * u.swapaxes(1, 2) @ v[0]
+        S += cross + cross.swapaxes(1, 2)
+        return Inequality(S, (Term(u, v[0], np.array(largest / 2)),))
 
 
 @dataclass(frozen=True)
@@ -152,78 +146,6 @@ class Solution:
     weights: Array
     level: float
     fill: float
-
-
-@dataclass(frozen=True)
-class _Program:
-    """The semidefinite program with parameters for all numbers, so that it is compiled once.
-
-    Attributes
-    ----------
-    problem : Problem
-    b, mu, fill : Variable
-        a/ℓ, 1/ℓ and the largest Λ/ℓ of the hovers.
-    hovers, least_mu, force : Parameter
-        Terms of the hovers; lower bound of μ; bound of 1/b2 + 1/b3.
-    lag : list of Parameter
-        Factors of 1/b2 and 1/b3, and bound of their sum, for a barrier; empty without.
-    ends : list of (5,) Parameter
-        For each end of f and each block: the matrices that μ, b2, b3, b4 and τ multiply.
-    """
-
-    problem: cp.Problem
-    b: cp.Variable
-    mu: cp.Variable
-    fill: cp.Variable
-    hovers: cp.Parameter
-    least_mu: cp.Parameter
-    force: cp.Parameter
-    lag: list[cp.Parameter]
-    ends: list[list[cp.Parameter]]
-
-
-@cache
-def _program(count: int, sizes: tuple[int, ...], barrier: bool) -> _Program:
-    """Pose the program for so many hovers, and blocks of these sizes."""
-    import cvxpy as cp
-
-    b, mu, fill = cp.Variable(3, nonneg=True), cp.Variable(nonneg=True), cp.Variable()
-    hovers, force = cp.Parameter((count, 4)), cp.Parameter(nonneg=True)
-    least_mu = cp.Parameter(nonneg=True)
-    constraints = [
-        cp.sum(cp.inv_pos(b[:2])) <= force,
-        hovers @ cp.hstack([mu, b]) <= fill,
-        mu >= least_mu,
-    ]
-    lag = [cp.Parameter(nonneg=True) for _ in range(3 if barrier else 0)]
-    if barrier:
-        constraints.append(lag[0] * cp.inv_pos(b[1]) + lag[1] * cp.inv_pos(b[2]) <= lag[2])
-    ends = []
-    for _ in range(2):
-        tau = cp.Variable(nonneg=True)
-        for n in sizes:
-            matrices = [cp.Parameter((n, n), symmetric=True) for _ in range(5)]
-            multiplied = zip((mu, b[0], b[1], b[2], tau), matrices, strict=True)
-            constraints.append(sum(x * matrix for x, matrix in multiplied) >> 0)
-            ends.append(matrices)
-    problem = cp.Problem(cp.Minimize(fill), constraints)
-    return _Program(problem, b, mu, fill, hovers, least_mu, force, lag, ends)
-
-
-def _matrices(loop: Loop, f: float, theta: float, largest: float) -> list[Array]:
-    """Return the matrices (14, 14) that μ, b2, b3, b4 and τ multiply in the inequality."""
-    parts = loop.blocks(f, theta)
-    v = parts[0][2]
-    matrices = [np.zeros((ERROR_SIZE + 3, ERROR_SIZE + 3)) for _ in range(5)]
-    matrices[0][:ERROR_SIZE, :ERROR_SIZE] = parts[0][0] - LEAST_RATE * np.eye(ERROR_SIZE)
-    for matrix, (S, u, _) in zip(matrices[1:4], parts[1:], strict=True):
-        cross = u.T @ v
-        matrix[:ERROR_SIZE, :ERROR_SIZE] = S + largest / 4 * (cross + cross.T)
-        matrix[ERROR_SIZE:, :ERROR_SIZE] = np.sqrt(largest / 4) * u
-        matrix[:ERROR_SIZE, ERROR_SIZE:] = np.sqrt(largest / 4) * u.T
-    matrices[4][:ERROR_SIZE, :ERROR_SIZE] = -largest / 4 * v.T @ v
-    matrices[4][ERROR_SIZE:, ERROR_SIZE:] = np.eye(3)
-    return [(matrix + matrix.T) / 2 for matrix in matrices]
 
 
 def solve(
@@ -255,39 +177,25 @@ def solve(
     -------
     Solution, or None if there is none
     """
-    import cvxpy as cp
-
     sine, cosine, theta = loop.tilt(force)
-    ends = [_matrices(loop, f, theta, largest) for f in loop.factor(force)]
-    linked = sum(np.abs(matrix) for end in ends for matrix in end) > 0
-    count, label = connected_components(linked, directed=False)
-    blocks = [np.flatnonzero(label == i) for i in range(count)]
-    program = _program(len(hovers), tuple(map(len, blocks)), omega is not None)
+    asked = LEAST_RATE * np.array([np.zeros((ERROR_SIZE, ERROR_SIZE)), np.eye(ERROR_SIZE)])
+    corners = [loop.corner(f, theta, largest).less(asked) for f in loop.factor(force)]
+    unit = (loop.stiffness / force) ** 2  # of μ, b and the largest Λ/ℓ, so that b is about 1
+    least = [-1 / (most_level * unit), 1, 0, 0, 0, 0]  # of 1, μ, b2, b3, b4 and the largest Λ/ℓ
+    inside = np.column_stack([np.zeros(len(hovers)), -hovers, np.ones(len(hovers))])
+    bounds = [reciprocals(0.5, {2: 1, 3: 1}, 6)]
     if omega is not None:
         left = (omega - loop.q3 * (1 - cosine)) / sine
         if left <= 0:
             return None
         gamma = loop.turn_gain(force)
-        values = (gamma**2, (1 + gamma) ** 2, left**2 / 2)
-        for parameter, value in zip(program.lag, values, strict=True):
-            parameter.value = value
-    program.hovers.value = hovers
-    program.force.value = (force / loop.stiffness) ** 2 / 2
-    program.least_mu.value = 1 / most_level
-    places = itertools.product(ends, blocks)
-    for parameters, (end, block) in zip(program.ends, places, strict=True):
-        for parameter, matrix in zip(parameters, end, strict=True):
-            parameter.value = matrix[np.ix_(block, block)]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # inaccurate numbers cost size, never soundness
-        try:
-            program.problem.solve(solver=cp.CLARABEL)
-        except cp.SolverError:
-            return None
-    mu, b = program.mu.value, program.b.value
-    if b is None or mu is None or not mu > 0 or not (b > 0).all():
+        bounds.append(reciprocals(unit * left**2 / 2, {3: gamma**2, 4: (1 + gamma) ** 2}, 6))
+    rows = np.vstack([least, inside, np.eye(6)[2:5]])
+    found = optimise([0, 0, 0, 0, 1], corners, rows=rows, pencils=bounds)
+    if found is None or not (found.x[:4] > 0).all():
         return None
-    return Solution(np.array(b / mu), float(1 / mu), float(program.fill.value))
+    mu, *b, fill = found.x
+    return Solution(np.array(b) / mu, float(1 / (mu * unit)), float(fill * unit))
 
 
 def rate_and_multiplier(
@@ -307,25 +215,6 @@ def rate_and_multiplier(
     largest : float
         Bound of the eigenvalues of Q, 1/m.
     """
-    from scipy.optimize import minimize_scalar
-
-    parts = loop.blocks(f, theta)
-    S = parts[0][0] + sum(w * p[0] for w, p in zip(weights, parts[1:], strict=True))
-    u = sum(w * p[1] for w, p in zip(weights, parts[1:], strict=True))
-    v = parts[0][2]
-    middle = S + largest / 4 * (u.T @ v + v.T @ u)
-
-    def rate(log_tau: float) -> float:
-        tau = np.exp(log_tau)
-        M = middle - largest / 4 * (tau * v.T @ v + u.T @ u / tau)
-        return float(np.linalg.eigvalsh(M)[0])
-
-    start = np.linspace(-12, 12, 49)
-    best = start[np.argmax([rate(x) for x in start])]
-    found = minimize_scalar(
-        lambda x: -rate(x),
-        bounds=(best - 0.6, best + 0.6),
-        method="bounded",
-        options={"xatol": 1e-9},
-    )
-    return rate(found.x), float(np.exp(found.x))
+    at = loop.corner(f, theta, largest).at([0, 1, *weights])
+    rate, tau = margins(at)
+    return float(rate), float(tau[0])

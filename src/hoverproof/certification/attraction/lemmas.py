@@ -22,7 +22,7 @@ from hoverproof.certification.attraction.form import (
 )
 from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.rigid_body import E3
-from hoverproof.servo.error_chain import errors
+from hoverproof.servo.laws.hamel_mahony import errors
 from hoverproof.servo.lyapunov import thrust_factor
 
 P = ca.diag(ca.SX([1, 1, 0]))

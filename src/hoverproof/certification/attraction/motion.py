@@ -12,7 +12,7 @@ from hoverproof.certification.attraction.form import half_squares
 from hoverproof.certification.attraction.verdict import Proved
 from hoverproof.plant.camera import body_points
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
-from hoverproof.servo.error_chain import errors
+from hoverproof.servo.laws.hamel_mahony import errors
 from hoverproof.servo.loop import LoopNumbers, parameters, sense
 
 Array = NDArray[np.float64]

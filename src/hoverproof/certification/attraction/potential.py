@@ -133,7 +133,12 @@ class Potential:
         span = self._span()
         for rise in (0.0, 0.1):
             places = self._plane_grid(bottom - rise * span)
-            best = max(best, float(eigenvalues(self.points, places)[:, 2].max()))
+            above = (1 / np.linalg.norm(self.points[None] - places[:, None], axis=2)).sum(axis=1)
+            first = eigenvalues(self.points, places[[above.argmax()]])[0, 2]
+            best = max(best, float(first))
+            places = places[above > best]  # no eigenvalue is above Σ 1/rᵢ
+            if len(places):
+                best = max(best, float(eigenvalues(self.points, places)[:, 2].max()))
         return best
 
     def largest_height_part(self, z: float) -> float:

@@ -15,7 +15,8 @@ from hoverproof.certification.attraction.potential import Potential, sphere
 
 Array = NDArray[np.float64]
 Objective = Literal["start", "radius", "volume"]
-EVALUATIONS = 32
+EVALUATIONS = 60
+ENOUGH = {"fatol": 1e-4, "xatol": 0.01}
 LARGEST_RADIUS = 1e4
 """m; nobody flies farther from a target that a camera is to see."""
 
@@ -206,7 +207,7 @@ class Search:
             cost,
             start,
             method="Nelder-Mead",
-            options={"maxfev": EVALUATIONS, "initial_simplex": simplex, "fatol": 1e-3},
+            options={"maxfev": EVALUATIONS, "initial_simplex": simplex, **ENOUGH},
         )
         found = self.solve(result.x, hovers)
         if found is None:
@@ -228,7 +229,7 @@ def find(search: Search, objective: Objective, starts: Array) -> Found | None:
         Terms of the wanted starts; see `Potential.hover_terms`.
     """
     if objective == "start":
-        return search.best(starts, lambda b, s: s.fill)
+        return search.best(starts, lambda b, s: float(np.log(max(s.fill, 1e-300))))
     p = search.potential
     grid = HoverGrid.of(p)
 

@@ -1,0 +1,399 @@
+"""The one robust inequality, S + Σ sym(uᵀHv) ≻ 0 for every H with |H| <= r, in floating point.
+
+Each term of the sum has an H of its own, and sym A = (A + Aᵀ)/2. Petersen's step: the inequality
+holds if some τ > 0, one a term, give
+
+    M(τ) = S - Σ (r/2)(τ vᵀv + uᵀu/τ) ≻ 0,
+
+and with a single term only if. A matrix Q in a ball about jI is H = Q - jI, its middle being part
+of S; whether Q is symmetric makes no difference.
+
+`margins` asks how far M can be from singular, for many inequalities at once. `optimise` asks which
+parameters are best, where S and u are affine in them. What the numbers are worth is decided
+elsewhere, exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+RELATIVE = 1e-9
+ROUNDING = 1e-15
+MOST_STEPS = 80
+MOST_TAU = 1e15
+REACH = 1.3
+TOLERANCE = 1e-11
+
+
+class Term(NamedTuple):
+    """One uncertain term, sym(uᵀHv) for every H with |H| <= radius.
+
+    Attributes
+    ----------
+    u, v : (..., m, n)
+        Matrices of the bilinear form.
+    radius : (...)
+        r; its unit is that of S over that of uᵀv.
+    """
+
+    u: Array
+    v: Array
+    radius: Array
+
+
+@dataclass(frozen=True)
+class Inequality:
+    """S + Σ sym(uᵀHv) ≻ 0: one, or k of them, or one that is affine in parameters.
+
+    Attributes
+    ----------
+    S : (..., n, n)
+        Symmetric. Its first axis counts inequalities, or what 1 and each parameter multiply.
+    terms : tuple of Term
+        Their u have that axis too; v and radius have it, if at all, where it counts inequalities.
+    """
+
+    S: Array
+    terms: tuple[Term, ...]
+
+    def at(self, x: Sequence[float] | Array) -> Inequality:
+        """Put in parameters.
+
+        Parameters
+        ----------
+        x : (k,)
+            What S[0], S[1], … are multiplied by.
+        """
+        terms = (t._replace(u=np.tensordot(x, t.u, 1)) for t in self.terms)
+        return Inequality(np.tensordot(x, self.S, 1), tuple(terms))
+
+    def scaled(self, weights: Array) -> Inequality:
+        """Return the inequality in √w X, so that a margin of it is one in units of w.
+
+        Parameters
+        ----------
+        weights : (n,)
+            Positive.
+        """
+        root = np.sqrt(weights)
+        terms = (Term(t.u / root, t.v / root, t.radius) for t in self.terms)
+        return Inequality(self.S / np.outer(root, root), tuple(terms))
+
+    def less(self, matrices: Array) -> Inequality:
+        """Take matrices from what 1 and the parameters multiply, new parameters among them.
+
+        Parameters
+        ----------
+        matrices : (j, n, n)
+        """
+        size = max(len(self.S), len(matrices))
+        terms = (t._replace(u=_lengthened(t.u, size)) for t in self.terms)
+        return Inequality(_lengthened(self.S, size) - _lengthened(matrices, size), tuple(terms))
+
+    def bound(self, tau: Array | Sequence[float]) -> Array:
+        """Return M(τ), (..., n, n).
+
+        Parameters
+        ----------
+        tau : (..., number of terms)
+            Positive.
+        """
+        parts = self.parts()
+        each = np.moveaxis(np.asarray(tau, float), -1, 0)[..., None, None]
+        return np.asarray(parts[0] + (each * parts[1::2] + parts[2::2] / each).sum(axis=0))
+
+    def parts(self) -> Array:
+        """Return S, and -(r/2) vᵀv and -(r/2) uᵀu of each term, (1 + 2 terms, ..., n, n)."""
+        parts = [self.S]
+        for u, v, radius in self.terms:
+            half = -np.asarray(radius)[..., None, None] / 2
+            parts += [half * (x.swapaxes(-1, -2) @ x) for x in (v, u)]
+        return np.array(np.broadcast_arrays(*parts))
+
+
+def _lengthened(array: Array, size: int) -> Array:
+    return np.concatenate([array, np.zeros((size - len(array), *array.shape[1:]))])
+
+
+def margins(inequality: Inequality, floor: float = -np.inf) -> tuple[Array, Array]:
+    """Return the largest least eigenvalue of M(τ) over τ, and where it is, (..., terms).
+
+    It is a lower bound of the least eigenvalue of S + Σ sym(uᵀHv) over all H, and with a single
+    term it is that.
+
+    Parameters
+    ----------
+    inequality : Inequality
+        One, or k of them if it has a single term.
+    floor : float
+        Of margins that are surely below, no more than that is found out; in the unit of S.
+
+    Raises
+    ------
+    LinAlgError
+        If the numbers are not finite, or the solver finds no multipliers.
+    """
+    if len(inequality.terms) == 1:
+        parts = inequality.parts()
+        values, tau = _climbed(parts.reshape(3, -1, *parts.shape[-2:]), floor)
+        lead = inequality.S.shape[:-2]
+        return values.reshape(lead), tau.reshape(*lead, 1)
+    S, terms = inequality.S[None], tuple(t._replace(u=t.u[None]) for t in inequality.terms)
+    by_margin = np.stack([np.zeros_like(S[0]), np.eye(len(S[0]))])
+    solution = optimise([-1.0], [Inequality(S, terms).less(by_margin)])
+    if solution is None:
+        raise np.linalg.LinAlgError("the solver found no multipliers")
+    found = np.maximum(solution.multipliers[0], np.finfo(float).tiny)
+    return np.linalg.eigvalsh(inequality.bound(found))[0], found
+
+
+def _climbed(parts: Array, floor: float) -> tuple[Array, Array]:
+    """Maximise over a single τ: the margin is the least of concave functions of it, one a block.
+
+    Two points with slopes of either sign enclose the maximum. The next is, in turns, where tangents
+    at these come down to each other, which is right where blocks meet, or where the slope between
+    them vanishes, which is right where it is smooth. Besides, no margin is above
+    XᵀSX - r|uX||vX| for any unit vector X, so each point brings a bound from above too.
+    """
+    size = np.abs(parts[0]).max(axis=(1, 2))
+    blocks = [np.ascontiguousarray(parts[:, :, i][..., i]) for i in _blocks(parts)]
+    blocks = [b for i, b in enumerate(blocks) if not any(np.array_equal(b, a) for a in blocks[:i])]
+    v, u = np.trace(parts[1:], axis1=2, axis2=3)
+    with np.errstate(all="ignore"):
+        tau = np.sqrt(u / v)
+    tau[~np.isfinite(tau) | (tau == 0)] = 1.0
+    tangents, above = _tangents(blocks, tau)
+    low = high = np.array([tau, *tangents])
+    index, reach = np.arange(len(tau)), REACH
+    result = np.empty((2, len(tau)))
+    for step in range(MOST_STEPS + 1):
+        (best, rise), (other, fall) = _lowest(low), _lowest(high)
+        enclosed = (rise > 0) & (fall < 0)
+        meet, peak = _crossing(low, high)
+        above = np.where(enclosed, np.minimum(above, peak), above)
+        at, best = np.where(best > other, low[0], high[0]), np.maximum(best, other)
+        done = above - best <= RELATIVE * np.abs(best) + ROUNDING * size
+        done |= (above < floor) | (rise == 0) | (fall == 0) | (step == MOST_STEPS)
+        done |= (low[0] > MOST_TAU) | (high[0] < 1 / MOST_TAU)
+        result[:, index[done]] = best[done], at[done]
+        if done.all():
+            break
+        reach = min(reach**1.5, 1e4)
+        with np.errstate(all="ignore"):  # for a fixed X the slope is linear in 1/τ²
+            flat = np.sqrt((rise - fall) / (rise / high[0] ** 2 - fall / low[0] ** 2))
+        tau = np.clip(flat if step % 2 else meet, low[0], high[0])
+        tau = np.where(enclosed, tau, np.where(rise > 0, low[0] * reach, high[0] / reach))[~done]
+        index, size, above, low, high, *blocks = (
+            x[..., ~done] if x.ndim < 3 else x[:, ~done]
+            for x in (index, size, above, low, high, *blocks)
+        )
+        tangents, new = _tangents(blocks, tau)
+        above, point = np.minimum(above, new), np.array([tau, *tangents])
+        rising = _lowest(point)[1] >= 0
+        low, high = np.where(rising, point, low), np.where(rising, high, point)
+    return result[0], result[1]
+
+
+def _tangents(blocks: list[Array], tau: Array) -> tuple[Array, Array]:
+    """Return least eigenvalues and slopes of all blocks, (2 blocks, k), and bounds from above."""
+    values, v, u = np.empty((3, len(blocks), len(tau)))
+    for i, (S, for_v, for_u) in enumerate(blocks):
+        each = tau[:, None, None]
+        found, vectors = np.linalg.eigh(S + each * for_v + for_u / each)
+        x = vectors[:, :, :1]
+        values[i] = found[:, 0]
+        v[i], u[i] = (-(x * (m @ x)).sum(axis=(1, 2)) for m in (for_v, for_u))
+    v, u = np.maximum(v, 0), np.maximum(u, 0)  # (r/2)|vX|² and (r/2)|uX|²
+    above = (values + (np.sqrt(tau * v) - np.sqrt(u / tau)) ** 2).min(axis=0)
+    return np.concatenate([values, u / tau**2 - v]), above
+
+
+def _lowest(point: Array) -> tuple[Array, Array]:
+    """Return the least of the values at τ, and the slope there, (k,) each."""
+    half = len(point) // 2 + 1
+    lowest, each = point[1:half].argmin(axis=0), np.arange(point.shape[1])
+    return point[1 + lowest, each], point[half + lowest, each]
+
+
+def _crossing(low: Array, high: Array) -> tuple[Array, Array]:
+    """Return where the least of all tangents is highest, and how high, (k,) each.
+
+    That is the lowest crossing of one that rises with one that falls.
+    """
+    ends = [(p[0], *np.split(p[1:], 2)) for p in (low, high)]
+    slopes = np.concatenate([slope for _, _, slope in ends])
+    starts = np.concatenate([value - slope * tau for tau, value, slope in ends])
+    with np.errstate(all="ignore"):
+        at = (starts[None] - starts[:, None]) / (slopes[:, None] - slopes[None])
+        turns = (slopes[:, None] > 0) & (slopes[None] <= 0)
+        height = np.where(turns, starts[:, None] + slopes[:, None] * at, np.inf)
+    at, height = (x.reshape(-1, len(low[0])) for x in (at, height))
+    lowest = height.argmin(axis=0), np.arange(len(low[0]))
+    return at[lowest], height[lowest]
+
+
+def _blocks(matrices: Array) -> list[NDArray[np.intp]]:
+    """Return the sets of coordinates between which no matrix has an entry."""
+    linked = (matrices != 0).any(axis=tuple(range(matrices.ndim - 2)))
+    linked |= np.eye(len(linked), dtype=bool)
+    for _ in range(len(linked).bit_length()):
+        linked = linked @ linked
+    return [np.flatnonzero(row) for row in np.unique(linked, axis=0)]
+
+
+def worst_case(inequality: Inequality, tau: float) -> tuple[Array, Array]:
+    """Return the worst case found: a vector X, (n,), and the axis w, (m,), of the extremal H.
+
+    H = r(I - 2wwᵀ/wᵀw) mirrors v X into the direction opposite to u X, so that the inequality's
+    form comes down to XᵀSX - r|uX||vX|.
+
+    At the best τ some X in the lowest eigenspace of M has |u| = τ|v|; if that space has several
+    dimensions, X is mixed from the two directions in which |u|² - τ²|v|² has opposite signs.
+
+    Parameters
+    ----------
+    inequality : Inequality
+        One, of a single term.
+    tau : float
+        The best τ, a scalar.
+    """
+    ((u, v, radius),) = inequality.terms
+    values, vectors = np.linalg.eigh(inequality.bound([tau]))
+    scale = np.abs(values).max()
+
+    def mixed(tolerance: float) -> Array:
+        space = vectors[:, values <= values[0] + tolerance * scale]
+        U, V = u @ space, v @ space
+        balance, mix = np.linalg.eigh(U.T @ U - tau**2 * V.T @ V)
+        low, high = balance[0], balance[-1]
+        if not low < 0 < high:
+            return np.asarray(space @ mix[:, np.argmin(np.abs(balance))])
+        share = np.arctan(np.sqrt(-low / high))
+        return np.asarray(space @ (np.cos(share) * mix[:, 0] + np.sin(share) * mix[:, -1]))
+
+    def quotient(x: Array) -> float:
+        lost = radius * np.linalg.norm(u @ x) * np.linalg.norm(v @ x)
+        return float((x @ inequality.S @ x - lost) / (x @ x))
+
+    x = min((mixed(tolerance) for tolerance in (0.0, 1e-9, 1e-6, 1e-4)), key=quotient)
+    tiny = np.finfo(float).tiny
+    axes = [y / max(float(np.linalg.norm(y)), tiny) for y in (u @ x, v @ x)]
+    return x, axes[0] + axes[1]
+
+
+class Solution(NamedTuple):
+    """What the solver found.
+
+    Attributes
+    ----------
+    x : (k,)
+        Parameters.
+    multipliers : list of (m,) each
+        Of the m terms of each corner.
+    """
+
+    x: Array
+    multipliers: list[Array]
+
+
+def optimise(
+    cost: Sequence[float],
+    corners: Sequence[Inequality],
+    *,
+    rows: Array | None = None,
+    pencils: Sequence[Array] = (),
+) -> Solution | None:
+    """Minimise a linear function of parameters for which M(τ) ⪰ 0 at every corner, for some τ.
+
+    Parameters
+    ----------
+    cost : (k,)
+        What the parameters x are multiplied by.
+    corners : sequence of Inequality
+        Affine in (1, x); where there is nothing for the last of these, it may be left out.
+    rows : (j, 1 + k), optional
+        Each times (1, x) is to be 0 or more.
+    pencils : sequence of (1 + k, p, p)
+        Each times (1, x) is to be positive semidefinite.
+
+    Returns
+    -------
+    Solution, or None if the solver finds none
+    """
+    places = np.cumsum([1 + len(cost), *(len(c.terms) for c in corners)])
+    size = int(places[-1])
+    matrices = [_pencil(c, int(p), size) for c, p in zip(corners, places[:-1], strict=True)]
+    matrices += [_lengthened(p, size) for p in pencils]
+    linear = np.zeros((size, 0)) if rows is None else _lengthened(np.transpose(rows), size)
+    x = _solved(_lengthened(np.array(cost, float), size - 1), linear, matrices)
+    return None if x is None else Solution(x[: len(cost)], np.split(x, places - 1)[1:-1])
+
+
+def _pencil(corner: Inequality, place: int, size: int) -> Array:
+    """Return M(τ) ⪰ 0, each uᵀu/τ a Schur complement, as what (1, x, all τ) multiply.
+
+    The first multiplier of the corner is at that place among so many.
+    """
+    k, n = corner.S.shape[:2]
+    result = np.zeros((size, *[n + sum(t.u.shape[1] for t in corner.terms)] * 2))
+    result[:k, :n, :n] = corner.S
+    end = n
+    for j, (u, v, radius) in enumerate(corner.terms, place):
+        rows, end = slice(end, end + u.shape[1]), end + u.shape[1]
+        result[:k, rows, :n] = np.sqrt(radius / 2) * u
+        result[:k, :n, rows] = result[:k, rows, :n].swapaxes(1, 2)
+        result[j, :n, :n] = -radius / 2 * v.T @ v
+        result[j, rows, rows] = np.eye(u.shape[1])
+    return result
+
+
+def reciprocals(most: float, factors: Mapping[int, float], size: int) -> Array:
+    """Return Σ pᵢ/xᵢ <= most as a pencil, (size, p, p), of (1, x); all these xᵢ are then positive.
+
+    Parameters
+    ----------
+    most : float
+        A positive scalar.
+    factors : mapping
+        From the place among (1, x) to pᵢ, positive.
+    size : int
+        Number of (1, x).
+    """
+    pencil = np.zeros((size, len(factors) + 1, len(factors) + 1))
+    pencil[0, 0, 0] = 1
+    for i, (place, factor) in enumerate(factors.items(), 1):
+        pencil[0, 0, i] = pencil[0, i, 0] = np.sqrt(factor / most)
+        pencil[place, i, i] = 1
+    return pencil
+
+
+def _solved(cost: Array, rows: Array, pencils: Sequence[Array]) -> Array | None:
+    """Minimise cost·x with rows and pencils times (1, x) positive and positive semidefinite."""
+    import clarabel
+    import scipy.linalg  # noqa: F401  clarabel loads it, and takes Ctrl-C for a fault of its own
+    from scipy.sparse import csc_array
+
+    triangles, cones = [rows.T], [clarabel.NonnegativeConeT(rows.shape[1])]
+    for pencil in pencils:
+        for block in (pencil[:, i][..., i] for i in _blocks(pencil)):
+            columns, lines = np.tril_indices(block.shape[1])
+            scale = np.where(lines == columns, 1.0, np.sqrt(2))
+            triangles.append((block[:, lines, columns] * scale).T)
+            cones.append(clarabel.PSDTriangleConeT(block.shape[1]))
+    stacked = np.concatenate(triangles)
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
+    none, matrix = csc_array((len(cost), len(cost))), csc_array(-stacked[:, 1:])
+    solver = clarabel.DefaultSolver(none, cost, matrix, stacked[:, 0], cones, settings)
+    solution = solver.solve()
+    if str(solution.status) not in ("Solved", "AlmostSolved"):
+        return None
+    return np.array(solution.x)
