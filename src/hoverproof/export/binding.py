@@ -111,8 +111,7 @@ class Firmware:
         thrust : float, optional
             N.
         """
-        design = self._structs["design"].in_dll(self._library, f"{self.name}_design")
-        hover = design.mass * design.gravity
+        hover = self._design.mass * self._design.gravity
         return self._call("reset", self._params, self._state, hover if thrust is None else thrust)
 
     def set_rotor_limits(self, lowest: float, highest: float) -> int:
@@ -132,8 +131,16 @@ class Firmware:
         ----------
         gains : sequence of float
             In the order and units of the header, (5,) for the paper's law.
+
+        Raises
+        ------
+        ValueError
+            If they are more or fewer.
         """
-        return self._call("set_gains", self._params, (self._real * 5)(*gains))
+        count = len(self._design.gains)
+        if len(gains) != count:
+            raise ValueError(f"{self.name} has {count} gains, not {len(gains)}")
+        return self._call("set_gains", self._params, (self._real * count)(*gains))
 
     def selftest(self) -> int:
         """Return 0 if every built-in vector holds bit for bit, else the first that does not."""
@@ -196,6 +203,10 @@ class Firmware:
             "status": bits[:taken],
             "any_status": int(bits[-1]),
         }
+
+    @property
+    def _design(self) -> Any:
+        return self._structs["design"].in_dll(self._library, f"{self.name}_design")
 
     def _new(self, kind: str) -> Any:
         return self._structs[kind]()
