@@ -73,14 +73,6 @@ def test_words_that_were_kept_are_those_that_were_derived(kept, args):
     assert anew(kept, *args) == anew(kept, *args) == kept.__wrapped__(*args)
 
 
-def test_the_polynomials_of_sigma_that_were_kept_are_those_that_were_derived():
-    problem._sigma_polynomials.cache_clear()
-    made = problem._sigma_polynomials()
-    problem._sigma_polynomials.cache_clear()
-    problem._sigma_terms.cache_clear()
-    assert problem._sigma_polynomials() == made
-
-
 def test_a_thing_is_derived_once_for_each_argument(count):
     twice, calls = count
     for word in ("a", "b", "a"):
