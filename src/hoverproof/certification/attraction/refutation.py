@@ -35,8 +35,15 @@ SOON = 30.0
 """s; within that a motion sinks, or nobody could follow it rigorously."""
 LATE = 5000.0
 """s; a simulation that has not ended by then goes on."""
+EVALUATIONS = 20_000
+"""A simulation goes on if it is not over after so many evaluations of the rate: ten times what a
+flight that a person would fly takes, but a loop with a very fast motion takes any number."""
 PASSED = 1e-3
 """m; a motion is followed until it is so far below the target, where rounding does not matter."""
+
+
+class _Endless(Exception):
+    """A simulation that is not over after as many evaluations as it may take, and when, s."""
 
 
 def worst_states(mission: Mission, start: Start) -> Iterator[State]:
@@ -88,7 +95,7 @@ def simulate(mission: Mission, start: Array, most: float) -> tuple[Ending, float
     start : (19,)
         Packed state of the vehicle; see `RigidBodyState`.
     most : float
-        s; when to give up.
+        s; when to give up. A loop with a very fast motion is given up sooner: see `EVALUATIONS`.
     """
     from scipy.integrate import solve_ivp
 
@@ -110,15 +117,25 @@ def simulate(mission: Mission, start: Array, most: float) -> tuple[Ending, float
 
     for event in (below, away, margin):
         event.terminal = True  # type: ignore[attr-defined]
-    flown = solve_ivp(
-        lambda t, x: np.array(read(x, design, points))[:, 0],
-        (0.0, most),
-        start,
-        method="LSODA",
-        rtol=1e-10,
-        atol=1e-12,
-        events=[below, away, margin],
-    )
+    left = itertools.repeat(None, EVALUATIONS)
+
+    def rate(t: float, x: Array) -> Array:
+        for _ in left:
+            return np.array(read(x, design, points))[:, 0]
+        raise _Endless(t)
+
+    try:
+        flown = solve_ivp(
+            rate,
+            (0.0, most),
+            start,
+            method="LSODA",
+            rtol=1e-10,
+            atol=1e-12,
+            events=[below, away, margin],
+        )
+    except _Endless as endless:
+        return "goes on", float(endless.args[0])
     ending: Ending = "goes on" if flown.status == 0 else "breaks off"
     if len(flown.t_events[0]):
         ending = "sinks to the target"
