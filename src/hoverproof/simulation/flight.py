@@ -17,6 +17,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from hoverproof.algebra.graph import fingerprint
+from hoverproof.errors import InputError
 from hoverproof.files import write_bytes
 from hoverproof.mission.sections import CONDITIONS, Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
@@ -35,8 +36,8 @@ from hoverproof.simulation.flight_log import ending, ending_words, is_noted, set
 from hoverproof.simulation.numbers import euler_angles, settled_index
 from hoverproof.simulation.plan import Plan, check_seed, is_ideal
 from hoverproof.simulation.realistic import LAYOUT, place
+from hoverproof.simulation.timing import check_patience, flight_step, steps_and_interval
 from hoverproof.simulation.timing import default_duration as default_duration
-from hoverproof.simulation.timing import flight_step, steps_and_interval
 from hoverproof.spread import interruptibly
 from hoverproof.version import __version__
 
@@ -93,6 +94,7 @@ def simulate(
         return _fly_as_built(plan, compiler, finer)
     numbers = LoopNumbers.of(mission)
     machine = runner(numbers.points.shape[1], compiler=compiler)
+    check_patience(steps, step, machine.name)
     begin = time.perf_counter()
     states, good = _run(machine, numbers, step, steps // every, every)
     seconds = time.perf_counter() - begin
@@ -177,7 +179,8 @@ def without_conditions(mission: Mission, flight: xr.Dataset) -> dict[str, Any]:
     Returns
     -------
     dict
-        Distances in m, times in s; empty if the mission adds nothing to the model.
+        Distances in m, times in s; empty if the mission adds nothing to the model, or if that
+        other flight would take more steps than are flown.
     """
     if is_ideal(mission):
         return {}
@@ -185,12 +188,16 @@ def without_conditions(mission: Mission, flight: xr.Dataset) -> dict[str, Any]:
     if len(times) < 2:
         return {}
     bare = mission.model_copy(update={name: type(getattr(mission, name))() for name in CONDITIONS})
-    every = round(float(times[1]) / step)
-    ideal = simulate(bare, duration=float(times[-1]), step=step, every=every)
+    finer = max(1, math.ceil(step / flight_step(bare, None)))  # what holds its output may be slower
+    every = finer * round(float(times[1]) / step)
+    try:
+        ideal = simulate(bare, duration=float(times[-1]), step=step / finer, every=every)
+    except InputError:  # it would take too many steps
+        return {}
     positions, times_of_ideal = ideal["position"].values, ideal["time"].values
     if len(times) == len(positions) + 1 and ideal.attrs["outcome"] == "flown":  # cut short
-        whole = round(float(times[-1]) / step)
-        end = simulate(bare, duration=float(times[-1]), step=step, every=whole)
+        whole = finer * round(float(times[-1]) / step)
+        end = simulate(bare, duration=float(times[-1]), step=step / finer, every=whole)
         positions = np.vstack([positions, end["position"].values[-1:]])
         times_of_ideal = np.append(times_of_ideal, end["time"].values[-1])
     both = min(len(times), len(positions))
@@ -237,6 +244,7 @@ def _fly_as_built(plan: Plan, compiler: str | None, finer: int | None) -> xr.Dat
     """
     mission = plan.mission
     machine = kernel.machine(plan.loop, plan.schedule, compiler)  # compiled before it is timed
+    check_patience(plan.samples * plan.every, plan.step, machine)
 
     def fly_all(plan: Plan) -> tuple[Array, Array, int]:
         stop = kernel.Stop()
