@@ -177,3 +177,18 @@ def progress(title: str) -> Iterator[Callable[..., None]]:
     with Progress(*columns, Remaining(), console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=None, note="")
         yield lambda done, total, note="": bar.update(task, completed=done, total=total, note=note)
+
+
+@contextlib.contextmanager
+def at_work() -> Iterator[Callable[[str], None]]:
+    """Give a function (text) that says on stderr what is being done; to a person, since when."""
+    if not sys.stderr.isatty():
+        yield lambda text: print(f"{text} ...", file=sys.stderr)
+        return
+    from rich.console import Console
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=None)
+        yield lambda text: bar.update(task, description=f"{text} ...")
