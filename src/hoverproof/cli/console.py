@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from hoverproof.mission.sections import Mission
+    from hoverproof.plausibility import Finding
 
 
 def shown_default(value: Any) -> str | None:
@@ -159,7 +160,12 @@ def warn(mission: Mission, known: Mission | None = None) -> None:
     told = [] if known is None else [finding.name for finding in warnings(known)]
     for finding in warnings(mission):
         if finding.name not in told:
-            print(f"hoverproof: warning: {mission.source}: {finding}", file=sys.stderr)
+            warn_of(mission, finding)
+
+
+def warn_of(mission: Mission, finding: Finding) -> None:
+    """Say one thing on stderr that is strange about a mission."""
+    print(f"hoverproof: warning: {mission.source}: {finding}", file=sys.stderr)
 
 
 @contextlib.contextmanager
