@@ -46,11 +46,9 @@ def test_random_missions_go_through_every_command_and_meet_every_verdict(tally):
         assert {s for c, s in tally.status if c == command} >= {0, 1, 2}, command
     for command in ("tune", "simulate", "runs"):
         assert {s for c, s in tally.status if c == command} >= {0, 2}, command
-    starts = {
-        s for c, s in tally.status if c == "attraction"
-    }  # few are asked about: they cost most
-    assert 2 in starts
-    assert starts & {0, 1, 3}
+    starts = {s for c, s in tally.status if c == "attraction"}
+    assert starts >= {0, 2}
+    assert starts & {1, 3}  # few are asked about, since they cost most
 
 
 def test_a_random_mission_is_made_again_by_its_number():
