@@ -169,7 +169,7 @@ def check_patience(steps: int, step: float, machine: str) -> None:
     Parameters
     ----------
     steps : int
-        How many the flight has.
+        Number of steps that the flight has.
     step : float
         s.
     machine : str
