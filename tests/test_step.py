@@ -120,7 +120,7 @@ def test_a_held_controller_is_compared_with_a_loop_that_is_too_fast_for_its_step
 
 
 def test_a_flight_is_written_though_the_one_it_is_compared_with_is_beyond_reason(tmp_path, capsys):
-    out, sets = tmp_path / "f.nc", ("gains.k4=1e9", "sensors.control_rate=100")
+    out, sets = tmp_path / "f.nc", ("gains.k_yaw=1e6", "sensors.control_rate=100")
     words = ["simulate", "crazyflie-2.1", *(w for s in sets for w in ("--set", s)), "--no-figures"]
     with pytest.raises(SystemExit) as end:
         cli.main([*words, "--duration", "1", "--out", str(out)])

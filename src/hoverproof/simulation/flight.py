@@ -17,7 +17,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from hoverproof.algebra.graph import fingerprint
-from hoverproof.errors import InputError
 from hoverproof.files import write_bytes
 from hoverproof.mission.sections import CONDITIONS, Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
@@ -36,7 +35,12 @@ from hoverproof.simulation.flight_log import ending, ending_words, is_noted, set
 from hoverproof.simulation.numbers import euler_angles, settled_index
 from hoverproof.simulation.plan import Plan, check_seed, is_ideal
 from hoverproof.simulation.realistic import LAYOUT, place
-from hoverproof.simulation.timing import check_patience, flight_step, steps_and_interval
+from hoverproof.simulation.timing import (
+    MAX_SLOW_STEPS,
+    check_patience,
+    flight_step,
+    steps_and_interval,
+)
 from hoverproof.simulation.timing import default_duration as default_duration
 from hoverproof.spread import interruptibly
 from hoverproof.version import __version__
@@ -180,7 +184,7 @@ def without_conditions(mission: Mission, flight: xr.Dataset) -> dict[str, Any]:
     -------
     dict
         Distances in m, times in s; empty if the mission adds nothing to the model, or if that
-        other flight would take more steps than are flown.
+        other flight needs far shorter steps and would take too many.
     """
     if is_ideal(mission):
         return {}
@@ -189,11 +193,10 @@ def without_conditions(mission: Mission, flight: xr.Dataset) -> dict[str, Any]:
         return {}
     bare = mission.model_copy(update={name: type(getattr(mission, name))() for name in CONDITIONS})
     finer = max(1, math.ceil(step / flight_step(bare, None)))  # what holds its output may be slower
-    every = finer * round(float(times[1]) / step)
-    try:
-        ideal = simulate(bare, duration=float(times[-1]), step=step / finer, every=every)
-    except InputError:  # it would take too many steps
+    if finer > 1 and finer * float(flight.attrs["steps"]) > MAX_SLOW_STEPS:
         return {}
+    every = finer * round(float(times[1]) / step)
+    ideal = simulate(bare, duration=float(times[-1]), step=step / finer, every=every)
     positions, times_of_ideal = ideal["position"].values, ideal["time"].values
     if len(times) == len(positions) + 1 and ideal.attrs["outcome"] == "flown":  # cut short
         whole = finer * round(float(times[-1]) / step)
