@@ -8,6 +8,7 @@ import re
 import runpy
 import subprocess
 import sys
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -441,6 +442,21 @@ def test_a_motion_that_takes_too_many_steps_to_follow_is_given_up(tmp_path, monk
     ending, time = refutation.simulate(mission, State.of(mission).packed(), refutation.LATE)
     assert ending == "goes on"
     assert 0 < time < 10
+
+
+def test_the_states_of_a_set_are_not_all_followed_where_one_is_given_up(tmp_path, monkeypatch):
+    (tmp_path / "m.toml").write_bytes(case(997).text)
+    mission = load(str(tmp_path / "m.toml"))
+    followed = []
+    simulate = refutation.simulate
+    monkeypatch.setattr(refutation, "EVALUATIONS", 2000)
+    monkeypatch.setattr(refutation, "simulate", lambda *a: followed.append(a[2]) or simulate(*a))
+    start = Start.hover(*(F(c) for c in mission.start.position))
+    box = replace(start, position=((F(1), F(2)), *start.position[1:]), tilt=F(1, 10))
+    assert len(list(refutation.worst_states(mission, box))) > 10
+    verdict = refutation.refute(mission, [box], Undecided("", mission))
+    assert verdict.status == "undecided"
+    assert followed == [refutation.SOON, refutation.LATE]
 
 
 def test_a_flight_that_a_person_would_fly_is_followed_to_its_end(monkeypatch):
