@@ -290,9 +290,10 @@ def nearly_singular(rng: random.Random, content: Content) -> None:
     """Let the lowest thrust come just above, or just below, the singularity c q3*."""
     v, g = content["vehicle"], content["gains"]
     share = rng.choice((1 - 1e-9, 1 - 1e-3, 1 + 1e-9, 0.999999, 2))
-    g["k2"] = (
-        v["mass"] ** 2 * v["gravity"] * share / (g["k1"] ** 2 * len(content["target"]["points"]))
-    )
+    reach = float(v["mass"]) / float(g["k1"])
+    k2 = reach * reach * float(v["gravity"]) * share / len(content["target"]["points"])
+    if 0 < k2 < math.inf:  # another absurdity may have left no such number
+        g["k2"] = k2
 
 
 def thrust_of_hover_alone(rng: random.Random, content: Content) -> None:

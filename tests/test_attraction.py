@@ -8,6 +8,7 @@ import re
 import runpy
 import subprocess
 import sys
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -19,17 +20,20 @@ from hoverproof import checker, cli
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.identity import prove_equal
+from hoverproof.certification.attraction import refutation
 from hoverproof.certification.attraction.form import derive_form
 from hoverproof.certification.attraction.lemmas import LEMMAS
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.proof import attraction, estimate
 from hoverproof.certification.attraction.search import HoverGrid
-from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.attraction.starts import Start, State
 from hoverproof.certification.attraction.verdict import Proved, Undecided
 from hoverproof.errors import InputError
+from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
 from hoverproof.servo.law import Design
 from hoverproof.servo.loop import slowest_rate
+from random_missions import case
 
 F = Fraction
 ROOT = Path(__file__).parents[1]
@@ -425,3 +429,36 @@ def test_the_trade_off_is_drawn_at_the_speed_and_the_reach_of_each_region():
     stars = [line for line in drawn_stars if len(line.get_xdata())]
     assert {float(star.get_xdata()[0]) for star in stars} == {speeds[1]}
     assert sorted(float(star.get_ydata()[0]) for star in stars) == [1, 2, 9]
+
+
+def test_a_motion_that_takes_too_many_steps_to_follow_is_given_up(tmp_path, monkeypatch):
+    (tmp_path / "m.toml").write_bytes(case(997).text)  # it shakes just above the singularity
+    mission = load(str(tmp_path / "m.toml"))
+    monkeypatch.setattr(refutation, "EVALUATIONS", 2000)
+    ending, time = refutation.simulate(mission, State.of(mission).packed(), refutation.LATE)
+    assert ending == "goes on"
+    assert 0 < time < 10
+
+
+def test_the_states_of_a_set_are_not_all_followed_where_one_is_given_up(tmp_path, monkeypatch):
+    (tmp_path / "m.toml").write_bytes(case(997).text)
+    mission = load(str(tmp_path / "m.toml"))
+    followed = []
+    simulate = refutation.simulate
+    monkeypatch.setattr(refutation, "EVALUATIONS", 2000)
+    monkeypatch.setattr(refutation, "simulate", lambda *a: followed.append(a[2]) or simulate(*a))
+    start = Start.hover(*(F(c) for c in mission.start.position))
+    box = replace(start, position=((F(1), F(2)), *start.position[1:]), tilt=F(1, 10))
+    assert len(list(refutation.worst_states(mission, box))) > 10
+    verdict = refutation.refute(mission, [box], Undecided("", mission))
+    assert verdict.status == "undecided"
+    assert followed == [refutation.SOON, refutation.LATE]
+
+
+def test_a_flight_that_a_person_would_fly_is_followed_to_its_end(monkeypatch):
+    for preset in presets():
+        mission = load(preset)
+        monkeypatch.setattr(refutation, "EVALUATIONS", refutation.EVALUATIONS // 2)
+        ending, _ = refutation.simulate(mission, State.of(mission).packed(), refutation.LATE)
+        monkeypatch.undo()
+        assert ending == "settles", preset

@@ -348,12 +348,12 @@ def test_check_says_whether_a_certificate_is_about_a_mission(proved, capsys):
     Path("x4.json").write_text(json.dumps(proved))
     status, said = asked("x4.json", "--mission", "x4-flyer", capsys=capsys)
     assert status == 0
-    assert said.endswith("x4.json: is about the mission x4-flyer\n")
+    assert said.startswith("x4.json: accepted, and it is about the mission x4-flyer\n")
     changed = ("--set", "target.points=[[1, 1, 0], [1, -1, 0], [-1, -1, 0], [-1, 1, 0.5]]")
     status, said = asked("x4.json", "--mission", "x4-flyer", *changed, capsys=capsys)
     assert status == 1
-    assert said.splitlines()[-1] == (
-        "x4.json: is about another mission than x4-flyer: "
+    assert said.splitlines()[0] == (
+        "x4.json: accepted, but it is about another mission than x4-flyer: "
         "target.points[4][3] is 0 in the certificate and 1/2 in the mission"
     )
     status, said = asked("x4.json", "--mission", "racer-250", "--json", capsys=capsys)
@@ -372,6 +372,7 @@ def test_a_rejected_certificate_is_about_no_mission(proved, capsys):
     status, said = asked("x4.json", "--mission", "x4-flyer", capsys=capsys)
     assert status == 1
     assert "is about" not in said
+    assert said.startswith("x4.json: rejected: ")
 
 
 def test_a_mission_to_compare_with_that_cannot_be_read_is_bad_input(proved, capsys):

@@ -203,3 +203,17 @@ def test_bash_completes_a_command_and_a_preset(capsys):
     shell.send("craz\t")
     shell.expect("crazyflie-2.1 ")
     shell.close(force=True)
+
+
+def test_attraction_shows_a_person_that_it_is_at_work_and_a_program_what_it_does(capsys):
+    words = ("attraction", "x4-flyer", "--no-figure")
+    terminal = pexpect.spawn(
+        str(PROGRAM), list(words), env={**os.environ, **PLAIN}, encoding="utf-8", timeout=60
+    )
+    terminal.expect(r"searching for weights with a barrier \.\.\. .*0:00:0\d")
+    terminal.expect(r"proving \.\.\. ")
+    terminal.expect("x4-flyer: ")
+    terminal.close(force=True)
+    _, out, err = run(capsys, *words)
+    assert err.splitlines() == ["searching for weights with a barrier ...", "proving ..."]
+    assert "..." not in out

@@ -12,6 +12,7 @@ from scipy import stats
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import compiled, kernel, noise
+from hoverproof.simulation.flight import simulate
 from hoverproof.simulation.realistic import Features, realistic_loop
 from hoverproof.simulation.step import flight_states
 
@@ -80,14 +81,28 @@ def test_the_virtual_machine_has_the_same_bits(flights, flown):
     assert kernel.machine(loop, SCHEDULE, "") == "CasADi virtual machine"
 
 
-@needs_compiler
-def test_a_flag_ends_the_flights(flights):
+@pytest.mark.parametrize("compiler", [pytest.param(None, marks=needs_compiler), ""])
+def test_a_flag_ends_the_flights(flights, compiler):
     numbers, starts, parameters = flights
     stop = kernel.Stop()
     stop.set()
     loop, endless = kernel.ideal_loop(4), kernel.Schedule(samples=1, every=10**12)
+    flights = starts[:1], parameters[:1], numbers.points
     with pytest.raises(kernel.Stopped):
-        kernel.fly(loop, endless, starts[:1], parameters[:1], numbers.points, stop=stop)
+        kernel.fly(loop, endless, *flights, stop=stop, compiler=compiler)
+
+
+def test_without_a_compiler_the_noise_of_many_steps_is_drawn_at_once(monkeypatch):
+    draws = []
+
+    def counted(counter, seed):
+        draws.append(counter)
+        return noise.normals(counter, seed)
+
+    monkeypatch.setattr(kernel, "normals", counted)
+    gusty = load("x4-flyer", {"wind.drag": "0.1", "wind.gust": "0.5"})
+    simulate(gusty, duration=5, compiler="")
+    assert 0 < len(draws) < 10
 
 
 ALL = Features(camera_noise=True, rounded=True, imu_noise=True, gusts=True, abort=True)

@@ -117,3 +117,14 @@ def test_tune_warns_of_gains_that_no_rotor_follows(capsys):
     assert err.count("warning") == 1
     assert "no rotor follows a bandwidth of" in err
     assert "(bandwidth)" in json.loads(out)["warnings"][0]
+
+
+def test_a_proof_about_a_loop_that_hardly_moves_comes_with_a_warning(capsys):
+    slow = ("--set", "gains.k1=0.002")
+    status, out, err = run(capsys, "certify", "x4-flyer", *slow, "--json")
+    assert status == 0
+    assert err.startswith("hoverproof: warning: x4-flyer: gains: the time constant of the slowest")
+    assert err.count("\n") == 1
+    (warned,) = json.loads(out)["warnings"]
+    assert warned in err
+    assert run(capsys, "certify", "x4-flyer", "--set", "gains.k4=0.1")[::2] == (1, "")

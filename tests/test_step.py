@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hoverproof import cli
 from hoverproof.errors import InputError
 from hoverproof.firmware import fly_firmware
 from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import slowest_rate
 from hoverproof.simulation.campaign import simulate_batch
-from hoverproof.simulation.flight import simulate
+from hoverproof.simulation.flight import simulate, without_conditions
 from hoverproof.simulation.timing import STEP, fastest_rate, flight_step
 
 FAST = {"gains.k1": "0.0056", "gains.k2": "4.8", "gains.k3": "0.064", "gains.k4": "8"}
@@ -98,3 +99,31 @@ def test_a_flight_beyond_reason_is_refused_with_its_steps_and_bytes(options, wor
         fly_firmware(mission, **options)
     with pytest.raises(InputError, match=words):
         simulate_batch(mission, tmp_path / "runs.nc", runs=2, **options)
+
+
+@pytest.mark.parametrize("change", [{}, {"wind.drag": "0.1", "wind.mean": "[1, 0, 0]"}])
+def test_without_a_compiler_fewer_steps_are_flown_and_the_refusal_says_why(change):
+    mission = load("x4-flyer", change)
+    with pytest.raises(InputError, match=r"20000 s .* 2e\+06 steps .* without a C compiler: .* 1e"):
+        simulate(mission, duration=20_000, compiler="")
+    assert simulate(mission, duration=1, compiler="").attrs["outcome"] == "flown"
+
+
+def test_a_held_controller_is_compared_with_a_loop_that_is_too_fast_for_its_step(fast):
+    held = load("crazyflie-2.1", {**FAST, "sensors.control_rate": "100"})
+    flight = simulate(held, duration=1)
+    assert flight.attrs["step"] == 0.01
+    assert flight.attrs["step"] * fastest_rate(fast) > 2
+    found = without_conditions(held, flight)
+    assert found["compared_until"] == flight["time"].values[-1]
+    assert found["greatest_distance_from_ideal"] > 0
+
+
+def test_a_flight_is_written_though_the_one_it_is_compared_with_is_beyond_reason(tmp_path, capsys):
+    out, sets = tmp_path / "f.nc", ("gains.k_yaw=1e6", "sensors.control_rate=100")
+    words = ["simulate", "crazyflie-2.1", *(w for s in sets for w in ("--set", s)), "--no-figures"]
+    with pytest.raises(SystemExit) as end:
+        cli.main([*words, "--duration", "1", "--out", str(out)])
+    assert end.value.code in (0, 1)
+    assert out.exists()
+    assert "without sensors" not in capsys.readouterr().out

@@ -39,6 +39,9 @@ BANDWIDTH = 200.0
 follow no motion much faster than 1/5 ms = 200 rad/s.
 """
 
+SLOWEST_MOTION = 1000.0
+"""s: time constant of a motion about the goal. No battery lasts for several of them."""
+
 SLOWEST_ROTOR = 1.0
 """s: time constant of a rotor that helps no vehicle to stay level."""
 
@@ -181,3 +184,20 @@ CHECKS: tuple[Callable[[Mission], Iterator[Finding]], ...] = (
     _rotors,
 )
 """All that is looked at, in the order of the mission file."""
+
+
+def slow_motion(mission: Mission) -> Iterator[Finding]:
+    """Yield that a loop is very slow about its goal, though stable; this derives the loop.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    from hoverproof.servo.loop import slowest_rate
+
+    rate = slowest_rate(mission)
+    if rate * SLOWEST_MOTION < 1:
+        constant = f"{1 / rate:.3g} s" if rate > 0 else "longer than can be computed"
+        fast = f"the fastest takes {1 / bandwidth(mission):.3g} s"
+        reason = f"the time constant of the slowest motion about the goal is {constant}; {fast}"
+        yield Finding("slow motion", "gains", reason)

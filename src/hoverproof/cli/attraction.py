@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -10,7 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
-from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, load_mission
+from hoverproof.cli.console import (
+    NO_FOLDER,
+    Json,
+    MissionName,
+    Set,
+    at_work,
+    load_mission,
+)
 from hoverproof.cli.reading import certificate_stem
 from hoverproof.errors import InputError
 
@@ -67,13 +73,11 @@ def attraction(
     sizes = {name: _number(f"--{name}", text) for name, text in given.items()}
     if start is None and any(sizes.values()):
         start = [",".join(map(str, loaded.start.position))]
-    verdict = decide(
-        loaded,
-        objective=objective,
-        starts=None if start is None else [_start(text, sizes) for text in start],
-        barrier=barrier,
-        progress=lambda text: print(f"{text} ...", file=sys.stderr),
-    )
+    starts = None if start is None else [_start(text, sizes) for text in start]
+    with at_work() as doing:
+        verdict = decide(
+            loaded, objective=objective, starts=starts, barrier=barrier, progress=doing
+        )
     path = picture = None
     if verdict.status != "undecided":
         ending = "cert" if verdict.status == "proved" else "refutation"

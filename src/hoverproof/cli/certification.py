@@ -9,7 +9,16 @@ from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import mission_names
-from hoverproof.cli.console import NO_FOLDER, Box, Boxes, Json, MissionName, Set, load_mission
+from hoverproof.cli.console import (
+    NO_FOLDER,
+    Box,
+    Boxes,
+    Json,
+    MissionName,
+    Set,
+    load_mission,
+    warn_of,
+)
 from hoverproof.cli.reading import box_sides, certificate_stem, parse_weights
 from hoverproof.errors import InputError
 
@@ -59,6 +68,7 @@ def certify(
     """
     from hoverproof.cli.answers.certify import CertifyAnswer
     from hoverproof.paper.conditions import printed_demands
+    from hoverproof.plausibility import slow_motion
 
     loaded = load_mission(mission, set_)
     stem = certificate_stem(loaded, mission, set_)
@@ -71,8 +81,11 @@ def certify(
         ending = "cert" if verdict.status == "proved" else "refutation"
         path = out or Path(f"{stem}.{ending}.json")
         verdict.certificate.save(path)
+    strange = list(slow_motion(loaded)) if verdict.status == "proved" else []
+    for finding in strange:
+        warn_of(loaded, finding)
     demands = printed_demands(loaded, verdict.problem.eigenvalues)
-    answer = CertifyAnswer(verdict, path, demands, weighted=weights is not None)
+    answer = CertifyAnswer(verdict, path, demands, weights is not None, strange)
     return tell(answer, json_, loaded)
 
 

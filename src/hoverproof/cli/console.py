@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from hoverproof.mission.sections import Mission
+    from hoverproof.plausibility import Finding
 
 
 def shown_default(value: Any) -> str | None:
@@ -159,7 +160,12 @@ def warn(mission: Mission, known: Mission | None = None) -> None:
     told = [] if known is None else [finding.name for finding in warnings(known)]
     for finding in warnings(mission):
         if finding.name not in told:
-            print(f"hoverproof: warning: {mission.source}: {finding}", file=sys.stderr)
+            warn_of(mission, finding)
+
+
+def warn_of(mission: Mission, finding: Finding) -> None:
+    """Say one thing on stderr that is strange about a mission."""
+    print(f"hoverproof: warning: {mission.source}: {finding}", file=sys.stderr)
 
 
 @contextlib.contextmanager
@@ -177,3 +183,18 @@ def progress(title: str) -> Iterator[Callable[..., None]]:
     with Progress(*columns, Remaining(), console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=None, note="")
         yield lambda done, total, note="": bar.update(task, completed=done, total=total, note=note)
+
+
+@contextlib.contextmanager
+def at_work() -> Iterator[Callable[[str], None]]:
+    """Give a function (text) that says on stderr what is being done; to a person, since when."""
+    if not sys.stderr.isatty():
+        yield lambda text: print(f"{text} ...", file=sys.stderr)
+        return
+    from rich.console import Console
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=None)
+        yield lambda text: bar.update(task, description=f"{text} ...")

@@ -53,6 +53,9 @@ def has_diverged(flight: Array) -> bool:
     return not (np.abs(flight[:STATE_SIZE]) < DIVERGED).all()
 
 
+VIRTUAL_MACHINE = "CasADi virtual machine"
+"""The name of what a flight runs on without a compiler."""
+
 STEPS_AT_A_TIME = 200_000
 """How many steps compiled code makes before Python may look whether it is to end."""
 
@@ -288,4 +291,4 @@ def _virtual_machine(n: int, law: Law) -> Runner:
                 return np.array(taken), False
         return np.array(taken), True
 
-    return Runner("CasADi virtual machine", run)
+    return Runner(VIRTUAL_MACHINE, run)

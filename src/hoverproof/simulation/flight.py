@@ -31,8 +31,13 @@ from hoverproof.simulation.plan import Plan, check_seed, is_ideal
 from hoverproof.simulation.realistic import LAYOUT
 from hoverproof.simulation.record import Record, flight_record
 from hoverproof.simulation.step import GUARDED_SIZE, flight_states
+from hoverproof.simulation.timing import (
+    MAX_SLOW_STEPS,
+    check_patience,
+    flight_step,
+    steps_and_interval,
+)
 from hoverproof.simulation.timing import default_duration as default_duration
-from hoverproof.simulation.timing import flight_step, steps_and_interval
 from hoverproof.spread import interruptibly
 
 if TYPE_CHECKING:
@@ -124,6 +129,7 @@ def flown(
         return _fly_as_built(plan, compiler, finer)
     numbers = LoopNumbers.of(mission, law)
     machine = runner(numbers.target_size, law, compiler=compiler)
+    check_patience(steps, step, machine.name)
     begin = time.perf_counter()
     states, good = _run(machine, numbers, step, steps // every, every)
     seconds = time.perf_counter() - begin
@@ -214,7 +220,8 @@ def without_conditions(
     Returns
     -------
     dict
-        Distances in m, times in s; empty if the mission adds nothing to the model.
+        Distances in m, times in s; empty if the mission adds nothing to the model, or if that
+        other flight needs far shorter steps and would take too many.
     """
     if is_ideal(mission):
         return {}
@@ -222,12 +229,17 @@ def without_conditions(
     if len(times) < 2:
         return {}
     bare = mission.model_copy(update={name: type(getattr(mission, name))() for name in CONDITIONS})
-    every = round(float(times[1]) / step)
-    ideal = flown(bare, duration=float(times[-1]), step=step, every=every, law=law)
+    finer = max(1, math.ceil(step / flight_step(bare, None, law)))  # held output may be slower
+        1, math.ceil(step / flight_step(bare, None, law))
+    )  # what holds its output may be slower
+    if finer > 1 and finer * float(flight.attrs["steps"]) > MAX_SLOW_STEPS:
+        return {}
+    every = finer * round(float(times[1]) / step)
+    ideal = flown(bare, duration=float(times[-1]), step=step / finer, every=every, law=law)
     positions, times_of_ideal = ideal["position"].values, ideal["time"].values
     if len(times) == len(positions) + 1 and ideal.attrs["outcome"] == "flown":  # cut short
-        whole = round(float(times[-1]) / step)
-        end = flown(bare, duration=float(times[-1]), step=step, every=whole, law=law)
+        whole = finer * round(float(times[-1]) / step)
+        end = flown(bare, duration=float(times[-1]), step=step / finer, every=whole, law=law)
         positions = np.vstack([positions, end["position"].values[-1:]])
         times_of_ideal = np.append(times_of_ideal, end["time"].values[-1])
     both = min(len(times), len(positions))
@@ -274,6 +286,7 @@ def _fly_as_built(plan: Plan, compiler: str | None, finer: int | None) -> Record
     """
     mission = plan.mission
     machine = kernel.machine(plan.loop, plan.schedule, compiler)  # compiled before it is timed
+    check_patience(plan.samples * plan.every, plan.step, machine)
 
     def fly_all(plan: Plan) -> tuple[Array, Array, int]:
         stop = kernel.Stop()

@@ -19,12 +19,15 @@ from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import parameters, readout
-from hoverproof.simulation.compiled import DIVERGED
+from hoverproof.simulation.compiled import DIVERGED, VIRTUAL_MACHINE
 from hoverproof.simulation.lanes import vector_library, vector_source
 from hoverproof.simulation.noise import FLIGHT, normals
 from hoverproof.simulation.step import FLIGHT_SIZE, GUARDS, step_function
 
 Array = NDArray[np.float64]
+
+NOISE_AT_A_TIME = 1 << 12
+"""How many pairs of normal numbers are drawn at once where there is no compiler."""
 
 IDEAL_RECORD = {"state": STATE_SIZE, "lyapunov": 1, "rotor_thrust": 4}
 """What a record of the paper's loop holds, and the size of each part."""
@@ -217,7 +220,8 @@ def fly(
     memory = np.array(memory, np.float64, order="C")
     taken = np.zeros(count, np.int64)
     if library is None:
-        _fly_slowly(loop, schedule, memory, parameters, points, seed, first_run, records, taken)
+        arrays = memory, parameters, points
+        _fly_slowly(loop, schedule, *arrays, seed, first_run, records, taken, stop or Stop())
         return records, memory, taken
     plan = _Plan(
         schedule.samples,
@@ -254,7 +258,7 @@ def machine(loop: Loop, schedule: Schedule, compiler: str | None = None) -> str:
     command = find_compiler() if compiler is None else compiler
     library = vector_library(source(loop, schedule), command)
     if library is None:
-        return "CasADi virtual machine"
+        return VIRTUAL_MACHINE
     return f"compiled C, {library.hoverproof_lanes()} vehicles in a vector"
 
 
@@ -268,27 +272,38 @@ def _fly_slowly(
     first_run: int,
     records: Array,
     taken: NDArray[np.int64],
+    stop: Stop,
 ) -> None:
     """Do what batch.c does on CasADi's virtual machine, all vehicles a step at a time."""
     count = len(memory)
-    tiled = np.tile(points, count)
+    tiled = ca.DM(np.tile(points, count))
     mapped = {name: f.map(count) for name, f in loop.functions.items() if name != "normals"}
-    params = np.ascontiguousarray(parameters.T)
+    params = ca.DM(parameters.T)
     c = loop.constants
-    runs = first_run + np.arange(count)
+    runs, ahead = first_run + np.arange(count), max(1, NOISE_AT_A_TIME // count)
 
     def call(name: str, *inputs: Any) -> list[Array]:
         outputs = mapped[name](*inputs)
         several = mapped[name].n_out() > 1
         return [np.array(part) for part in (outputs if several else (outputs,))]
 
-    def draw(step: int, channel: int, size: int) -> Array:
-        pairs = [normals((runs, step, channel + i, FLIGHT), seed) for i in range((size + 1) // 2)]
-        return np.array([part for pair in pairs for part in pair])[:size]
-
     def due(step: int, fraction: tuple[int, int]) -> bool:
         num, den = fraction
         return step == 0 or step * num // den != (step - 1) * num // den
+
+    drawn: dict[str, dict[int, Array]] = {"CAMERA": {}, "IMU": {}, "GUST": {}}
+
+    def noise(what: str, size: int, step: int, fraction: tuple[int, int]) -> Array:
+        """Return the noise of an event; that of many to come is drawn with it, which is faster."""
+        if step not in drawn[what]:
+            num, den = fraction
+            first, channel = step * num // den, c[f"{what}_CHANNEL"]
+            steps = [step, *(-(-event * den // num) for event in range(first + 1, first + ahead))]
+            at = np.array(steps)[:, None]
+            pairs = [normals((runs, at, channel + i, FLIGHT), seed) for i in range((size + 1) // 2)]
+            parts = np.array([part for pair in pairs for part in pair])[:size]
+            drawn[what] = {at: parts[:, i] for i, at in enumerate(steps)}
+        return drawn[what][step]
 
     now = memory.T.copy()
     flying = np.ones(count, bool)
@@ -300,15 +315,17 @@ def _fly_slowly(
         if not flying.any():
             return
         for _ in range(schedule.every):
+            if stop.flag.value:
+                raise Stopped
             if "step" in mapped:
-                (now,) = call("step", now, params[: c["STEP"]], tiled, params[[c["STEP"]]])
+                (now,) = call("step", now, params[: c["STEP"], :], tiled, params[c["STEP"], :])
                 step += 1
                 continue
             if due(step, schedule.frame):
-                noise = np.zeros((c["CAMERA_NOISE"], count))
+                blur = np.zeros((c["CAMERA_NOISE"], count))
                 if c["CAMERA_NOISY"]:
-                    noise = draw(step, c["CAMERA_CHANNEL"], c["CAMERA_NOISE"])
-                seen, margin = call("frame", now, params, tiled, noise)
+                    blur = noise("CAMERA", len(blur), step, schedule.frame)
+                seen, margin = call("frame", now, params, tiled, blur)
                 visible, initial = margin[0] > 0, step == 0
                 last = np.where(visible, seen, seen if initial else last)
                 if c["ABORT"] or initial:
@@ -319,11 +336,11 @@ def _fly_slowly(
             while frames and frames[0][0] <= step:
                 now[c["HELD"] : c["HELD"] + 3] = frames.pop(0)[1]
             if due(step, schedule.control):
-                noise = np.zeros((c["IMU_NOISE"], count))
+                shake = np.zeros((c["IMU_NOISE"], count))
                 if c["IMU_NOISY"]:
-                    noise = draw(step, c["IMU_CHANNEL"], c["IMU_NOISE"])
-                (now,) = call("control", now, params, noise)
-            gust = draw(step, c["GUST_CHANNEL"], 3) if c["GUSTY"] else np.zeros((3, count))
+                    shake = noise("IMU", len(shake), step, schedule.control)
+                (now,) = call("control", now, params, shake)
+            gust = noise("GUST", 3, step, (1, 1)) if c["GUSTY"] else np.zeros((3, count))
             (now,) = call("move", now, params, tiled, gust)
             step += 1
         memory[flying] = now.T[flying]

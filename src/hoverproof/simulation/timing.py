@@ -14,6 +14,7 @@ from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, slowest_rate
+from hoverproof.simulation.compiled import VIRTUAL_MACHINE
 from hoverproof.simulation.step import guards
 
 STEP = 0.01
@@ -24,6 +25,8 @@ LONGEST = 2.0
 holds its output makes a stable motion grow."""
 
 MAX_STEPS = 10**8
+MAX_SLOW_STEPS = 10**6
+"""Without a C compiler: that many take about ten minutes."""
 MAX_BYTES = 2 * 10**9
 
 
@@ -164,6 +167,33 @@ def steps_and_interval(
             f"most {_bytes(MAX_BYTES)} take {-(-steps * sample_bytes // MAX_BYTES)} or more",
         )
     return steps, every
+
+
+def check_patience(steps: int, step: float, machine: str) -> None:
+    """Refuse a flight that nobody would wait for, since there is no C compiler.
+
+    Parameters
+    ----------
+    steps : int
+        Number of steps that the flight has.
+    step : float
+        s.
+    machine : str
+        On what it runs, in words; see `hoverproof.simulation.compiled.Runner`.
+
+    Raises
+    ------
+    InputError
+        If the flight has more than `MAX_SLOW_STEPS` steps and does not run as machine code.
+    """
+    if steps > MAX_SLOW_STEPS and machine == VIRTUAL_MACHINE:
+        raise InputError(
+            "--duration, --step",
+            "",
+            f"{steps * step:g} s would take {steps:.3g} steps of {step:g} s, which are too many "
+            f"without a C compiler: at most {MAX_SLOW_STEPS:.3g} are flown ($CC names a compiler; "
+            "else it is cc, gcc or clang)",
+        )
 
 
 def _bytes(size: float) -> str:

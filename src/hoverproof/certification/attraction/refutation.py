@@ -39,8 +39,15 @@ FINEST = 1 << 14
 """Steps are multiples of 1/FINEST s."""
 SHARES = (2.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25)
 """Steps of the checker's series, over those of the method that is tried first."""
+EVALUATIONS = 20_000
+"""A simulation goes on if it is not over after so many evaluations of the rate: ten times what a
+flight that a person would fly takes, but a loop with a very fast motion takes any number."""
 PASSED = 1e-3
 """m; a motion is followed until it is so far below the target, where rounding does not matter."""
+
+
+class _Endless(Exception):
+    """A simulation that is not over after as many evaluations as it may take, and when, s."""
 
 
 def worst_states(mission: Mission, start: Start) -> Iterator[State]:
@@ -92,7 +99,7 @@ def simulate(mission: Mission, start: Array, most: float) -> tuple[Ending, float
     start : (19,)
         Packed state of the vehicle; see `RigidBodyState`.
     most : float
-        s; when to give up.
+        s; when to give up. A loop with a very fast motion is given up sooner: see `EVALUATIONS`.
     """
     from scipy.integrate import solve_ivp
 
@@ -114,15 +121,25 @@ def simulate(mission: Mission, start: Array, most: float) -> tuple[Ending, float
 
     for event in (below, away, margin):
         event.terminal = True  # type: ignore[attr-defined]
-    flown = solve_ivp(
-        lambda t, x: np.array(read(x, design, points))[:, 0],
-        (0.0, most),
-        start,
-        method="LSODA",
-        rtol=1e-10,
-        atol=1e-12,
-        events=[below, away, margin],
-    )
+    left = itertools.repeat(None, EVALUATIONS)
+
+    def rate(t: float, x: Array) -> Array:
+        for _ in left:
+            return np.array(read(x, design, points))[:, 0]
+        raise _Endless(t)
+
+    try:
+        flown = solve_ivp(
+            rate,
+            (0.0, most),
+            start,
+            method="LSODA",
+            rtol=1e-10,
+            atol=1e-12,
+            events=[below, away, margin],
+        )
+    except _Endless as endless:
+        return "goes on", float(endless.args[0])
     ending: Ending = "goes on" if flown.status == 0 else "breaks off"
     if len(flown.t_events[0]):
         ending = "sinks to the target"
@@ -143,36 +160,44 @@ def step_plans(mission: Mission, state: State, time: float) -> Iterator[list[Fra
     time : float
         s; the sum of the steps is not less.
     """
-    from scipy.integrate import solve_ivp
-
-    numbers = LoopNumbers.of(mission)
-    read = flight_rate(numbers.target_size)
-    flown = solve_ivp(
-        lambda t, x: np.array(read(x, numbers.design, numbers.points))[:, 0],
-        (0.0, 1.5 * time),  # its last step is cut short
-        state.packed(),
-        method="DOP853",
-        rtol=1e-13,
-        atol=1e-13,
-    )
-    lengths = np.diff(flown.t)
-    lengths = np.maximum(lengths, np.append(lengths[1:], 0.0))  # its first is a careful one
     end = Fraction(math.ceil(time * FINEST), FINEST)
-    for share in SHARES:
+    most = checker.MAX_STEPS // (len(mission.target.points) + 3)
+    times = _natural_times(mission, state, time, 8 * most)
+    lengths = np.diff(times)
+    lengths = np.maximum(lengths, np.append(lengths[1:], 0.0))  # its first is a careful one
+    for share in SHARES if times[-1] > time else ():
         steps: list[Fraction] = []
         done = Fraction(0)
-        while done < end and len(steps) * (numbers.target_size + 3) < checker.MAX_STEPS:
-            place = min(int(np.searchsorted(flown.t, float(done), "right")) - 1, len(lengths) - 1)
-            ahead = slice(place, np.searchsorted(flown.t, float(done) + share * lengths[place]))
+        while done < end and len(steps) < most:
+            place = min(int(np.searchsorted(times, float(done), "right")) - 1, len(lengths) - 1)
+            ahead = slice(place, np.searchsorted(times, float(done) + share * lengths[place]))
             longest = share * float(lengths[ahead].min(initial=lengths[place]))
             step = min(Fraction(max(math.floor(longest * FINEST), 1), FINEST), end - done)
             steps.append(step)
             done += step
         if done == end:
             yield steps
-    most = checker.MAX_STEPS // (numbers.target_size + 3)
     places = [Fraction(k * int(end * FINEST) // most, FINEST) for k in range(most + 1)]
     yield [b - a for a, b in itertools.pairwise(places) if b > a]
+
+
+def _natural_times(mission: Mission, state: State, time: float, most: int) -> Array:
+    """Return where a method of high order steps, s, to beyond a time if that takes few steps."""
+    from scipy.integrate import DOP853
+
+    numbers = LoopNumbers.of(mission)
+    read = flight_rate(numbers.target_size)
+    method = DOP853(
+        lambda t, x: np.array(read(x, numbers.design, numbers.points))[:, 0],
+        *(0.0, state.packed(), 1.5 * time),  # its last step is cut short
+        rtol=1e-13,
+        atol=1e-13,
+    )
+    times = [0.0]
+    while method.status == "running" and len(times) <= most:
+        method.step()
+        times.append(method.t)
+    return np.array(times)
 
 
 def refute(
@@ -208,6 +233,8 @@ def refute(
         ending, time = simulate(mission, state.packed(), SOON)
         if ending == "sinks to the target":
             sinking.append((time, state))
+        elif ending == "goes on" and time < SOON:  # given up: the other states would cost as much
+            break
     for time, state in sorted(sinking, key=lambda pair: pair[0])[:1]:
         reason = "it takes too many steps to follow"
         for steps in step_plans(mission, state, time):

@@ -46,6 +46,7 @@ def print_json(value: dict[str, Any], mission: Mission | None = None) -> None:
     if mission is not None:
         from hoverproof.plausibility import warnings
 
-        value = {**value, "warnings": [str(finding) for finding in warnings(mission)]}
+        found = [str(finding) for finding in warnings(mission)]
+        value = {**value, "warnings": [*found, *value.get("warnings", [])]}
     plain = "utf" not in (sys.stdout.encoding or "utf").lower()
     print(json.dumps(value, indent=2, ensure_ascii=plain, allow_nan=False))

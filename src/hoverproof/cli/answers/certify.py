@@ -12,6 +12,7 @@ from hoverproof.certification.gains import Proved, Refuted, Undecided, Verdict
 from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import interval, number, numbers, sides_text
 from hoverproof.paper.conditions import Demand
+from hoverproof.plausibility import Finding
 
 CLAIM = {
     "proved": "Σ(Q, T) ≻ 0 for",
@@ -22,12 +23,16 @@ CLAIM = {
 
 @dataclass(frozen=True)
 class CertifyAnswer(Answer):
-    """A verdict on the gains, what the paper would ask of them, and where the certificate is."""
+    """A verdict on the gains, what the paper would ask of them, and where the certificate is.
+
+    With what is strange about a loop for which they are proved.
+    """
 
     verdict: Verdict
     path: Path | None
     demands: Sequence[Demand]
     weighted: bool
+    strange: Sequence[Finding] = ()
 
     @property
     def status(self) -> int:
@@ -111,6 +116,7 @@ class CertifyAnswer(Answer):
             "certificate": None if self.path is None else str(self.path),
             "units": {"margin": "kg/s", "decay_rate": "1/s", "eigenvalues": "1/m", "thrust": "N"},
             "paper_conditions": [{"condition": d.text(), "met": d.met} for d in self.demands],
+            "warnings": list(map(str, self.strange)),
         }
 
 

@@ -30,19 +30,19 @@ class CheckAnswer(Answer):
         return int(self.statement is None or bool(self.differing))
 
     def text(self) -> Iterator[str]:
-        """Yield the lines for people: first those of the checker itself."""
+        """Yield the lines for people: those of the checker, and if it is about the mission."""
         if self.statement is None:
             yield f"{self.certificate}: rejected: {self.reason}"
             return
-        yield f"{self.certificate}: accepted"
-        words = f"Proved: {self.statement}"
-        yield textwrap.fill(words, width=80, initial_indent="  ", subsequent_indent="  ")
+        about = ""
         if self.differing:
             some = [*self.differing[:3], *(["..."] if len(self.differing) > 3 else [])]
-            other = f"is about another mission than {self.mission}: {'; '.join(some)}"
-            yield f"{self.certificate}: {other}"
+            about = f", but it is about another mission than {self.mission}: {'; '.join(some)}"
         elif self.mission is not None:
-            yield f"{self.certificate}: is about the mission {self.mission}"
+            about = f", and it is about the mission {self.mission}"
+        yield f"{self.certificate}: accepted{about}"
+        words = f"Proved: {self.statement}"
+        yield textwrap.fill(words, width=80, initial_indent="  ", subsequent_indent="  ")
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""

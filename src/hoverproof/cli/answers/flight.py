@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.words import position_text
+from hoverproof.simulation.compiled import VIRTUAL_MACHINE
 from hoverproof.simulation.numbers import SETTLED
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ class FlightAnswer(Answer):
         if whole and facts["final_error"] > SETTLED * facts["start_error"] > 0:
             yield f"  did not come to its goal: {facts['final_error']:.3g} m away at the end"
         yield f"  {facts['steps']} steps in {facts['seconds']:.2f} s: {facts['machine']}"
-        if facts["machine"] == "CasADi virtual machine":
+        if facts["machine"] == VIRTUAL_MACHINE:
             yield "  (no C compiler works here; with one this is much faster)"
         start, end = position_text(facts["start_position"]), position_text(facts["final_position"])
         yield f"  start     {start}, {facts['start_error']:.3g} m away"
