@@ -230,8 +230,6 @@ def without_conditions(
         return {}
     bare = mission.model_copy(update={name: type(getattr(mission, name))() for name in CONDITIONS})
     finer = max(1, math.ceil(step / flight_step(bare, None, law)))  # held output may be slower
-        1, math.ceil(step / flight_step(bare, None, law))
-    )  # what holds its output may be slower
     if finer > 1 and finer * float(flight.attrs["steps"]) > MAX_SLOW_STEPS:
         return {}
     every = finer * round(float(times[1]) / step)
