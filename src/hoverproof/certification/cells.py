@@ -130,6 +130,24 @@ class View:
         distance = np.linalg.norm(rays, axis=2)
         return cls(center, half, np.linalg.norm(half, axis=1), rays, distance)
 
+    @classmethod
+    def at(cls, points: Array, positions: Array) -> View:
+        """Look at a target from positions alone.
+
+        Parameters
+        ----------
+        points : (n, 3)
+            World frame, m.
+        positions : (k, 3)
+            World frame, m.
+        """
+        return cls.of(points, np.stack([positions, positions], axis=2))
+
+    @property
+    def depths(self) -> Array:
+        """Q in the middle of each cell, (k, 3, 3), 1/m."""
+        return self.turns(1 / np.maximum(self.distance, 1e-12) ** 3)
+
     @property
     def apart(self) -> Array:
         """How far each cell is at least from each point, m, (k, n); tiny if it may hold it."""
@@ -162,7 +180,7 @@ def largest_below(view: View, high: float) -> Told:
     high *= 1 - ROOM
     clear, near = (view.distance > view.radius[:, None]).all(axis=1), view.apart
     steep = (STEEPEST * view.radius[:, None] / near**2).sum(axis=1)
-    at_center = np.linalg.eigvalsh(view.turns(1 / np.maximum(view.distance, 1e-12) ** 3))[:, 2]
+    at_center = np.linalg.eigvalsh(view.depths)[:, 2]
     below: Told = clear & (((1 / near).sum(axis=1) < high) | (at_center + steep < high))
     return below
 

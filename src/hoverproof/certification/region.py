@@ -109,15 +109,7 @@ def eigenvalues(points: Array, positions: Array) -> Array:
     points : (k, 3), target, world frame, m
     positions : (n, 3), world frame, m
     """
-    return np.asarray(np.linalg.eigvalsh(_depth_matrices(points, positions)), np.float64)
-
-
-def _depth_matrices(points: Array, positions: Array) -> Array:
-    """Return Q at each position, (n, 3, 3), 1/m."""
-    rays = points[None] - positions[:, None]
-    distance = np.linalg.norm(rays, axis=2)[..., None, None]
-    p = rays[..., None] / distance
-    return np.asarray(((np.eye(3) - p * p.swapaxes(2, 3)) / distance).sum(axis=1))
+    return np.asarray(np.linalg.eigvalsh(View.at(points, positions).depths), np.float64)
 
 
 def enclosures(mission: Mission, box: Box, most: int | None = None) -> Iterator[Region]:
@@ -230,7 +222,7 @@ def outside(mission: Mission, box: Box, bounds: Interval) -> Iterator[Outside]:
         (2, int(values[:, 2].argmax()), "upper"),
     ):
         place = [_within(x, side) for x, side in zip(places[index], box, strict=True)]
-        (matrix,) = _depth_matrices(points, np.array([place], float))
+        (matrix,) = View.at(points, np.array([place], float)).depths
         ends, vectors = np.linalg.eigh(matrix)
         x = [Fraction(float(c)).limit_denominator(10**6) for c in vectors[:, column]]
         value, (low, high) = float(ends[column]), bounds
