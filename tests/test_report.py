@@ -19,7 +19,7 @@ from PIL import Image
 
 import hoverproof as hp
 from hoverproof import checker, cli
-from hoverproof.certification.gains import Undecided, certify
+from hoverproof.certification.gains import UndecidedGains, certify
 from hoverproof.certification.problem import gain_problem
 from hoverproof.errors import InputError
 from hoverproof.export import cost
@@ -240,7 +240,8 @@ def test_a_loop_that_is_not_stable_has_no_flight_and_the_page_says_why(monkeypat
 @pytest.mark.parametrize("above", [None, Fraction(1, 10**9)])
 def test_an_undecided_mission_has_a_report_that_claims_nothing(capsys, monkeypatch, above):
     def undecided(mission):
-        return Undecided(above, "the worst eigenvalue of Σ is too near zero", gain_problem(mission))
+        reason = "the worst eigenvalue of Σ is too near zero"
+        return UndecidedGains.of(gain_problem(mission), above, reason)
 
     monkeypatch.setattr(parts, "certify", undecided)
     options = [word for part in SLOW_PARTS[:3] for word in ("--without", part)]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.certification.gains import Proved, certify
+from hoverproof.certification.gains import certify
 from hoverproof.certification.problem import pose
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
@@ -83,10 +83,10 @@ def export_c(
             raise NotCertified(mission.name, "undecided", why)
         return write_package(mission, out, Standing(pose(mission).thrust), law=law, **options)
     verdict = certify(mission)
-    proved = isinstance(verdict, Proved)
+    proved = verdict.proved
     if not proved and not allow_uncertified:
         raise NotCertified(mission.name, verdict.status)
-    certificate = verdict.certificate.content if isinstance(verdict, Proved) else None
+    certificate = proved.certificate.content if proved else None
     return write_package(mission, out, Standing(verdict.problem.thrust, certificate), **options)
 
 

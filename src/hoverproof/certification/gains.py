@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, ClassVar, Literal
+from typing import Any
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from hoverproof.certification.robust import (
     optimise,
     worst_case,
 )
+from hoverproof.certification.verdict import Proved, Refuted, Undecided
 from hoverproof.mission.sections import Mission
 
 WITNESS_BITS = 40
@@ -38,37 +39,36 @@ MOST_ROUNDS = 40
 NO_BETTER = 1e-7
 
 
-@dataclass(frozen=True)
-class Proved:
+@dataclass(frozen=True, kw_only=True)
+class ProvedGains(Proved):
     """Σ is positive definite over the whole region.
 
     Attributes
     ----------
+    problem : GainProblem
+        What was asked.
     margin : Fraction
         Proved: Σ ⪰ margin·W, kg/s; with all weights 1 a lower bound of every eigenvalue of Σ.
     margin_above : Fraction
         Proved upper bound of the worst eigenvalue (from an extremal Q), kg/s.
     decay_rate : Fraction
         Proved: L falls at least as fast as exp(-decay_rate·t), 1/s.
-    problem : GainProblem
-        What was asked.
-    certificate : Certificate
     """
 
-    status: ClassVar[Literal["proved"]] = "proved"
+    problem: GainProblem
     margin: Fraction
     margin_above: Fraction
     decay_rate: Fraction
-    problem: GainProblem
-    certificate: Certificate
 
 
-@dataclass(frozen=True)
-class Refuted:
+@dataclass(frozen=True, kw_only=True)
+class RefutedGains(Refuted):
     """Σ has a negative direction at some point of the region.
 
     Attributes
     ----------
+    problem : GainProblem
+        What was asked.
     Q : (3, 3) rows of Fractions
         Symmetric, its eigenvalues strictly inside the interval, 1/m.
     f : Fraction
@@ -79,43 +79,48 @@ class Refuted:
         Upper bound of XᵀΣX over the enclosure of q*, negative, kg/s.
     margin_above : Fraction
         Proved upper bound of the worst eigenvalue, negative, kg/s.
-    problem : GainProblem
-        What was asked.
-    certificate : Certificate
-        The counterexample in a file that the checker confirms.
     """
 
-    status: ClassVar[Literal["refuted"]] = "refuted"
+    problem: GainProblem
     Q: Rows
     f: Fraction
     X: list[Fraction]
     value: Fraction
     margin_above: Fraction
-    problem: GainProblem
-    certificate: Certificate
 
 
-@dataclass(frozen=True)
-class Undecided:
-    """Neither a proof nor a counterexample was found.
+@dataclass(frozen=True, kw_only=True)
+class UndecidedGains(Undecided):
+    """Whether Σ is positive definite over the whole region is not known.
 
     Attributes
     ----------
-    margin_above : Fraction or None
-        Proved upper bound of the worst eigenvalue, kg/s; None if the solver found nothing.
-    reason : str
-        What stood in the way.
     problem : GainProblem
         What was asked.
+    margin_above : Fraction or None
+        Proved upper bound of the worst eigenvalue, kg/s; None if the solver found nothing.
     """
 
-    status: ClassVar[Literal["undecided"]] = "undecided"
-    margin_above: Fraction | None
-    reason: str
     problem: GainProblem
+    margin_above: Fraction | None
+
+    @classmethod
+    def of(cls, problem: GainProblem, margin_above: Fraction | None, reason: str) -> UndecidedGains:
+        """Say what stood in the way.
+
+        Parameters
+        ----------
+        problem : GainProblem
+        margin_above : Fraction or None
+            kg/s.
+        reason : str
+        """
+        return cls(
+            mission=problem.mission, reason=reason, problem=problem, margin_above=margin_above
+        )
 
 
-Verdict = Proved | Refuted | Undecided
+GainsVerdict = ProvedGains | RefutedGains | UndecidedGains
 
 
 @dataclass(frozen=True)
@@ -144,7 +149,7 @@ class _Worst:
 
 def certify(
     mission: Mission, *, weights: tuple[Fraction, ...] = ONES, region: Region | None = None
-) -> Verdict:
+) -> GainsVerdict:
     """Decide whether Σ ≻ 0 for every Q and every thrust that the mission allows.
 
     Solvers suggest a multiplier and a worst case for each end of the interval of f(T); the verdict
@@ -160,7 +165,7 @@ def certify(
 
     Returns
     -------
-    Proved, Refuted or Undecided
+    ProvedGains, RefutedGains or UndecidedGains
 
     Raises
     ------
@@ -176,7 +181,7 @@ def certify(
         try:
             best = float(margins(question)[1][0])
         except np.linalg.LinAlgError as error:
-            return Undecided(None, f"no multiplier was found ({error})", problem)
+            return UndecidedGains.of(problem, None, f"no multiplier was found ({error})")
         tau = _short_multiplier(best)
         estimate = float(np.linalg.eigvalsh(question.bound([float(tau)]))[0])
         x, axis = worst_case(question, best)
@@ -188,7 +193,8 @@ def certify(
     if worst.value < 0 and low <= worst.f <= high:
         return _refuted(problem, _shortest_witness(problem, direction, worst), worst.quotient)
     if any(v.margin <= 0 for v in vertices):
-        return Undecided(worst.quotient, "the worst eigenvalue of Σ is too near zero", problem)
+        reason = "the worst eigenvalue of Σ is too near zero"
+        return UndecidedGains.of(problem, worst.quotient, reason)
     return _proved(problem, vertices, worst.quotient)
 
 
@@ -238,7 +244,7 @@ def _best_weights(corners: Sequence[Inequality]) -> Array:
 
 def _proved(
     problem: GainProblem, vertices: list[_Vertex], margin_above: Fraction
-) -> Proved | Undecided:
+) -> ProvedGains | UndecidedGains:
     margin = min(v.margin for v in vertices)
     rate = problem.decay_rate(margin)
     parts = {
@@ -261,15 +267,28 @@ def _proved(
     certificate = _seal(problem, "gains", parts)
     reason = rejection(certificate)
     if reason:
-        return Undecided(margin_above, reason, problem)
-    return Proved(margin, margin_above, rate, problem, certificate)
+        return UndecidedGains.of(problem, margin_above, reason)
+    return ProvedGains(
+        mission=problem.mission,
+        certificate=certificate,
+        problem=problem,
+        margin=margin,
+        margin_above=margin_above,
+        decay_rate=rate,
+    )
 
 
-def _refuted(problem: GainProblem, worst: _Worst, margin_above: Fraction) -> Refuted:
+def _refuted(problem: GainProblem, worst: _Worst, margin_above: Fraction) -> RefutedGains:
     value = -decimal_below(-worst.value, DIGITS)
-    point = {"Q": worst.Q, "f": worst.f, "X": worst.X, "value": value}
+    point: dict[str, Any] = {"Q": worst.Q, "f": worst.f, "X": worst.X, "value": value}
     certificate = _seal(problem, "counterexample", {"counterexample": point})
-    return Refuted(worst.Q, worst.f, worst.X, value, margin_above, problem, certificate)
+    return RefutedGains(
+        mission=problem.mission,
+        certificate=certificate,
+        problem=problem,
+        margin_above=margin_above,
+        **point,
+    )
 
 
 def _seal(problem: GainProblem, kind: str, parts: dict[str, Any]) -> Certificate:

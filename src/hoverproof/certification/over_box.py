@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.certificate import Certificate, accepted, seal
@@ -14,42 +15,69 @@ from hoverproof.certification.region import (
     halved,
     outside,
 )
+from hoverproof.certification.verdict import Proved, Refuted, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import Interval, level_view
 
+TOO_MANY = "the bounds were neither proved nor broken over the box within the limit of boxes"
 
-@dataclass(frozen=True)
-class RegionVerdict:
-    """What is known of the eigenvalues of Q over a box.
+
+@dataclass(frozen=True, kw_only=True)
+class _OverBox:
+    box: Box
+    bounds: Interval
+    enclosure: Region | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProvedBounds(_OverBox, Proved):
+    """The bounds of the eigenvalues of Q hold at every position in a box.
 
     Attributes
     ----------
-    status : str
-        Of the mission's bounds over the box: ``"proved"``, ``"refuted"`` or ``"undecided"``.
     box : (3,) of (low, high)
         World frame, m.
     bounds : (low, high)
         What was asked: the bounds of the mission, or, if they are "auto", those that were proved,
         1/m.
     enclosure : Region or None
-        The narrowest bounds that were proved there; None if none were.
-    outside : Outside or None
-        Where the mission's bounds do not hold; None if that was not shown.
-    certificate : Certificate or None
-        Of the mission's bounds if they are proved, of the position if they are refuted, and
-        otherwise of the enclosure.
+        The narrowest bounds that were proved there; None if no others were.
     """
 
-    status: str
-    box: Box
-    bounds: Interval
-    enclosure: Region | None
-    outside: Outside | None
-    certificate: Certificate | None
+
+@dataclass(frozen=True, kw_only=True)
+class RefutedBounds(_OverBox, Refuted):
+    """The bounds of the eigenvalues of Q do not hold somewhere in a box.
+
+    Attributes
+    ----------
+    box, bounds, enclosure
+        See `ProvedBounds`.
+    outside : Outside
+        Where they do not hold.
+    """
+
+    outside: Outside
 
 
-def certify_region(mission: Mission, box: Box, most: int | None = None) -> RegionVerdict:
+@dataclass(frozen=True, kw_only=True)
+class UndecidedBounds(_OverBox, Undecided):
+    """Whether the bounds of the eigenvalues of Q hold all over a box is not known.
+
+    Its certificate is that of the enclosure, if there is one.
+
+    Attributes
+    ----------
+    box, bounds, enclosure
+        See `ProvedBounds`.
+    """
+
+
+BoundsVerdict = ProvedBounds | RefutedBounds | UndecidedBounds
+
+
+def certify_region(mission: Mission, box: Box, most: int | None = None) -> BoundsVerdict:
     """Prove or refute that the mission's eigenvalue bounds hold over a box.
 
     Bounds that are "auto" are those that hold over the box.
@@ -60,6 +88,10 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Regio
     box : (3,) of (low, high), world frame, m
     most : int, optional
         Most boxes in the branch and bound (see `enclose`).
+
+    Returns
+    -------
+    ProvedBounds, RefutedBounds or UndecidedBounds
 
     Raises
     ------
@@ -73,8 +105,20 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Regio
         if proved is None:
             raise none_proved(mission)
         held, certificate = proved
-        return RegionVerdict("proved", box, held.eigenvalues, held, None, certificate)
-    narrowest = proved and proved[0]
+        return ProvedBounds(
+            mission=mission,
+            certificate=certificate,
+            box=box,
+            bounds=held.eigenvalues,
+            enclosure=held,
+        )
+    narrowest, least = proved or (None, None)
+    asked: dict[str, Any] = {
+        "mission": mission,
+        "box": box,
+        "bounds": wanted,
+        "enclosure": narrowest,
+    }
     for spot in outside(mission, box, wanted):
         point = {
             "position": spot.position,
@@ -84,15 +128,14 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Regio
         broken = Region(box, wanted, (spot.eigenvalue, spot.eigenvalue), None)
         refutation = accepted(_seal(mission, broken, "outside", outside=point))
         if refutation:
-            return RegionVerdict("refuted", box, wanted, narrowest, spot, refutation)
+            return RefutedBounds(certificate=refutation, outside=spot, **asked)
     tree = halved(mission, box, wanted, most)
     if tree is not None:
         attained = narrowest.attained if narrowest else (float(wanted[0]), float(wanted[1]))
-        held = Region(box, wanted, attained, tree)
-        shown = accepted(_seal(mission, held, "region"))
+        shown = accepted(_seal(mission, Region(box, wanted, attained, tree), "region"))
         if shown:
-            return RegionVerdict("proved", box, wanted, narrowest, None, shown)
-    return RegionVerdict("undecided", box, wanted, narrowest, None, proved and proved[1])
+            return ProvedBounds(certificate=shown, **asked)
+    return UndecidedBounds(certificate=least, reason=TOO_MANY, **asked)
 
 
 def enclose(mission: Mission, box: Box, most: int | None = None) -> Region | None:

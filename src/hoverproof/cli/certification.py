@@ -14,7 +14,7 @@ from hoverproof.cli.reading import box_sides, certificate_stem, parse_weights
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
-    from hoverproof.certification.gains import Verdict
+    from hoverproof.certification.gains import GainsVerdict
     from hoverproof.mission.sections import Mission
 
 
@@ -67,25 +67,26 @@ def certify(
     stem += ".weighted" if weights is not None else ""
     verdict = _over_box(loaded, box, boxes, weights) if over_box else _as_assumed(loaded, weights)
     path = None
-    if verdict.status != "undecided":
-        ending = "cert" if verdict.status == "proved" else "refutation"
-        path = out or Path(f"{stem}.{ending}.json")
+    if verdict.certificate is not None:
+        path = out or Path(f"{stem}.{verdict.ending}.json")
         verdict.certificate.save(path)
     demands = printed_demands(loaded, verdict.problem.eigenvalues)
     answer = CertifyAnswer(verdict, path, demands, weighted=weights is not None)
     return tell(answer, json_, loaded)
 
 
-def _as_assumed(mission: Mission, weights: str | None) -> Verdict:
+def _as_assumed(mission: Mission, weights: str | None) -> GainsVerdict:
     """Decide with the bounds of Q that the mission assumes."""
     from hoverproof.certification.gains import certify as decide
 
     return decide(mission, weights=parse_weights(mission, weights, None))
 
 
-def _over_box(mission: Mission, box: str | None, boxes: int | None, weights: str | None) -> Verdict:
+def _over_box(
+    mission: Mission, box: str | None, boxes: int | None, weights: str | None
+) -> GainsVerdict:
     """Decide with bounds of Q that are proved over a box."""
-    from hoverproof.certification.gains import Undecided
+    from hoverproof.certification.gains import UndecidedGains
     from hoverproof.certification.gains import certify as decide
     from hoverproof.certification.over_box import enclose
     from hoverproof.certification.problem import gain_problem
@@ -93,7 +94,7 @@ def _over_box(mission: Mission, box: str | None, boxes: int | None, weights: str
     region = enclose(mission, box_sides(mission, box), boxes)
     if region is None:
         reason = "the eigenvalues of Q over the box were not enclosed within the limit of boxes"
-        return Undecided(None, reason, gain_problem(mission))
+        return UndecidedGains.of(gain_problem(mission), None, reason)
     return decide(mission, weights=parse_weights(mission, weights, region), region=region)
 
 
@@ -127,9 +128,9 @@ def region(
 
     loaded = load_mission(mission, set_)
     verdict = certify_region(loaded, box_sides(loaded, box), boxes)
-    ending = "refutation" if verdict.outside else "cert"
-    path = out or Path(f"{certificate_stem(loaded, mission, set_)}.region.{ending}.json")
-    picture = path.with_name(f"{path.name.removesuffix('.json').removesuffix(f'.{ending}')}.png")
+    path = out or Path(f"{certificate_stem(loaded, mission, set_)}.region.{verdict.ending}.json")
+    stem = path.name.removesuffix(".json").removesuffix(f".{verdict.ending}")
+    picture = path.with_name(f"{stem}.png")
     if verdict.certificate is not None:
         verdict.certificate.save(path)
     if figure:

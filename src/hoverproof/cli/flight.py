@@ -192,11 +192,11 @@ def _draw(
 
 def _certified_decay(mission: Mission, flight: xr.Dataset) -> Decay | None:
     """Return the decay that is proved for a flight of a mission; None if none is."""
-    from hoverproof.certification.gains import Proved, certify
+    from hoverproof.certification.gains import certify
     from hoverproof.show.decay import decay_along
 
     try:
         verdict = certify(mission)
     except InputError:  # the mission's bounds pose no question: nothing to draw
         return None
-    return decay_along(flight, verdict) if isinstance(verdict, Proved) else None
+    return decay_along(flight, verdict)

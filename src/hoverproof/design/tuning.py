@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
-from hoverproof.certification.gains import Proved, certify, search_weights
+from hoverproof.certification.gains import certify, search_weights
 from hoverproof.certification.problem import ONES, GainProblem, gain_problem
 from hoverproof.design.gain_search import GainSearch
 from hoverproof.design.gain_search import Objective as RateObjective
@@ -177,15 +177,11 @@ def _rate_of_own_gains(mission: Mission, weights: Weights) -> Fraction | None:
     """Return the decay rate that is proved for a mission's own gains, 1/s; None if none is."""
     try:
         if weights == "search":
-            weights = search_weights(mission) if _is_proved(mission) else ONES
-        own = certify(mission, weights=weights)
+            weights = search_weights(mission) if certify(mission).proved else ONES
+        own = certify(mission, weights=weights).proved
     except InputError:
         return None
-    return own.decay_rate if isinstance(own, Proved) else None
-
-
-def _is_proved(mission: Mission) -> bool:
-    return isinstance(certify(mission), Proved)
+    return own.decay_rate if own else None
 
 
 def _is_better(new: Tuned, old: Tuned) -> bool:
@@ -214,10 +210,10 @@ def _tuned(
         return Infeasible(mission, words)
     for gains in _short(mission, search, best, value):
         tuned = mission.model_copy(update={"gains": gains})
-        verdict = certify(tuned, weights=weights)
+        verdict = certify(tuned, weights=weights).proved
         slowest = slowest_rate(tuned)
         if (
-            isinstance(verdict, Proved)
+            verdict is not None
             and (search.objective == "decay" or verdict.decay_rate >= search.at_least)
             and slowest > 0  # follows from the proof; held against the loop itself all the same
         ):

@@ -14,8 +14,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
-from hoverproof.certification.attraction.verdict import Proved
-from hoverproof.certification.over_box import RegionVerdict
+from hoverproof.certification.attraction.verdict import Attraction
+from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.mission.sections import Mission
 from hoverproof.reporting.parts import Flown, Map
 from hoverproof.show import attraction, fans, panels, style
@@ -143,13 +143,13 @@ def map_picture(mission: Mission, found: Map) -> Picture:
     )
 
 
-def region_picture(mission: Mission, found: RegionVerdict) -> Picture:
+def region_picture(mission: Mission, found: BoundsVerdict) -> Picture:
     """Draw where the eigenvalue bounds of Q hold.
 
     Parameters
     ----------
     mission : Mission
-    found : RegionVerdict
+    found : ProvedBounds, RefutedBounds or UndecidedBounds
     """
     return picture(
         "region",
@@ -161,12 +161,12 @@ def region_picture(mission: Mission, found: RegionVerdict) -> Picture:
     )
 
 
-def attraction_pictures(region: Proved) -> list[Picture]:
+def attraction_pictures(region: Attraction) -> list[Picture]:
     """Draw a region of attraction in cross-section, and Λ along flights.
 
     Parameters
     ----------
-    region : Proved
+    region : Attraction
     """
     view = attraction.View.of(region)
     flights = attraction.fly(region, view, FLIGHTS)
