@@ -26,7 +26,7 @@ from hoverproof.simulation.flight_log import OUTCOMES
 from hoverproof.simulation.plan import AT_LEAST, Plan, check_seed
 from hoverproof.simulation.realistic import REALISTIC_RECORD
 from hoverproof.simulation.results import Precision, create, reopen
-from hoverproof.simulation.timing import flight_step, steps_and_interval
+from hoverproof.simulation.timing import Timing
 from hoverproof.spread import spread
 
 SAMPLES = 200
@@ -115,11 +115,8 @@ def simulate_batch(
         If anything asked for is not possible, or the file cannot be written, or is being written by
         another process.
     """
-    step = flight_step(mission, step, law)
     in_memory = 8 * AT_LEAST * sum(REALISTIC_RECORD.values())
-    steps, every = steps_and_interval(
-        mission, duration, step, every, SAMPLES, sample_bytes=in_memory, law=law
-    )
+    steps = Timing(duration, step, every).steps(mission, SAMPLES, in_memory, law)
     check_seed(seed)
     if not 1 <= runs <= MAX_RUNS:
         raise InputError("--runs", "", f"must be from 1 to {MAX_RUNS}, not {runs}")
@@ -127,7 +124,7 @@ def simulate_batch(
         raise InputError("--threads", "", f"must be from 1 to 1024, not {threads}")
     if precision not in ("float32", "float64"):
         raise InputError("--precision", "", f"must be float32 or float64, not {precision}")
-    plan = Plan(mission, step, steps // every, every, seed, law=law)
+    plan = Plan(mission, steps.step, steps.samples, steps.every, seed, law=law)
     plan.prepare()
     machine = kernel.machine(plan.loop, plan.schedule)  # compiled before threads want it
     begin, path = time.perf_counter(), Path(path)
@@ -144,7 +141,7 @@ def simulate_batch(
                     with _undisturbed():
                         file.write(block)
                     if progress is not None:
-                        progress(file.runs_complete, steps)
+                        progress(file.runs_complete, steps.count)
         except KeyboardInterrupt:
             interrupted = True
         complete = file.runs_complete

@@ -31,8 +31,8 @@ from hoverproof.simulation.plan import Plan, check_seed, is_ideal
 from hoverproof.simulation.realistic import LAYOUT
 from hoverproof.simulation.record import Record, flight_record
 from hoverproof.simulation.step import GUARDED_SIZE, flight_states
+from hoverproof.simulation.timing import Timing
 from hoverproof.simulation.timing import default_duration as default_duration
-from hoverproof.simulation.timing import flight_step, steps_and_interval
 from hoverproof.spread import interruptibly
 
 if TYPE_CHECKING:
@@ -84,17 +84,14 @@ def simulate(
     InputError
         If the duration, the step or the mission cannot be used.
     """
-    return flown(
-        mission, duration=duration, step=step, every=every, seed=seed, compiler=compiler, law=law
-    ).dataset()
+    timing = Timing(duration, step, every)
+    return flown(mission, timing, seed=seed, compiler=compiler, law=law).dataset()
 
 
 def flown(
     mission: Mission,
+    timing: Timing,
     *,
-    duration: float | None = None,
-    step: float | None = None,
-    every: int | None = None,
     seed: int = 0,
     compiler: str | None = None,
     law: Law = HAMEL_MAHONY,
@@ -105,27 +102,22 @@ def flown(
     ----------
     mission, compiler
         See `simulate`, also for what is raised.
-    duration, step : float, optional
-        s.
-    every : int, optional
-        Keep every so many steps.
+    timing : Timing
     seed : int
         A bare number.
     law : Law
         What flies it; by default the law of the paper.
     """
     check_seed(seed)
-    step, finer = flight_step(mission, step, law), SAMPLES if every is None else None
-    steps, every = steps_and_interval(
-        mission, duration, step, every, SAMPLES, sample_bytes=sample_bytes(mission), law=law
-    )
+    steps = timing.steps(mission, SAMPLES, sample_bytes(mission), law)
+    step, every, finer = steps.step, steps.every, SAMPLES if timing.every is None else None
     if not is_ideal(mission):
-        plan = Plan(mission, step, steps // every, every, seed, scattered=False, law=law)
+        plan = Plan(mission, step, steps.samples, every, seed, scattered=False, law=law)
         return _fly_as_built(plan, compiler, finer)
     numbers = LoopNumbers.of(mission, law)
     machine = runner(numbers.target_size, law, compiler=compiler)
     begin = time.perf_counter()
-    states, good = _run(machine, numbers, step, steps // every, every)
+    states, good = _run(machine, numbers, step, steps.samples, every)
     seconds = time.perf_counter() - begin
     log, outcome = states[-1][GUARDED_SIZE:], "flown"
     taken = every * np.arange(len(states))
@@ -223,11 +215,11 @@ def without_conditions(
         return {}
     bare = mission.model_copy(update={name: type(getattr(mission, name))() for name in CONDITIONS})
     every = round(float(times[1]) / step)
-    ideal = flown(bare, duration=float(times[-1]), step=step, every=every, law=law)
+    ideal = flown(bare, Timing(float(times[-1]), step, every), law=law)
     positions, times_of_ideal = ideal["position"].values, ideal["time"].values
     if len(times) == len(positions) + 1 and ideal.attrs["outcome"] == "flown":  # cut short
         whole = round(float(times[-1]) / step)
-        end = flown(bare, duration=float(times[-1]), step=step, every=whole, law=law)
+        end = flown(bare, Timing(float(times[-1]), step, whole), law=law)
         positions = np.vstack([positions, end["position"].values[-1:]])
         times_of_ideal = np.append(times_of_ideal, end["time"].values[-1])
     both = min(len(times), len(positions))
