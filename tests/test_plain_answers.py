@@ -14,7 +14,7 @@ from hoverproof.certification.over_box import enclose
 from hoverproof.certification.region import default_box
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.reading import load
-from hoverproof.simulation import campaign
+from hoverproof.simulation import runs
 
 
 def run(capsys, *arguments):
@@ -28,7 +28,7 @@ def test_runs_of_which_none_is_complete_tell_nothing_of_settling(capsys, monkeyp
         raise KeyboardInterrupt
         yield
 
-    monkeypatch.setattr(campaign, "spread", at_once)
+    monkeypatch.setattr(runs, "spread", at_once)
     scatter = ("--set", "scatter.position=[1,1,1]", "--duration", 1)
     status, out, _ = run(capsys, "simulate", "x4-flyer", "--runs", 20, *scatter)
     assert status == 130

@@ -10,8 +10,8 @@ from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, load_mission, progress
-from hoverproof.cli.flights import fly_many
 from hoverproof.cli.reading import refuse_given
+from hoverproof.cli.runs import fly_many
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:

@@ -185,8 +185,8 @@ def _tables(parts: Parts) -> dict[str, Any]:
         told["flight_table"] = tables.flight_table(parts.flight)
         told["flight_words"] = wording.FLIGHT
         told["player"] = player_data(parts.flight)
-        if parts.flight.batch_summary is not None:
-            told["batch_table"] = tables.batch_table(parts.flight.batch_summary)
+        if parts.flight.runs_summary is not None:
+            told["runs_table"] = tables.runs_table(parts.flight.runs_summary)
     if isinstance(parts.firmware, Firmware):
         told["firmware_table"] = tables.firmware_table(parts.firmware)
     return told
@@ -202,8 +202,8 @@ def _pictures(parts: Parts) -> dict[str, Any]:
         drawn["attraction"] = pictures.attraction_pictures(attracted)
     if isinstance(parts.flight, Flown):
         drawn["flight"] = list(pictures.flight_pictures(parts.flight))
-        many = parts.flight.batch is not None
-        drawn["batch"] = pictures.batch_picture(parts.flight) if many else None
+        many = parts.flight.runs is not None
+        drawn["runs"] = pictures.runs_picture(parts.flight) if many else None
     return {"pictures": drawn}
 
 

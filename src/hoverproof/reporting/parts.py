@@ -29,8 +29,8 @@ from hoverproof.paper.ledger import derive
 from hoverproof.servo.loop import slowest_rate
 from hoverproof.show.decay import Decay, decay_along
 from hoverproof.show.panels import beginning
-from hoverproof.simulation.campaign import batch_summary, simulate_batch
 from hoverproof.simulation.flight import simulate, summary, without_conditions
+from hoverproof.simulation.runs import runs_summary, simulate_batch
 
 PARTS = ("atlas", "region", "attraction", "flight", "firmware", "ledger")
 """The parts that a report may be asked to leave out."""
@@ -87,9 +87,9 @@ class Flown:
         What it came to: distances in m, times in s.
     decay : Decay or None
         The proved decay of L, if it is about this flight.
-    batch : Dataset or None
+    runs : Dataset or None
         Many flights.
-    batch_summary : dict or None
+    runs_summary : dict or None
         What they came to: distances in m, times in s.
     """
 
@@ -97,8 +97,8 @@ class Flown:
     beginning: xr.Dataset | None
     summary: dict[str, Any]
     decay: Decay | None
-    batch: xr.Dataset | None
-    batch_summary: dict[str, Any] | None
+    runs: xr.Dataset | None
+    runs_summary: dict[str, Any] | None
 
 
 @dataclass(frozen=True)
@@ -262,16 +262,16 @@ def _fly(mission: Mission, verdict: GainsVerdict, runs: int | None) -> Flown:
     duration, early = float(whole["time"].values[-1]), 2 * beginning(whole)
     first = simulate(mission, duration=early) if 0 < early < SHORT * duration else None
     told = {**summary(whole), **without_conditions(mission, whole)}
-    batch, of_batch = (None, None) if runs is None else _fly_many(mission, runs)
-    return Flown(whole, first, told, decay, batch, of_batch)
+    many, of_many = (None, None) if runs is None else _fly_many(mission, runs)
+    return Flown(whole, first, told, decay, many, of_many)
 
 
 def _fly_many(mission: Mission, runs: int) -> tuple[xr.Dataset, dict[str, Any]]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "flights.nc"
         simulate_batch(mission, path, runs=runs)
-        with xr.open_dataset(path, engine="h5netcdf") as batch:
-            return batch.load(), batch_summary(path)
+        with xr.open_dataset(path, engine="h5netcdf") as flown:
+            return flown.load(), runs_summary(path)
 
 
 def _export(mission: Mission, verdict: GainsVerdict) -> Firmware:

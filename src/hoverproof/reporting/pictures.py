@@ -18,9 +18,10 @@ from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.mission.sections import Mission
 from hoverproof.reporting.parts import Flown, Map
-from hoverproof.show import attraction, fans, panels, style
+from hoverproof.show import attraction, panels, style
 from hoverproof.show.atlas import atlas_figure
 from hoverproof.show.region import region_figure
+from hoverproof.show.runs import fans_figure
 
 WIDTH = 4.6
 FLIGHTS = 30
@@ -265,23 +266,23 @@ def flight_pictures(flown: Flown) -> Iterator[Picture]:
         )
 
 
-def batch_picture(flown: Flown) -> Picture:
+def runs_picture(flown: Flown) -> Picture:
     """Draw many flights as a fan.
 
     Parameters
     ----------
     flown : Flown
-        With a batch.
+        With runs.
     """
-    assert flown.batch is not None
-    batch = flown.batch
-    runs = batch.sizes["run"]
+    assert flown.runs is not None
+    runs = flown.runs
+    count = runs.sizes["run"]
     return picture(
         "flights",
-        lambda: fans.fans_figure(batch),
-        f"Bands that hold 90 % of {runs} flights, with their medians, over time.",
-        f"{runs} flights drawn from the scatter of the mission (seed 0): median, and the band that "
-        "holds 90 % of them.",
+        lambda: fans_figure(runs),
+        f"Bands that hold 90 % of {count} flights, with their medians, over time.",
+        f"{count} flights drawn from the scatter of the mission (seed 0): median, and the band "
+        "that holds 90 % of them.",
         wide=True,
     )
 

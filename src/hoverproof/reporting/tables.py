@@ -322,13 +322,13 @@ def flight_table(flown: Flown) -> Table:
     return Table("The flight", rows)
 
 
-def batch_table(told: dict[str, Any]) -> Table:
+def runs_table(told: dict[str, Any]) -> Table:
     """Return what many flights came to.
 
     Parameters
     ----------
     told : dict
-        Summary of the batch: distances in m, times in s.
+        Summary of the runs: distances in m, times in s.
     """
     rows = [(name.replace("_", " "), str(n)) for name, n in told["outcomes"].items() if n]
     rows.append(("settled within 10 %", str(told["settled"])))

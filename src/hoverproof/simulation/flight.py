@@ -22,7 +22,7 @@ from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.layout import place
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import kernel
-from hoverproof.simulation.batch import fly_raw, how_it_ended, log_of
+from hoverproof.simulation.block import fly_raw, how_it_ended, log_of
 from hoverproof.simulation.compiled import Runner, has_diverged, runner
 from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.flight_log import ending, ending_words, is_noted, settled_at
@@ -67,7 +67,7 @@ def simulate(
         ends early. Such a flight has one more sample, of the step at which it ended.
     seed : int
         Of the noise, if the mission names sensors or wind; a number from 0 to 2**63 - 1.
-        ``[scatter]`` is for batches.
+        ``[scatter]`` is for runs.
     compiler : str, optional
         Command of the C compiler (see `hoverproof.simulation.compiled.runner`).
     law : Law

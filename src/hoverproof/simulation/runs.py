@@ -21,7 +21,7 @@ from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.simulation import kernel
-from hoverproof.simulation.batch import fly_block
+from hoverproof.simulation.block import fly_block
 from hoverproof.simulation.flight_log import OUTCOMES
 from hoverproof.simulation.plan import AT_LEAST, Plan, check_seed
 from hoverproof.simulation.realistic import REALISTIC_RECORD
@@ -35,7 +35,7 @@ MAX_RUNS = 2**32 - 1
 
 @dataclass(frozen=True)
 class Flown:
-    """What came of a batch.
+    """What came of runs.
 
     Attributes
     ----------
@@ -156,18 +156,18 @@ def simulate_batch(
     )
 
 
-def batch_summary(path: str | Path) -> dict[str, Any]:
-    """Return what the flights in a batch's file came to: errors in m, times in s.
+def runs_summary(path: str | Path) -> dict[str, Any]:
+    """Return what the runs in a file came to: errors in m, times in s.
 
     Parameters
     ----------
     path : str or Path
     """
-    with xr.open_dataset(path, engine="h5netcdf") as batch:
-        count = int(batch.attrs["runs_complete"])
-        done = batch[["outcome", "start_error", "final_error", "settled_at", "frames_lost"]]
+    with xr.open_dataset(path, engine="h5netcdf") as runs:
+        count = int(runs.attrs["runs_complete"])
+        done = runs[["outcome", "start_error", "final_error", "settled_at", "frames_lost"]]
         done = done.isel(run=slice(count)).load()
-        duration = float(batch["time"][-1])
+        duration = float(runs["time"][-1])
     codes = done["outcome"].values
     good = codes == 0
     settled = done["settled_at"].values[good]
@@ -177,7 +177,7 @@ def batch_summary(path: str | Path) -> dict[str, Any]:
         return np.quantile(values, [0.05, 0.5, 0.95]).tolist() if len(values) else None
 
     return {
-        "runs": int(batch.attrs["runs"]),
+        "runs": int(runs.attrs["runs"]),
         "runs_complete": count,
         "duration": duration,
         "outcomes": {name: int((codes == i).sum()) for i, name in enumerate(OUTCOMES)},
