@@ -22,7 +22,7 @@ from hoverproof.certification.problem import (
     sigma_function,
     squares,
 )
-from hoverproof.certification.region import Region
+from hoverproof.certification.region import Enclosure
 from hoverproof.certification.robust import (
     Array,
     Inequality,
@@ -148,7 +148,7 @@ class _Worst:
 
 
 def certify(
-    mission: Mission, *, weights: tuple[Fraction, ...] = ONES, region: Region | None = None
+    mission: Mission, *, weights: tuple[Fraction, ...] = ONES, region: Enclosure | None = None
 ) -> GainsVerdict:
     """Decide whether Σ ≻ 0 for every Q and every thrust that the mission allows.
 
@@ -160,7 +160,7 @@ def certify(
     mission : Mission
     weights : (4,) Fractions
         w of L = ½ Σ wᵢ|δᵢ|²; `search_weights` finds those with the largest decay rate.
-    region : Region, optional
+    region : Enclosure, optional
         A box with proved eigenvalue bounds, to take the place of those that the mission assumes.
 
     Returns
@@ -198,7 +198,7 @@ def certify(
     return _proved(problem, vertices, worst.quotient)
 
 
-def search_weights(mission: Mission, *, region: Region | None = None) -> tuple[Fraction, ...]:
+def search_weights(mission: Mission, *, region: Enclosure | None = None) -> tuple[Fraction, ...]:
     """Return short weights with (nearly) the largest decay rate that can be certified, w1 = 1.
 
     Where the mission gives a level, the thrust interval is that of weights 1 during the search.
@@ -206,7 +206,7 @@ def search_weights(mission: Mission, *, region: Region | None = None) -> tuple[F
     Parameters
     ----------
     mission : Mission
-    region : Region, optional
+    region : Enclosure, optional
         See `certify`.
 
     Raises

@@ -9,8 +9,8 @@ from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.certificate import Certificate, accepted, seal
 from hoverproof.certification.region import (
     Box,
+    Enclosure,
     Outside,
-    Region,
     enclosures,
     halved,
     outside,
@@ -27,7 +27,7 @@ TOO_MANY = "the bounds were neither proved nor broken over the box within the li
 class _OverBox:
     box: Box
     bounds: Interval
-    enclosure: Region | None
+    enclosure: Enclosure | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +41,7 @@ class ProvedBounds(_OverBox, Proved):
     bounds : (low, high)
         What was asked: the bounds of the mission, or, if they are "auto", those that were proved,
         1/m.
-    enclosure : Region or None
+    enclosure : Enclosure or None
         The narrowest bounds that were proved there; None if no others were.
     """
 
@@ -125,20 +125,20 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Bound
             "direction": spot.direction,
             "bound": spot.bound,
         }
-        broken = Region(box, wanted, (spot.eigenvalue, spot.eigenvalue), None)
+        broken = Enclosure(box, wanted, (spot.eigenvalue, spot.eigenvalue), None)
         refutation = accepted(_seal(mission, broken, "outside", outside=point))
         if refutation:
             return RefutedBounds(certificate=refutation, outside=spot, **asked)
     tree = halved(mission, box, wanted, most)
     if tree is not None:
         attained = narrowest.attained if narrowest else (float(wanted[0]), float(wanted[1]))
-        shown = accepted(_seal(mission, Region(box, wanted, attained, tree), "region"))
+        shown = accepted(_seal(mission, Enclosure(box, wanted, attained, tree), "region"))
         if shown:
             return ProvedBounds(certificate=shown, **asked)
     return UndecidedBounds(certificate=least, reason=TOO_MANY, **asked)
 
 
-def enclose(mission: Mission, box: Box, most: int | None = None) -> Region | None:
+def enclose(mission: Mission, box: Box, most: int | None = None) -> Enclosure | None:
     """Find and prove an interval that holds every eigenvalue of Q over a box.
 
     Parameters
@@ -150,7 +150,7 @@ def enclose(mission: Mission, box: Box, most: int | None = None) -> Region | Non
 
     Returns
     -------
-    Region or None
+    Enclosure or None
         None if nothing is proved with that many cells.
 
     Raises
@@ -162,7 +162,7 @@ def enclose(mission: Mission, box: Box, most: int | None = None) -> Region | Non
     return None if proved is None else proved[0]
 
 
-def _enclose(mission: Mission, box: Box, most: int | None) -> tuple[Region, Certificate] | None:
+def _enclose(mission: Mission, box: Box, most: int | None) -> tuple[Enclosure, Certificate] | None:
     for region in enclosures(mission, box, most):
         shown = accepted(_seal(mission, region, "region"))
         if shown:
@@ -185,7 +185,7 @@ def none_proved(mission: Mission) -> InputError:
     )
 
 
-def _seal(mission: Mission, region: Region, kind: str, **parts: object) -> Certificate:
+def _seal(mission: Mission, region: Enclosure, kind: str, **parts: object) -> Certificate:
     """Complete a certificate about Q alone: gains and thrust play no part in it."""
     held = {"box": region.box, "eigenvalues": region.eigenvalues, "tree": region.tree}
     model = fingerprint(level_view(len(mission.target.points)))
