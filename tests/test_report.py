@@ -241,7 +241,8 @@ def test_a_loop_that_is_not_stable_has_no_flight_and_the_page_says_why(monkeypat
 def test_an_undecided_mission_has_a_report_that_claims_nothing(capsys, monkeypatch, above):
     def undecided(mission):
         reason = "the worst eigenvalue of Σ is too near zero"
-        return UndecidedGains.of(gain_problem(mission), above, reason)
+        problem = gain_problem(mission)
+        return UndecidedGains(mission=mission, reason=reason, problem=problem, margin_above=above)
 
     monkeypatch.setattr(parts, "certify", undecided)
     options = [word for part in SLOW_PARTS[:3] for word in ("--without", part)]

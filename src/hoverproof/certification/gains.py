@@ -45,6 +45,8 @@ class ProvedGains(Proved):
 
     Attributes
     ----------
+    mission, certificate
+        See `Proved` of `hoverproof.certification.verdict`.
     problem : GainProblem
         What was asked.
     margin : Fraction
@@ -67,6 +69,8 @@ class RefutedGains(Refuted):
 
     Attributes
     ----------
+    mission, certificate
+        See `Refuted` of `hoverproof.certification.verdict`.
     problem : GainProblem
         What was asked.
     Q : (3, 3) rows of Fractions
@@ -95,6 +99,8 @@ class UndecidedGains(Undecided):
 
     Attributes
     ----------
+    mission, reason, advice, certificate
+        See `Undecided` of `hoverproof.certification.verdict`.
     problem : GainProblem
         What was asked.
     margin_above : Fraction or None
@@ -103,21 +109,6 @@ class UndecidedGains(Undecided):
 
     problem: GainProblem
     margin_above: Fraction | None
-
-    @classmethod
-    def of(cls, problem: GainProblem, margin_above: Fraction | None, reason: str) -> UndecidedGains:
-        """Say what stood in the way.
-
-        Parameters
-        ----------
-        problem : GainProblem
-        margin_above : Fraction or None
-            kg/s.
-        reason : str
-        """
-        return cls(
-            mission=problem.mission, reason=reason, problem=problem, margin_above=margin_above
-        )
 
 
 GainsVerdict = ProvedGains | RefutedGains | UndecidedGains
@@ -181,7 +172,10 @@ def certify(
         try:
             best = float(margins(question)[1][0])
         except np.linalg.LinAlgError as error:
-            return UndecidedGains.of(problem, None, f"no multiplier was found ({error})")
+            reason = f"no multiplier was found ({error})"
+            return UndecidedGains(
+                mission=mission, reason=reason, problem=problem, margin_above=None
+            )
         tau = _short_multiplier(best)
         estimate = float(np.linalg.eigvalsh(question.bound([float(tau)]))[0])
         x, axis = worst_case(question, best)
@@ -194,7 +188,9 @@ def certify(
         return _refuted(problem, _shortest_witness(problem, direction, worst), worst.quotient)
     if any(v.margin <= 0 for v in vertices):
         reason = "the worst eigenvalue of Σ is too near zero"
-        return UndecidedGains.of(problem, worst.quotient, reason)
+        return UndecidedGains(
+            mission=mission, reason=reason, problem=problem, margin_above=worst.quotient
+        )
     return _proved(problem, vertices, worst.quotient)
 
 
@@ -267,7 +263,9 @@ def _proved(
     certificate = _seal(problem, "gains", parts)
     reason = rejection(certificate)
     if reason:
-        return UndecidedGains.of(problem, margin_above, reason)
+        return UndecidedGains(
+            mission=problem.mission, reason=reason, problem=problem, margin_above=margin_above
+        )
     return ProvedGains(
         mission=problem.mission,
         certificate=certificate,

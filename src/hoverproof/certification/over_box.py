@@ -36,6 +36,8 @@ class ProvedBounds(_OverBox, Proved):
 
     Attributes
     ----------
+    mission, certificate
+        See `Proved` of `hoverproof.certification.verdict`.
     box : (3,) of (low, high)
         World frame, m.
     bounds : (low, high)
@@ -52,6 +54,8 @@ class RefutedBounds(_OverBox, Refuted):
 
     Attributes
     ----------
+    mission, certificate
+        See `Refuted` of `hoverproof.certification.verdict`.
     box, bounds, enclosure
         See `ProvedBounds`.
     outside : Outside
@@ -69,6 +73,8 @@ class UndecidedBounds(_OverBox, Undecided):
 
     Attributes
     ----------
+    mission, reason, advice, certificate
+        See `Undecided` of `hoverproof.certification.verdict`.
     box, bounds, enclosure
         See `ProvedBounds`.
     """

@@ -94,7 +94,8 @@ def _over_box(
     region = enclose(mission, box_sides(mission, box), boxes)
     if region is None:
         reason = "the eigenvalues of Q over the box were not enclosed within the limit of boxes"
-        return UndecidedGains.of(gain_problem(mission), None, reason)
+        problem = gain_problem(mission)
+        return UndecidedGains(mission=mission, reason=reason, problem=problem, margin_above=None)
     return decide(mission, weights=parse_weights(mission, weights, region), region=region)
 
 

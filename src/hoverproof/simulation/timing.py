@@ -158,7 +158,7 @@ class Timing:
         ----------
         mission : Mission
         samples : int
-            About how many are to be kept, if `every` is not given.
+            Number of those that are to be kept, about, if `every` is not given.
         sample_bytes : int
             Number of bytes that each takes in memory.
         law : Law

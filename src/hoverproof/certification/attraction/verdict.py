@@ -52,6 +52,8 @@ class Attraction(Proved):
 
     Attributes
     ----------
+    mission, certificate
+        See `Proved` of `hoverproof.certification.verdict`.
     level : Fraction
         ℓ, m: the set is {Λ <= ℓ}, above the barrier if there is one.
     weights : (3,) Fractions
@@ -90,6 +92,8 @@ class Sinks(Refuted):
 
     Attributes
     ----------
+    mission, certificate
+        See `Refuted` of `hoverproof.certification.verdict`.
     state : State
         Where the motion starts.
     time : Fraction
