@@ -18,7 +18,7 @@ import numpy as np
 
 from hoverproof.certification.attraction.motion import energy_function
 from hoverproof.certification.attraction.proof import attraction
-from hoverproof.certification.attraction.verdict import Proved
+from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.law import Design
@@ -43,7 +43,7 @@ REACHED = 1e-5
 class Case:
     """A region and its numbers in floating point."""
 
-    region: Proved
+    region: Attraction
 
     def __post_init__(self):
         mission = self.region.mission
@@ -219,7 +219,7 @@ def main():
     for name, overrides, asked, share in CASES:
         began = time.perf_counter()
         region = attraction(load("x4-flyer", overrides), **asked)
-        assert isinstance(region, Proved), region
+        assert isinstance(region, Attraction), region
         flown, excess = trial(
             region,
             round(share * options.flights),

@@ -23,7 +23,7 @@ from hoverproof.compilers import find_compiler
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import compiled, kernel
-from hoverproof.simulation.batch import fly_raw
+from hoverproof.simulation.block import fly_raw
 from hoverproof.simulation.plan import Plan
 from hoverproof.simulation.step import flight_states
 from hoverproof.spread import processors, spread

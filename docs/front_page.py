@@ -21,8 +21,7 @@ from matplotlib.figure import Figure
 
 import hoverproof as hp
 from hoverproof.algebra.decimals import decimal_below
-from hoverproof.certification.attraction.verdict import Proved as Region
-from hoverproof.certification.gains import Proved
+from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.design.atlas import axis
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.sections import Mission
@@ -46,8 +45,8 @@ Box = tuple[float, float, float, float]
 def front_page() -> Figure:
     """Draw the six panels, in the order of reading."""
     mission = hp.load(PRESET)
-    verdict, region = hp.certify(mission), hp.attraction(mission)
-    assert isinstance(verdict, Proved) and isinstance(region, Region)
+    verdict, region = hp.certify(mission).proved, hp.attraction(mission).proved
+    assert verdict and region
     same_as_shipped(region)
     flight = hp.simulate(mission, duration=DURATION)
     rate = float(decimal_below(verdict.decay_rate, 3))
@@ -81,7 +80,7 @@ def front_page() -> Figure:
     return figure
 
 
-def same_as_shipped(region: Region) -> None:
+def same_as_shipped(region: Attraction) -> None:
     """Stop if the picture would tell another region than the certificate in proofs/."""
     claim = json.loads(SHIPPED.read_text(encoding="utf-8"))["claim"]
     if far(region.reach.sideways) != far(claim["reach"]["sideways"]):
@@ -138,7 +137,7 @@ def draw_gains(axes: Axes, mission: Mission) -> None:
     draw_atlas(axes, mission, atlas, "decay_rate", np.zeros(atlas["margin"].shape, bool))
 
 
-def draw_region(axes: Axes, region: Region, flight: xr.Dataset) -> None:
+def draw_region(axes: Axes, region: Attraction, flight: xr.Dataset) -> None:
     """Draw from which hovers convergence is proved, in a plane through start and goal."""
     view = View.of(region)
     across, height, places = view.grid()

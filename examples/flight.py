@@ -16,8 +16,8 @@ from IPython.display import Image, display
 import hoverproof as hp
 from hoverproof.show.animation import save_animation
 from hoverproof.show.decay import decay_along
-from hoverproof.show.fans import fans_figure, starts_figure
 from hoverproof.show.figures import features_figure, motion_figure, path_figure
+from hoverproof.show.runs import fans_figure, starts_figure
 from hoverproof.simulation.flight import summary
 
 # %matplotlib inline

@@ -27,7 +27,7 @@ from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.proof import attraction, estimate
 from hoverproof.certification.attraction.search import HoverGrid
 from hoverproof.certification.attraction.starts import Start, State
-from hoverproof.certification.attraction.verdict import Proved, Undecided
+from hoverproof.certification.verdict import Proved, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load

@@ -17,9 +17,9 @@ from hoverproof import cli
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.simulation import plan
-from hoverproof.simulation.campaign import batch_summary, simulate_batch
 from hoverproof.simulation.draws import memory_and_parameters
 from hoverproof.simulation.flight import simulate
+from hoverproof.simulation.runs import runs_summary, simulate_batch
 from hoverproof.spread import spread
 
 SCATTER = {"scatter.position": "[1, 1, 0.5]", "scatter.rotation": "[0.05, 0.05, 1]"}
@@ -175,7 +175,7 @@ def test_every_number_that_is_missing_is_marked_and_explained():
         assert np.isnan(raw["settled_at"].values[ended]).all()
         assert np.isfinite(raw["final_error"].values).all()
         assert "units" in raw["position"].attrs
-    told = batch_summary("a.nc")
+    told = runs_summary("a.nc")
     assert sum(told["outcomes"][name] for name in ends) == 100
 
 
@@ -232,7 +232,7 @@ from hoverproof import cli
 from hoverproof.simulation import plan, results
 
 plan.STEPS_IN_A_BLOCK = 100 * 16
-write = results.BatchFile.write
+write = results.RunsFile.write
 
 
 def until_the_disk_is_full(self, block):
@@ -241,7 +241,7 @@ def until_the_disk_is_full(self, block):
     write(self, block)
 
 
-results.BatchFile.write = until_the_disk_is_full
+results.RunsFile.write = until_the_disk_is_full
 cli.main(["simulate", "x4-flyer", "--runs", "100", "--duration", "1", "--every", "1",
           "--set", "scatter.position=[1,1,1]"])
 """
@@ -253,7 +253,7 @@ def test_a_disk_that_fails_later_keeps_what_is_complete():
     assert len(done.stderr.strip().splitlines()) == 1
     assert "cannot be written" in done.stderr
     assert "32 runs are complete" in done.stderr
-    told = batch_summary("x4-flyer.flights.nc")
+    told = runs_summary("x4-flyer.flights.nc")
     assert told["runs_complete"] == told["outcomes"]["flown"] == 32
     options = {"runs": 100, "duration": 1, "every": 1, "seed": 0}
     mission = load("x4-flyer", {"scatter.position": "[1,1,1]"})
@@ -271,7 +271,7 @@ def test_ctrl_c_keeps_what_is_complete():
     path = Path("x4-flyer.flights.nc")
     for _ in range(600):
         time.sleep(0.1)
-        if path.exists() and batch_summary(path)["runs_complete"]:
+        if path.exists() and runs_summary(path)["runs_complete"]:
             break
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=30)
@@ -313,7 +313,7 @@ def test_work_is_spread_in_order_and_stopped_when_nobody_wants_it():
 GROW = """
 import resource, sys
 from hoverproof.mission.reading import load
-from hoverproof.simulation.campaign import simulate_batch
+from hoverproof.simulation.runs import simulate_batch
 simulate_batch(load("x4-flyer"), "a.nc", runs=int(sys.argv[1]), duration=2, every=1)
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from hoverproof.certification.gains import Proved, Refuted, Undecided, certify
+from hoverproof.certification.gains import certify
+from hoverproof.certification.verdict import Proved, Refuted, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from checker_kit import sigma
-from hoverproof.certification.gains import Proved, Refuted, Undecided, certify
+from hoverproof.certification.gains import certify
 from hoverproof.certification.problem import gain_problem
+from hoverproof.certification.verdict import Proved, Refuted, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 

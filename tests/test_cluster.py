@@ -16,7 +16,7 @@ from hoverproof.design.atlas import atlas, axis
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.simulation import plan
-from hoverproof.simulation.campaign import batch_summary, simulate_batch
+from hoverproof.simulation.runs import runs_summary, simulate_batch
 from hoverproof.spread import spread
 
 pytest.importorskip("distributed")
@@ -72,7 +72,7 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_bytes(cluster, monkeypatch
     flown = simulate_batch(mission, "far.nc", scheduler=address, progress=kill_one, **options)
     assert workers[0].poll() is not None
     assert flown.runs_complete == 400
-    assert batch_summary("far.nc")["outcomes"]["flown"] == 400
+    assert runs_summary("far.nc")["outcomes"]["flown"] == 400
     simulate_batch(mission, "here.nc", **options)
     assert Path("far.nc").read_bytes() == Path("here.nc").read_bytes()
 

@@ -15,8 +15,9 @@ from checker_kit import definite
 from hoverproof import checker
 from hoverproof.algebra.definite import is_positive_definite
 from hoverproof.certification import gains
-from hoverproof.certification.gains import Proved, certify
+from hoverproof.certification.gains import certify
 from hoverproof.certification.robust import Inequality
+from hoverproof.certification.verdict import Proved
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 

@@ -10,10 +10,10 @@ from hoverproof import cli
 from hoverproof.compilers import find_compiler
 from hoverproof.firmware import fly_firmware
 from hoverproof.mission.reading import load
-from hoverproof.simulation.campaign import simulate_batch
 from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.flight import simulate, summary
 from hoverproof.simulation.flight_log import OUTCOMES
+from hoverproof.simulation.runs import simulate_batch
 
 SOON = {"start.position": "[0.3, 0.2, -1.2]"}
 CONDITIONS = [{}, {"sensors.latency": "0.02"}]

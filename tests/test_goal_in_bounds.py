@@ -10,10 +10,11 @@ from hoverproof import checker, cli
 from hoverproof.certification import bounds, problem
 from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.bounds import eigenvalues_at_goal
-from hoverproof.certification.gains import Proved, Undecided, certify
+from hoverproof.certification.gains import certify
 from hoverproof.certification.over_box import certify_region
 from hoverproof.certification.problem import gain_problem, pose
 from hoverproof.certification.region import default_box
+from hoverproof.certification.verdict import Proved, Undecided
 from hoverproof.design.atlas import atlas, axis
 from hoverproof.design.tuning import tune
 from hoverproof.errors import InputError

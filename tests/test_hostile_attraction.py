@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 from hoverproof import checker
 from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.attraction.refutation import refute
-from hoverproof.certification.attraction.verdict import Undecided
+from hoverproof.certification.verdict import Undecided
 from hoverproof.mission.reading import load
 from test_hostile import floats, is_about, mutants, put, with_another_key
 
@@ -341,7 +341,7 @@ class Sunk:
 def motions():
     """Motions followed a little longer than needed, so that many mutants stay true."""
     exact = load("x4-flyer", FALLING)
-    found = {"state": refute(exact, None, Undecided("", exact)).certificate.content}
+    found = {"state": refute(exact, None, Undecided(mission=exact, reason="")).certificate.content}
     wide = copy.deepcopy(found["state"])
     for name in ("position", "velocity"):
         wide["motion"][name] = [[str(F(a) - F(1, 10**4)), a] for a, _ in wide["motion"][name]]

@@ -38,7 +38,7 @@ from hoverproof.servo.lyapunov import (
     linearised_loop,
     thrust_factor,
 )
-from hoverproof.simulation.batch import fly_raw
+from hoverproof.simulation.block import fly_raw
 from hoverproof.simulation.flight import simulate, summary
 from hoverproof.simulation.plan import Plan
 

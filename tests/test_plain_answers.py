@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 from hoverproof import cli
-from hoverproof.certification.attraction.verdict import Refuted, not_covered
+from hoverproof.certification.attraction.verdict import Sinks, not_covered
 from hoverproof.certification.over_box import enclose
 from hoverproof.certification.region import default_box
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.reading import load
-from hoverproof.simulation import campaign
+from hoverproof.simulation import runs
 
 
 def run(capsys, *arguments):
@@ -28,7 +28,7 @@ def test_runs_of_which_none_is_complete_tell_nothing_of_settling(capsys, monkeyp
         raise KeyboardInterrupt
         yield
 
-    monkeypatch.setattr(campaign, "spread", at_once)
+    monkeypatch.setattr(runs, "spread", at_once)
     scatter = ("--set", "scatter.position=[1,1,1]", "--duration", 1)
     status, out, _ = run(capsys, "simulate", "x4-flyer", "--runs", 20, *scatter)
     assert status == 130
@@ -125,7 +125,8 @@ def test_the_ground_is_left_open_by_a_proof_without_a_barrier_alone(
 
 
 def test_a_refuted_start_leaves_no_ground_open():
-    assert not [line for line in not_covered(Refuted(*[None] * 4)) if "ground" in line]
+    sinks = Sinks(mission=None, certificate=None, state=None, time=None)
+    assert not [line for line in not_covered(sinks) if "ground" in line]
 
 
 def test_check_of_a_mission_says_that_a_certificate_is_wanted(capsys):

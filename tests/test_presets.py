@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from firmware_kit import export, tool
-from hoverproof.certification.gains import Proved, certify
+from hoverproof.certification.gains import certify
+from hoverproof.certification.verdict import Proved
 from hoverproof.design.tuning import tune
 from hoverproof.export.binding import Firmware
 from hoverproof.mission.presets import preset_text, presets

@@ -14,7 +14,7 @@ from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.servo.layout import place
 from hoverproof.simulation import compiled
-from hoverproof.simulation.batch import fly_raw
+from hoverproof.simulation.block import fly_raw
 from hoverproof.simulation.draws import memory_and_parameters
 from hoverproof.simulation.flight import simulate, summary, without_conditions
 from hoverproof.simulation.plan import Plan, is_ideal

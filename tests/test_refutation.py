@@ -19,7 +19,7 @@ from hoverproof import checker, cli
 from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.attraction.refutation import flight_rate, refute, worst_states
 from hoverproof.certification.attraction.starts import Start, State
-from hoverproof.certification.attraction.verdict import Refuted, Undecided
+from hoverproof.certification.verdict import Refuted, Undecided
 from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import rotation_matrix
@@ -58,7 +58,7 @@ def fly(mission, start, duration, **options):
 
 
 def refuted(mission, start=None):
-    return refute(mission, start and [start], Undecided("not searched", mission))
+    return refute(mission, start and [start], Undecided(mission=mission, reason="not searched"))
 
 
 # --- the checker's equations and enclosures -----------------------------------------------------

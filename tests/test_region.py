@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from hoverproof import checker, cli
 from hoverproof.certification.cells import View, grow_tree, largest_below, smallest_above
-from hoverproof.certification.gains import Proved, certify, search_weights
+from hoverproof.certification.gains import certify, search_weights
 from hoverproof.certification.over_box import certify_region, enclose
 from hoverproof.certification.region import (
     default_box,
@@ -23,6 +23,7 @@ from hoverproof.certification.region import (
     outside,
     parse_box,
 )
+from hoverproof.certification.verdict import Proved
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 

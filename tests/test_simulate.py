@@ -28,6 +28,7 @@ from hoverproof.simulation.flight import (
     summary,
 )
 from hoverproof.simulation.numbers import euler_angles
+from hoverproof.simulation.timing import Timing
 
 needs_compiler = pytest.mark.skipif(not compiled.find_compiler(), reason="no C compiler here")
 
@@ -259,7 +260,7 @@ def test_the_default_duration_is_seven_slowest_time_constants(x4):
 
 
 def test_the_flight_file_opens_elsewhere_and_carries_units_and_mission(x4):
-    save(flown(x4, duration=10), "a.nc")
+    save(flown(x4, Timing(duration=10)), "a.nc")
     with xr.open_dataset("a.nc") as flight:
         assert flight["position"].attrs["units"] == "m"
         assert all("units" in flight[name].attrs for name in flight)
@@ -269,7 +270,7 @@ def test_the_flight_file_opens_elsewhere_and_carries_units_and_mission(x4):
 
 @pytest.mark.parametrize("change", [{}, {"wind": "{mean = [1, 0, 0], drag = 0.2}"}])
 def test_the_flight_file_is_the_one_that_xarray_writes(x4, change):
-    flight = flown(load("x4-flyer", change), duration=10)
+    flight = flown(load("x4-flyer", change), Timing(duration=10))
     save(flight, "ours.nc")
     flight.dataset().to_netcdf("theirs.nc", engine="h5netcdf")
     files = [xr.open_dataset(name, engine="h5netcdf") for name in ("ours.nc", "theirs.nc")]
@@ -286,7 +287,7 @@ def test_a_failed_write_leaves_the_old_file(x4, monkeypatch):
     def full(*_, **__):
         raise OSError(28, "No space left on device")
 
-    flight = flown(x4, duration=1)
+    flight = flown(x4, Timing(duration=1))
     monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(InputError, match="No space left"):
         save(flight, "a.nc")

@@ -11,8 +11,8 @@ from hoverproof.firmware import fly_firmware
 from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import slowest_rate
-from hoverproof.simulation.campaign import simulate_batch
 from hoverproof.simulation.flight import simulate, without_conditions
+from hoverproof.simulation.runs import simulate_batch
 from hoverproof.simulation.timing import STEP, fastest_rate, flight_step
 
 FAST = {"gains.k1": "0.0056", "gains.k2": "4.8", "gains.k3": "0.064", "gains.k4": "8"}

@@ -19,8 +19,9 @@ from scipy.stats import qmc
 
 import checker_kit
 from hoverproof import checker, cli
-from hoverproof.certification.gains import Proved, certify
+from hoverproof.certification.gains import certify
 from hoverproof.certification.problem import ONES, gain_problem
+from hoverproof.certification.verdict import Proved
 from hoverproof.design.gain_search import GainSearch, halton
 from hoverproof.design.limits import FirstCommand, Limits, highest_k4, uses
 from hoverproof.design.margins import Questions, margins

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from hoverproof.mission.reading import load as load
     from hoverproof.paper.ledger import derive as derive
     from hoverproof.reporting.document import report as report
-    from hoverproof.simulation.campaign import simulate_batch as simulate_batch
     from hoverproof.simulation.flight import simulate as simulate
+    from hoverproof.simulation.runs import simulate_batch as simulate_batch
 
 _HOMES = {
     "Firmware": ("hoverproof.export.binding", "Firmware"),
@@ -48,7 +48,7 @@ _HOMES = {
     "presets": ("hoverproof.mission.presets", "presets"),
     "report": ("hoverproof.reporting.document", "report"),
     "simulate": ("hoverproof.simulation.flight", "simulate"),
-    "simulate_batch": ("hoverproof.simulation.campaign", "simulate_batch"),
+    "simulate_batch": ("hoverproof.simulation.runs", "simulate_batch"),
     "tune": ("hoverproof.design.tuning", "tune"),
 }
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.certification.gains import Proved, certify
+from hoverproof.certification.gains import certify
 from hoverproof.certification.problem import pose
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
@@ -24,7 +24,7 @@ from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import flight as simulation
 from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.record import Record, flight_record
-from hoverproof.simulation.timing import flight_step, steps_and_interval
+from hoverproof.simulation.timing import Timing, flight_step
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -83,10 +83,10 @@ def export_c(
             raise NotCertified(mission.name, "undecided", why)
         return write_package(mission, out, Standing(pose(mission).thrust), law=law, **options)
     verdict = certify(mission)
-    proved = isinstance(verdict, Proved)
+    proved = verdict.proved
     if not proved and not allow_uncertified:
         raise NotCertified(mission.name, verdict.status)
-    certificate = verdict.certificate.content if isinstance(verdict, Proved) else None
+    certificate = proved.certificate.content if proved else None
     return write_package(mission, out, Standing(verdict.problem.thrust, certificate), **options)
 
 
@@ -132,18 +132,14 @@ def fly_firmware(
         If the mission adds anything to the model, the firmware is that of another mission, a time
         cannot be used, or there is no C compiler.
     """
-    return flown_firmware(
-        mission, firmware, duration=duration, step=step, every=every, law=law
-    ).dataset()
+    return flown_firmware(mission, Timing(duration, step, every), firmware, law=law).dataset()
 
 
 def flown_firmware(
     mission: Mission,
+    timing: Timing,
     firmware: Firmware | None = None,
     *,
-    duration: float | None = None,
-    step: float | None = None,
-    every: int | None = None,
     law: Law = HAMEL_MAHONY,
 ) -> Record:
     """Fly a mission with the exported C: `fly_firmware`, without importing xarray.
@@ -152,10 +148,7 @@ def flown_firmware(
     ----------
     mission, firmware
         See `fly_firmware`, also for what is raised.
-    duration, step : float, optional
-        s.
-    every : int, optional
-        Keep every so many steps.
+    timing : Timing
     law : Law
         That of the firmware; by default the law of the paper.
     """
@@ -164,15 +157,14 @@ def flown_firmware(
         raise InputError(
             mission.source, unfit[0], "is not flown with --controller firmware; leave it out"
         )
-    step, finer = flight_step(mission, step, law), simulation.SAMPLES if every is None else None
+    step = flight_step(mission, timing.step, law)
     if step > LONGEST_STEP:
         raise InputError(
             "--step", "", f"must be at most {LONGEST_STEP} s for the firmware, not {step}"
         )
-    sample_bytes = simulation.sample_bytes(mission)
-    steps, every = steps_and_interval(
-        mission, duration, step, every, simulation.SAMPLES, sample_bytes=sample_bytes, law=law
-    )
+    samples = simulation.SAMPLES
+    steps = timing.steps(mission, samples, simulation.sample_bytes(mission), law)
+    every, finer = steps.every, samples if timing.every is None else None
     if firmware is None:
         firmware = _exported(mission, law)
     elif firmware.manifest["mission"] != mission.exact():
@@ -183,7 +175,7 @@ def flown_firmware(
         return _good(vehicle.fly(step, samples, every))
 
     begin = time.perf_counter()
-    flown = firmware.fly(step, steps // every, every)
+    flown = firmware.fly(step, steps.samples, every)
     seconds = time.perf_counter() - begin
     rows, whole = _good(flown)
     taken, at = every * np.arange(len(rows)), 0

@@ -13,7 +13,7 @@ import numpy as np
 
 from hoverproof.certification.cells import View, largest_below, smallest_above
 from hoverproof.certification.over_box import enclose, none_proved
-from hoverproof.certification.region import Box, Region, default_box, eigenvalues
+from hoverproof.certification.region import Box, Enclosure, default_box, eigenvalues
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, Interval, hover_goal
@@ -24,7 +24,7 @@ BITS = (24, 18, 12)
 """Boxes around a goal that is known to rounding are tried with sides of 2^-BITS of its height."""
 
 
-def proved_bounds(mission: Mission) -> Region | None:
+def proved_bounds(mission: Mission) -> Enclosure | None:
     """Return the bounds that ``eigenvalues = "auto"`` stands for; None if a mission assumes some.
 
     Parameters
@@ -130,10 +130,10 @@ def _boxes(mission: Mission, goal: HoverGoal, *, exactly: bool) -> list[Box]:
     return boxes
 
 
-_held: dict[tuple[object, Box], Region | None] = {}
+_held: dict[tuple[object, Box], Enclosure | None] = {}
 
 
-def _enclosed(mission: Mission, box: Box) -> Region | None:
+def _enclosed(mission: Mission, box: Box) -> Enclosure | None:
     """Enclose once for a target and a box: searches for gains ask again and again."""
     key = (tuple(mission.target.points), box)
     if key not in _held:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, ClassVar, Literal
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from hoverproof.certification.problem import (
     sigma_function,
     squares,
 )
-from hoverproof.certification.region import Region
+from hoverproof.certification.region import Enclosure
 from hoverproof.certification.robust import (
     Array,
     Inequality,
@@ -30,6 +30,7 @@ from hoverproof.certification.robust import (
     optimise,
     worst_case,
 )
+from hoverproof.certification.verdict import Proved, Refuted, Undecided
 from hoverproof.mission.sections import Mission
 
 WITNESS_BITS = 40
@@ -38,37 +39,40 @@ MOST_ROUNDS = 40
 NO_BETTER = 1e-7
 
 
-@dataclass(frozen=True)
-class Proved:
+@dataclass(frozen=True, kw_only=True)
+class ProvedGains(Proved):
     """Σ is positive definite over the whole region.
 
     Attributes
     ----------
+    mission, certificate
+        See `Proved` of `hoverproof.certification.verdict`.
+    problem : GainProblem
+        What was asked.
     margin : Fraction
         Proved: Σ ⪰ margin·W, kg/s; with all weights 1 a lower bound of every eigenvalue of Σ.
     margin_above : Fraction
         Proved upper bound of the worst eigenvalue (from an extremal Q), kg/s.
     decay_rate : Fraction
         Proved: L falls at least as fast as exp(-decay_rate·t), 1/s.
-    problem : GainProblem
-        What was asked.
-    certificate : Certificate
     """
 
-    status: ClassVar[Literal["proved"]] = "proved"
+    problem: GainProblem
     margin: Fraction
     margin_above: Fraction
     decay_rate: Fraction
-    problem: GainProblem
-    certificate: Certificate
 
 
-@dataclass(frozen=True)
-class Refuted:
+@dataclass(frozen=True, kw_only=True)
+class RefutedGains(Refuted):
     """Σ has a negative direction at some point of the region.
 
     Attributes
     ----------
+    mission, certificate
+        See `Refuted` of `hoverproof.certification.verdict`.
+    problem : GainProblem
+        What was asked.
     Q : (3, 3) rows of Fractions
         Symmetric, its eigenvalues strictly inside the interval, 1/m.
     f : Fraction
@@ -79,43 +83,35 @@ class Refuted:
         Upper bound of XᵀΣX over the enclosure of q*, negative, kg/s.
     margin_above : Fraction
         Proved upper bound of the worst eigenvalue, negative, kg/s.
-    problem : GainProblem
-        What was asked.
-    certificate : Certificate
-        The counterexample in a file that the checker confirms.
     """
 
-    status: ClassVar[Literal["refuted"]] = "refuted"
+    problem: GainProblem
     Q: Rows
     f: Fraction
     X: list[Fraction]
     value: Fraction
     margin_above: Fraction
-    problem: GainProblem
-    certificate: Certificate
 
 
-@dataclass(frozen=True)
-class Undecided:
-    """Neither a proof nor a counterexample was found.
+@dataclass(frozen=True, kw_only=True)
+class UndecidedGains(Undecided):
+    """Whether Σ is positive definite over the whole region is not known.
 
     Attributes
     ----------
-    margin_above : Fraction or None
-        Proved upper bound of the worst eigenvalue, kg/s; None if the solver found nothing.
-    reason : str
-        What stood in the way.
+    mission, reason, advice, certificate
+        See `Undecided` of `hoverproof.certification.verdict`.
     problem : GainProblem
         What was asked.
+    margin_above : Fraction or None
+        Proved upper bound of the worst eigenvalue, kg/s; None if the solver found nothing.
     """
 
-    status: ClassVar[Literal["undecided"]] = "undecided"
-    margin_above: Fraction | None
-    reason: str
     problem: GainProblem
+    margin_above: Fraction | None
 
 
-Verdict = Proved | Refuted | Undecided
+GainsVerdict = ProvedGains | RefutedGains | UndecidedGains
 
 
 @dataclass(frozen=True)
@@ -143,8 +139,8 @@ class _Worst:
 
 
 def certify(
-    mission: Mission, *, weights: tuple[Fraction, ...] = ONES, region: Region | None = None
-) -> Verdict:
+    mission: Mission, *, weights: tuple[Fraction, ...] = ONES, region: Enclosure | None = None
+) -> GainsVerdict:
     """Decide whether Σ ≻ 0 for every Q and every thrust that the mission allows.
 
     Solvers suggest a multiplier and a worst case for each end of the interval of f(T); the verdict
@@ -155,12 +151,12 @@ def certify(
     mission : Mission
     weights : (4,) Fractions
         w of L = ½ Σ wᵢ|δᵢ|²; `search_weights` finds those with the largest decay rate.
-    region : Region, optional
+    region : Enclosure, optional
         A box with proved eigenvalue bounds, to take the place of those that the mission assumes.
 
     Returns
     -------
-    Proved, Refuted or Undecided
+    ProvedGains, RefutedGains or UndecidedGains
 
     Raises
     ------
@@ -176,7 +172,10 @@ def certify(
         try:
             best = float(margins(question)[1][0])
         except np.linalg.LinAlgError as error:
-            return Undecided(None, f"no multiplier was found ({error})", problem)
+            reason = f"no multiplier was found ({error})"
+            return UndecidedGains(
+                mission=mission, reason=reason, problem=problem, margin_above=None
+            )
         tau = _short_multiplier(best)
         estimate = float(np.linalg.eigvalsh(question.bound([float(tau)]))[0])
         x, axis = worst_case(question, best)
@@ -188,11 +187,14 @@ def certify(
     if worst.value < 0 and low <= worst.f <= high:
         return _refuted(problem, _shortest_witness(problem, direction, worst), worst.quotient)
     if any(v.margin <= 0 for v in vertices):
-        return Undecided(worst.quotient, "the worst eigenvalue of Σ is too near zero", problem)
+        reason = "the worst eigenvalue of Σ is too near zero"
+        return UndecidedGains(
+            mission=mission, reason=reason, problem=problem, margin_above=worst.quotient
+        )
     return _proved(problem, vertices, worst.quotient)
 
 
-def search_weights(mission: Mission, *, region: Region | None = None) -> tuple[Fraction, ...]:
+def search_weights(mission: Mission, *, region: Enclosure | None = None) -> tuple[Fraction, ...]:
     """Return short weights with (nearly) the largest decay rate that can be certified, w1 = 1.
 
     Where the mission gives a level, the thrust interval is that of weights 1 during the search.
@@ -200,7 +202,7 @@ def search_weights(mission: Mission, *, region: Region | None = None) -> tuple[F
     Parameters
     ----------
     mission : Mission
-    region : Region, optional
+    region : Enclosure, optional
         See `certify`.
 
     Raises
@@ -238,7 +240,7 @@ def _best_weights(corners: Sequence[Inequality]) -> Array:
 
 def _proved(
     problem: GainProblem, vertices: list[_Vertex], margin_above: Fraction
-) -> Proved | Undecided:
+) -> ProvedGains | UndecidedGains:
     margin = min(v.margin for v in vertices)
     rate = problem.decay_rate(margin)
     parts = {
@@ -261,15 +263,30 @@ def _proved(
     certificate = _seal(problem, "gains", parts)
     reason = rejection(certificate)
     if reason:
-        return Undecided(margin_above, reason, problem)
-    return Proved(margin, margin_above, rate, problem, certificate)
+        return UndecidedGains(
+            mission=problem.mission, reason=reason, problem=problem, margin_above=margin_above
+        )
+    return ProvedGains(
+        mission=problem.mission,
+        certificate=certificate,
+        problem=problem,
+        margin=margin,
+        margin_above=margin_above,
+        decay_rate=rate,
+    )
 
 
-def _refuted(problem: GainProblem, worst: _Worst, margin_above: Fraction) -> Refuted:
+def _refuted(problem: GainProblem, worst: _Worst, margin_above: Fraction) -> RefutedGains:
     value = -decimal_below(-worst.value, DIGITS)
-    point = {"Q": worst.Q, "f": worst.f, "X": worst.X, "value": value}
+    point: dict[str, Any] = {"Q": worst.Q, "f": worst.f, "X": worst.X, "value": value}
     certificate = _seal(problem, "counterexample", {"counterexample": point})
-    return Refuted(worst.Q, worst.f, worst.X, value, margin_above, problem, certificate)
+    return RefutedGains(
+        mission=problem.mission,
+        certificate=certificate,
+        problem=problem,
+        margin_above=margin_above,
+        **point,
+    )
 
 
 def _seal(problem: GainProblem, kind: str, parts: dict[str, Any]) -> Certificate:

@@ -3,53 +3,87 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.certificate import Certificate, accepted, seal
 from hoverproof.certification.region import (
     Box,
+    Enclosure,
     Outside,
-    Region,
     enclosures,
     halved,
     outside,
 )
+from hoverproof.certification.verdict import Proved, Refuted, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import Interval, level_view
 
+TOO_MANY = "the bounds were neither proved nor broken over the box within the limit of boxes"
 
-@dataclass(frozen=True)
-class RegionVerdict:
-    """What is known of the eigenvalues of Q over a box.
+
+@dataclass(frozen=True, kw_only=True)
+class _OverBox:
+    box: Box
+    bounds: Interval
+    enclosure: Enclosure | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProvedBounds(_OverBox, Proved):
+    """The bounds of the eigenvalues of Q hold at every position in a box.
 
     Attributes
     ----------
-    status : str
-        Of the mission's bounds over the box: ``"proved"``, ``"refuted"`` or ``"undecided"``.
+    mission, certificate
+        See `Proved` of `hoverproof.certification.verdict`.
     box : (3,) of (low, high)
         World frame, m.
     bounds : (low, high)
         What was asked: the bounds of the mission, or, if they are "auto", those that were proved,
         1/m.
-    enclosure : Region or None
-        The narrowest bounds that were proved there; None if none were.
-    outside : Outside or None
-        Where the mission's bounds do not hold; None if that was not shown.
-    certificate : Certificate or None
-        Of the mission's bounds if they are proved, of the position if they are refuted, and
-        otherwise of the enclosure.
+    enclosure : Enclosure or None
+        The narrowest bounds that were proved there; None if no others were.
     """
 
-    status: str
-    box: Box
-    bounds: Interval
-    enclosure: Region | None
-    outside: Outside | None
-    certificate: Certificate | None
+
+@dataclass(frozen=True, kw_only=True)
+class RefutedBounds(_OverBox, Refuted):
+    """The bounds of the eigenvalues of Q do not hold somewhere in a box.
+
+    Attributes
+    ----------
+    mission, certificate
+        See `Refuted` of `hoverproof.certification.verdict`.
+    box, bounds, enclosure
+        See `ProvedBounds`.
+    outside : Outside
+        Where they do not hold.
+    """
+
+    outside: Outside
 
 
-def certify_region(mission: Mission, box: Box, most: int | None = None) -> RegionVerdict:
+@dataclass(frozen=True, kw_only=True)
+class UndecidedBounds(_OverBox, Undecided):
+    """Whether the bounds of the eigenvalues of Q hold all over a box is not known.
+
+    Its certificate is that of the enclosure, if there is one.
+
+    Attributes
+    ----------
+    mission, reason, advice, certificate
+        See `Undecided` of `hoverproof.certification.verdict`.
+    box, bounds, enclosure
+        See `ProvedBounds`.
+    """
+
+
+BoundsVerdict = ProvedBounds | RefutedBounds | UndecidedBounds
+
+
+def certify_region(mission: Mission, box: Box, most: int | None = None) -> BoundsVerdict:
     """Prove or refute that the mission's eigenvalue bounds hold over a box.
 
     Bounds that are "auto" are those that hold over the box.
@@ -60,6 +94,10 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Regio
     box : (3,) of (low, high), world frame, m
     most : int, optional
         Most boxes in the branch and bound (see `enclose`).
+
+    Returns
+    -------
+    ProvedBounds, RefutedBounds or UndecidedBounds
 
     Raises
     ------
@@ -73,29 +111,40 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Regio
         if proved is None:
             raise none_proved(mission)
         held, certificate = proved
-        return RegionVerdict("proved", box, held.eigenvalues, held, None, certificate)
-    narrowest = proved and proved[0]
+        return ProvedBounds(
+            mission=mission,
+            certificate=certificate,
+            box=box,
+            bounds=held.eigenvalues,
+            enclosure=held,
+        )
+    narrowest, least = proved or (None, None)
+    asked: dict[str, Any] = {
+        "mission": mission,
+        "box": box,
+        "bounds": wanted,
+        "enclosure": narrowest,
+    }
     for spot in outside(mission, box, wanted):
         point = {
             "position": spot.position,
             "direction": spot.direction,
             "bound": spot.bound,
         }
-        broken = Region(box, wanted, (spot.eigenvalue, spot.eigenvalue), None)
+        broken = Enclosure(box, wanted, (spot.eigenvalue, spot.eigenvalue), None)
         refutation = accepted(_seal(mission, broken, "outside", outside=point))
         if refutation:
-            return RegionVerdict("refuted", box, wanted, narrowest, spot, refutation)
+            return RefutedBounds(certificate=refutation, outside=spot, **asked)
     tree = halved(mission, box, wanted, most)
     if tree is not None:
         attained = narrowest.attained if narrowest else (float(wanted[0]), float(wanted[1]))
-        held = Region(box, wanted, attained, tree)
-        shown = accepted(_seal(mission, held, "region"))
+        shown = accepted(_seal(mission, Enclosure(box, wanted, attained, tree), "region"))
         if shown:
-            return RegionVerdict("proved", box, wanted, narrowest, None, shown)
-    return RegionVerdict("undecided", box, wanted, narrowest, None, proved and proved[1])
+            return ProvedBounds(certificate=shown, **asked)
+    return UndecidedBounds(certificate=least, reason=TOO_MANY, **asked)
 
 
-def enclose(mission: Mission, box: Box, most: int | None = None) -> Region | None:
+def enclose(mission: Mission, box: Box, most: int | None = None) -> Enclosure | None:
     """Find and prove an interval that holds every eigenvalue of Q over a box.
 
     Parameters
@@ -107,7 +156,7 @@ def enclose(mission: Mission, box: Box, most: int | None = None) -> Region | Non
 
     Returns
     -------
-    Region or None
+    Enclosure or None
         None if nothing is proved with that many cells.
 
     Raises
@@ -119,7 +168,7 @@ def enclose(mission: Mission, box: Box, most: int | None = None) -> Region | Non
     return None if proved is None else proved[0]
 
 
-def _enclose(mission: Mission, box: Box, most: int | None) -> tuple[Region, Certificate] | None:
+def _enclose(mission: Mission, box: Box, most: int | None) -> tuple[Enclosure, Certificate] | None:
     for region in enclosures(mission, box, most):
         shown = accepted(_seal(mission, region, "region"))
         if shown:
@@ -142,7 +191,7 @@ def none_proved(mission: Mission) -> InputError:
     )
 
 
-def _seal(mission: Mission, region: Region, kind: str, **parts: object) -> Certificate:
+def _seal(mission: Mission, region: Enclosure, kind: str, **parts: object) -> Certificate:
     """Complete a certificate about Q alone: gains and thrust play no part in it."""
     held = {"box": region.box, "eigenvalues": region.eigenvalues, "tree": region.tree}
     model = fingerprint(level_view(len(mission.target.points)))

@@ -20,7 +20,7 @@ from hoverproof.algebra.derived import kept_graph
 from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.bounds import eigenvalue_bounds, goal_box, proved_bounds
-from hoverproof.certification.region import Box, Region
+from hoverproof.certification.region import Box, Enclosure
 from hoverproof.certification.robust import Array, Inequality, Term
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
@@ -101,7 +101,7 @@ class GainProblem:
         Interval of values that f(T) does take, 1/m; empty if low > high.
     eigenvalues : (low, high)
         Interval of the eigenvalues of Q, 1/m.
-    region : Region or None
+    region : Enclosure or None
         Positions over which that interval was proved; None if it is the mission's assumption.
     goal_box : (3,) of (low, high), or None
         Holds the goal, and Q is within that interval there, m; None where the question is not
@@ -116,7 +116,7 @@ class GainProblem:
     factor: Interval
     factor_attained: Interval
     eigenvalues: Interval
-    region: Region | None
+    region: Enclosure | None
     goal_box: Box | None = None
 
     @property
@@ -188,7 +188,7 @@ ONES = (Fraction(1),) * 4
 
 
 def gain_problem(
-    mission: Mission, weights: tuple[Fraction, ...] = ONES, region: Region | None = None
+    mission: Mission, weights: tuple[Fraction, ...] = ONES, region: Enclosure | None = None
 ) -> GainProblem:
     """Pose the question about the gains of a mission.
 
@@ -197,7 +197,7 @@ def gain_problem(
     mission : Mission
     weights : (4,) Fractions
         w of L = ½ Σ wᵢ|δᵢ|².
-    region : Region, optional
+    region : Enclosure, optional
         A box with proved eigenvalue bounds; by default those of the mission, proved if they are
         "auto".
 
@@ -212,7 +212,7 @@ def gain_problem(
 
 
 def pose(
-    mission: Mission, weights: tuple[Fraction, ...] = ONES, region: Region | None = None
+    mission: Mission, weights: tuple[Fraction, ...] = ONES, region: Enclosure | None = None
 ) -> GainProblem:
     """Put the numbers of a question together, wherever the goal is.
 
@@ -221,7 +221,7 @@ def pose(
     mission : Mission
     weights : (4,) Fractions
         w of L = ½ Σ wᵢ|δᵢ|².
-    region : Region, optional
+    region : Enclosure, optional
         A box with proved eigenvalue bounds, to take the place of those in the mission.
 
     Raises

@@ -32,7 +32,7 @@ GRID = 25
 
 
 @dataclass(frozen=True)
-class Region:
+class Enclosure:
     """Positions over which the eigenvalues of Q are proved to lie in an interval.
 
     Attributes
@@ -112,7 +112,7 @@ def eigenvalues(points: Array, positions: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(View.at(points, positions).depths), np.float64)
 
 
-def enclosures(mission: Mission, box: Box, most: int | None = None) -> Iterator[Region]:
+def enclosures(mission: Mission, box: Box, most: int | None = None) -> Iterator[Enclosure]:
     """Yield bounds that seem to hold for every eigenvalue of Q over a box, the narrowest first.
 
     Parameters
@@ -137,7 +137,7 @@ def enclosures(mission: Mission, box: Box, most: int | None = None) -> Iterator[
         )
         tree = halved(mission, box, bounds, most)
         if tree is not None:
-            yield Region(box, bounds, (low, high), tree)
+            yield Enclosure(box, bounds, (low, high), tree)
 
 
 def _infinite_in(mission: Mission, box: Box) -> InputError:

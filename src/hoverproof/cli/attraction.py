@@ -22,7 +22,7 @@ from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
     from hoverproof.certification.attraction.starts import Start
-    from hoverproof.certification.attraction.verdict import Proved
+    from hoverproof.certification.attraction.verdict import Attraction
 
 
 def attraction(
@@ -79,17 +79,16 @@ def attraction(
             loaded, objective=objective, starts=starts, barrier=barrier, progress=doing
         )
     path = picture = None
-    if verdict.status != "undecided":
-        ending = "cert" if verdict.status == "proved" else "refutation"
+    if verdict.certificate is not None:
         stem = certificate_stem(loaded, mission, set_)
-        path = out or Path(f"{stem}.attraction.{ending}.json")
+        path = out or Path(f"{stem}.attraction.{verdict.ending}.json")
         verdict.certificate.save(path)
-        if figure and verdict.status == "proved":
-            picture = _draw(verdict, path)
+        if figure and verdict.proved:
+            picture = _draw(verdict.proved, path)
     return tell(AttractionAnswer(verdict, path, picture), json_, loaded)
 
 
-def _draw(verdict: Proved, path: Path) -> Path:
+def _draw(verdict: Attraction, path: Path) -> Path:
     from hoverproof.show.attraction import save_attraction_figure
 
     picture = path.with_name(f"{path.name.removesuffix('.json').removesuffix('.cert')}.png")

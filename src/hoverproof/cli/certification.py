@@ -23,7 +23,7 @@ from hoverproof.cli.reading import box_sides, certificate_stem, parse_weights
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
-    from hoverproof.certification.gains import Verdict
+    from hoverproof.certification.gains import GainsVerdict
     from hoverproof.mission.sections import Mission
 
 
@@ -77,9 +77,8 @@ def certify(
     stem += ".weighted" if weights is not None else ""
     verdict = _over_box(loaded, box, boxes, weights) if over_box else _as_assumed(loaded, weights)
     path = None
-    if verdict.status != "undecided":
-        ending = "cert" if verdict.status == "proved" else "refutation"
-        path = out or Path(f"{stem}.{ending}.json")
+    if verdict.certificate is not None:
+        path = out or Path(f"{stem}.{verdict.ending}.json")
         verdict.certificate.save(path)
     strange = list(slow_motion(loaded)) if verdict.status == "proved" else []
     for finding in strange:
@@ -89,16 +88,18 @@ def certify(
     return tell(answer, json_, loaded)
 
 
-def _as_assumed(mission: Mission, weights: str | None) -> Verdict:
+def _as_assumed(mission: Mission, weights: str | None) -> GainsVerdict:
     """Decide with the bounds of Q that the mission assumes."""
     from hoverproof.certification.gains import certify as decide
 
     return decide(mission, weights=parse_weights(mission, weights, None))
 
 
-def _over_box(mission: Mission, box: str | None, boxes: int | None, weights: str | None) -> Verdict:
+def _over_box(
+    mission: Mission, box: str | None, boxes: int | None, weights: str | None
+) -> GainsVerdict:
     """Decide with bounds of Q that are proved over a box."""
-    from hoverproof.certification.gains import Undecided
+    from hoverproof.certification.gains import UndecidedGains
     from hoverproof.certification.gains import certify as decide
     from hoverproof.certification.over_box import enclose
     from hoverproof.certification.problem import gain_problem
@@ -106,7 +107,8 @@ def _over_box(mission: Mission, box: str | None, boxes: int | None, weights: str
     region = enclose(mission, box_sides(mission, box), boxes)
     if region is None:
         reason = "the eigenvalues of Q over the box were not enclosed within the limit of boxes"
-        return Undecided(None, reason, gain_problem(mission))
+        problem = gain_problem(mission)
+        return UndecidedGains(mission=mission, reason=reason, problem=problem, margin_above=None)
     return decide(mission, weights=parse_weights(mission, weights, region), region=region)
 
 
@@ -140,9 +142,9 @@ def region(
 
     loaded = load_mission(mission, set_)
     verdict = certify_region(loaded, box_sides(loaded, box), boxes)
-    ending = "refutation" if verdict.outside else "cert"
-    path = out or Path(f"{certificate_stem(loaded, mission, set_)}.region.{ending}.json")
-    picture = path.with_name(f"{path.name.removesuffix('.json').removesuffix(f'.{ending}')}.png")
+    path = out or Path(f"{certificate_stem(loaded, mission, set_)}.region.{verdict.ending}.json")
+    stem = path.name.removesuffix(".json").removesuffix(f".{verdict.ending}")
+    picture = path.with_name(f"{stem}.png")
     if verdict.certificate is not None:
         verdict.certificate.save(path)
     if figure:

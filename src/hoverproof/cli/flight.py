@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, load_mission, progress
-from hoverproof.cli.flights import fly_many
 from hoverproof.cli.reading import refuse_given
+from hoverproof.cli.runs import fly_many
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from hoverproof.mission.sections import Mission
     from hoverproof.show.decay import Decay
     from hoverproof.simulation.record import Record
+    from hoverproof.simulation.timing import Timing
 
 
 def simulate(
@@ -102,13 +103,14 @@ def simulate(
     Example: `hoverproof simulate crazyflie-2.1 --controller firmware --step 0.001`
     """
     loaded = load_mission(mission, set_)
-    timing = {"duration": duration, "step": step, "every": every}
     if runs is None:
         for_runs = {"--resume": resume, "--scheduler": scheduler, "--threads": threads}
         refuse_given(for_runs, "is for --runs")
         _check_animation(animate, speed_up)
+        from hoverproof.simulation.timing import Timing
+
         fly = _fly_firmware if controller == "firmware" else _fly_model
-        flight = fly(loaded, seed, timing)
+        flight = fly(loaded, seed, Timing(duration, step, every))
         path = out or Path(f"{loaded.name}.flight.nc")
         return tell(_keep(loaded, flight, path, figures, animate, speed_up), json_, loaded)
     firmware = controller == "firmware"
@@ -124,7 +126,9 @@ def simulate(
         threads=threads,
         scheduler=scheduler,
         resume=resume,
-        **timing,
+        duration=duration,
+        step=step,
+        every=every,
     )
     return tell(answer, json_, loaded)
 
@@ -139,18 +143,18 @@ def _check_animation(animate: Path | None, speed_up: float | None) -> None:
         check_request(animate, speed_up)
 
 
-def _fly_model(mission: Mission, seed: int, timing: dict[str, Any]) -> Record:
+def _fly_model(mission: Mission, seed: int, timing: Timing) -> Record:
     from hoverproof.simulation.flight import flown as fly
 
-    return fly(mission, seed=seed, **timing)
+    return fly(mission, timing, seed=seed)
 
 
-def _fly_firmware(mission: Mission, seed: int, timing: dict[str, Any]) -> Record:
+def _fly_firmware(mission: Mission, seed: int, timing: Timing) -> Record:
     from hoverproof.firmware import flown_firmware
 
     if seed:
         raise InputError("--seed", "", "is not for --controller firmware: nothing is drawn")
-    return flown_firmware(mission, **timing)
+    return flown_firmware(mission, timing)
 
 
 def _keep(
@@ -192,11 +196,11 @@ def _draw(
 
 def _certified_decay(mission: Mission, flight: xr.Dataset) -> Decay | None:
     """Return the decay that is proved for a flight of a mission; None if none is."""
-    from hoverproof.certification.gains import Proved, certify
+    from hoverproof.certification.gains import certify
     from hoverproof.show.decay import decay_along
 
     try:
         verdict = certify(mission)
     except InputError:  # the mission's bounds pose no question: nothing to draw
         return None
-    return decay_along(flight, verdict) if isinstance(verdict, Proved) else None
+    return decay_along(flight, verdict)

@@ -13,7 +13,7 @@ from hoverproof.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from hoverproof.certification.region import Box, Region
+    from hoverproof.certification.region import Box, Enclosure
     from hoverproof.mission.sections import Mission
 
 
@@ -32,7 +32,7 @@ def box_sides(mission: Mission, text: str | None) -> Box:
 
 
 def parse_weights(
-    mission: Mission, text: str | None, region: Region | None
+    mission: Mission, text: str | None, region: Enclosure | None
 ) -> tuple[Fraction, ...]:
     """Read --weights: four numbers, or the best ones; by default ones."""
     from hoverproof.certification.gains import search_weights

@@ -7,7 +7,7 @@ import shlex
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -27,6 +27,7 @@ from hoverproof.errors import InputError
 if TYPE_CHECKING:
     from hoverproof.cli.answers.curve import CurveAnswer
     from hoverproof.design.outcome import Infeasible, RegionTuned, Tuned
+    from hoverproof.design.tuning import Wish
     from hoverproof.mission.sections import Mission
 
 
@@ -97,38 +98,40 @@ def tune(
     Example: `hoverproof tune x4-flyer --objective region --minimum-decay 0.0234`
     """
     loaded = load_mission(mission, set_)
-    options: dict[str, Any] = {
-        "bandwidth": bandwidth,
-        "objective": objective,
-        "rate": rate,
-        "tilt": None if tilt is None else math.radians(tilt),
-        "rotor_thrust": rotor_thrust,
-        "at_least": at_least,
-        "minimum_decay": minimum_decay,
-        "weights": "search" if weights == "search" else parse_weights(loaded, weights, None),
-    }
-    if pareto is None:
-        found, written, certificate = _tune(loaded, out, options)
-        return tell(_answer(found, written, certificate), json_, found.mission)
-    if at_least is not None:
+    if pareto is not None and at_least is not None:
         raise InputError("--at-least", "", "does not go with --pareto")
+    from hoverproof.design.tuning import Wish
+
+    wish = Wish(
+        bandwidth=bandwidth,
+        objective=objective,
+        rate=rate,
+        tilt=None if tilt is None else math.radians(tilt),
+        rotor_thrust=rotor_thrust,
+        weights="search" if weights == "search" else parse_weights(loaded, weights, None),
+        at_least=at_least,
+        minimum_decay=minimum_decay,
+    )
+    if pareto is None:
+        found, written, certificate = _tune(loaded, out, wish)
+        return tell(_answer(found, written, certificate), json_, found.mission)
     picture = picture_path(out or Path(f"{loaded.name}.pareto.png"))
-    return tell(_curve(loaded, pareto, picture, options), json_, loaded)
+    return tell(_curve(loaded, pareto, picture, wish), json_, loaded)
 
 
 def _tune(
-    mission: Mission, out: Path | None, options: dict[str, Any]
+    mission: Mission, out: Path | None, wish: Wish
 ) -> tuple[Tuned | RegionTuned | Infeasible, str | None, Path | None]:
     """Find gains; return them with the mission file and the certificate that were written."""
     from hoverproof.design.outcome import Infeasible
-    from hoverproof.design.tuning import tune as design
+    from hoverproof.design.tuning import gains_for
 
     wanted = mission
-    if options["objective"] == "region" and out is not None:
+    if wish.objective == "region" and out is not None:
         # the certificate is about the mission in `out`
         wanted = mission.model_copy(update={"name": mission_name(out)})
     with progress("tune"):
-        found = design(wanted, **options)
+        found = gains_for(wanted, wish)
     if isinstance(found, Infeasible):  # nothing is written, so nothing bears the name of `out`
         found = replace(found, mission=mission)
     warn(found.mission, known=mission)
@@ -171,7 +174,7 @@ def _answer(
     return TunedAnswer(found, written)
 
 
-def _curve(mission: Mission, count: int, picture: Path, options: dict[str, Any]) -> CurveAnswer:
+def _curve(mission: Mission, count: int, picture: Path, wish: Wish) -> CurveAnswer:
     """Tune along a curve, and draw it if there is anything to see."""
     from hoverproof.cli.answers.curve import DecayCurveAnswer, RegionCurveAnswer
     from hoverproof.design.outcome import RegionTuned, Tuned
@@ -180,12 +183,12 @@ def _curve(mission: Mission, count: int, picture: Path, options: dict[str, Any])
     from hoverproof.show.attraction import save_trade_off_figure
 
     with progress("tune") as report:
-        points = curve(mission, count, report=report, **options)
+        points = curve(mission, count, wish, report=report)
     tuned = [(at, found) for at, found in points if isinstance(found, Tuned)]
     regions = [found for _, found in points if isinstance(found, RegionTuned)]
     if tuned:
         save_pareto_figure(mission, tuned, picture)
     if regions:
         save_trade_off_figure([r.region for r in regions], regions[0].before, picture)
-    kind = RegionCurveAnswer if options["objective"] == "region" else DecayCurveAnswer
+    kind = RegionCurveAnswer if wish.objective == "region" else DecayCurveAnswer
     return kind(mission.name, points, picture if tuned or regions else None)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import ClassVar
 
-from hoverproof.certification.attraction.verdict import Proved as Region
-from hoverproof.certification.gains import Proved
+from hoverproof.certification.attraction.verdict import Attraction
+from hoverproof.certification.gains import ProvedGains
 from hoverproof.design.gain_search import Objective
 from hoverproof.design.limits import Use, bandwidth
 from hoverproof.mission.sections import Mission
@@ -38,7 +38,7 @@ class Tuned(_OfMission):
     ----------
     mission : Mission
         The mission with the new gains.
-    verdict : Proved
+    verdict : ProvedGains
         What `certify` says of just these gains.
     before : Fraction or None
         Decay rate of L that is proved for the gains the mission had, 1/s; with the same weights, or
@@ -55,7 +55,7 @@ class Tuned(_OfMission):
 
     status: ClassVar[str] = "tuned"
     mission: Mission
-    verdict: Proved
+    verdict: ProvedGains
     before: Fraction | None
     estimate: float
     slowest_rate: float
@@ -71,9 +71,9 @@ class RegionTuned(_OfMission):
     ----------
     mission : Mission
         The mission with the new gains.
-    region : Region
+    region : Attraction
         What `attraction` proves of just these gains, without a barrier.
-    before : Region or None
+    before : Attraction or None
         The same of the gains that the mission had.
     slowest_rate, slowest_rate_before : float
         Decay rate of the slowest motion of the loop linearised at the goal, 1/s.
@@ -86,8 +86,8 @@ class RegionTuned(_OfMission):
     status: ClassVar[str] = "tuned"
     objective: ClassVar[str] = "region"
     mission: Mission
-    region: Region
-    before: Region | None
+    region: Attraction
+    before: Attraction | None
     slowest_rate: float
     slowest_rate_before: float
     decay_rate: Fraction | None

@@ -15,9 +15,9 @@ from fractions import Fraction
 import numpy as np
 
 from hoverproof.algebra.decimals import decimal_below
-from hoverproof.certification import gains as lyapunov
 from hoverproof.certification.attraction.proof import attraction
-from hoverproof.certification.attraction.verdict import Proved
+from hoverproof.certification.attraction.verdict import Attraction
+from hoverproof.certification.gains import certify
 from hoverproof.design.limits import (
     Limits,
     Use,
@@ -66,8 +66,8 @@ def tune_region(
         return Infeasible(mission, _why_not(search))
     for gains in search.short(point):
         tuned = mission.model_copy(update={"gains": gains})
-        region = attraction(tuned, objective="radius", barrier=False)
-        if isinstance(region, Proved):
+        region = attraction(tuned, objective="radius", barrier=False).proved
+        if region is not None:
             break
     else:
         return Infeasible(mission, "the best gains found are too near the edge to be proved")
@@ -85,20 +85,19 @@ def tune_region(
     )
 
 
-def _own_region(mission: Mission) -> Proved | None:
+def _own_region(mission: Mission) -> Attraction | None:
     try:
-        region = attraction(mission, objective="radius", barrier=False)
+        return attraction(mission, objective="radius", barrier=False).proved
     except InputError:
         return None
-    return region if isinstance(region, Proved) else None
 
 
 def _decay_rate(mission: Mission) -> Fraction | None:
     try:
-        verdict = lyapunov.certify(mission)
+        proved = certify(mission).proved
     except InputError:
         return None
-    return verdict.decay_rate if isinstance(verdict, lyapunov.Proved) else None
+    return proved.decay_rate if proved else None
 
 
 def fastest_with_region(search: GainRegionSearch) -> float | None:

@@ -9,15 +9,15 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
-from hoverproof.certification.gains import Proved, certify, search_weights
+from hoverproof.certification.gains import certify, search_weights
 from hoverproof.certification.problem import ONES, GainProblem, gain_problem
 from hoverproof.design.gain_search import GainSearch
 from hoverproof.design.gain_search import Objective as RateObjective
@@ -98,10 +98,69 @@ def tune(
     InputError
         If the mission poses no question, or an option is out of range.
     """
-    for option, wished in (("--at-least", at_least), ("--minimum-decay", minimum_decay)):
-        if wished is not None and not 0 < wished < math.inf:
-            raise InputError(option, "", f"must be a positive rate in 1/s, not {wished}")
-    limits = limits_of(mission, bandwidth, rate, tilt, rotor_thrust)
+    wish = Wish(bandwidth, objective, rate, tilt, rotor_thrust, weights, at_least, minimum_decay)
+    return gains_for(mission, wish)
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What gains are to be designed for: see `tune`.
+
+    Attributes
+    ----------
+    bandwidth, rate, tilt, rotor_thrust
+        Limits, in rad/s, 1/s, rad and N.
+    objective : {"decay", "settling", "region"}
+    weights : (4,) Fractions, or "search"
+    at_least, minimum_decay : float or None
+        1/s.
+    """
+
+    bandwidth: float = 20.0
+    objective: Objective = "decay"
+    rate: float | None = None
+    tilt: float | None = None
+    rotor_thrust: float | None = None
+    weights: Weights = ONES
+    at_least: float | None = None
+    minimum_decay: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what is out of range, or does not go together."""
+        rates = (("--at-least", self.at_least), ("--minimum-decay", self.minimum_decay))
+        for option, wished in rates:
+            if wished is not None and not 0 < wished < math.inf:
+                raise InputError(option, "", f"must be a positive rate in 1/s, not {wished}")
+        if self.objective == "region" and (self.at_least is not None or self.weights != ONES):
+            option = "--weights" if self.at_least is None else "--at-least"
+            raise InputError(option, "", "is about L, so not for --objective region")
+        if self.objective != "region" and self.minimum_decay is not None:
+            reason = f"is for --objective region, not {self.objective}"
+            raise InputError("--minimum-decay", "", reason)
+
+    def limits(self, mission: Mission) -> Limits:
+        """Return the limits that are asked for, with those of the mission's rotors by default.
+
+        Parameters
+        ----------
+        mission : Mission
+        """
+        rotors, most = mission.rotors, self.rotor_thrust
+        if most is None and rotors.max_thrust is not None:
+            most = float(rotors.max_thrust)
+        least = None if rotors.min_thrust is None else float(rotors.min_thrust)
+        return Limits(self.bandwidth, self.rate, self.tilt, most, least)
+
+
+def gains_for(mission: Mission, wish: Wish) -> Tuned | RegionTuned | Infeasible:
+    """Do what `tune` does, for a wish in one piece.
+
+    Parameters
+    ----------
+    mission : Mission
+    wish : Wish
+    """
+    limits, at_least, weights = wish.limits(mission), wish.at_least, wish.weights
     least, most = limits.rotors or (0.0, math.inf)
     hover = float(mission.vehicle.weight) / 4
     if most < hover:
@@ -110,13 +169,8 @@ def tune(
     if least > hover:
         above = f"{least:g} N is {least - hover:g} N above m g/4 = {hover:g} N"
         return Infeasible(mission, f"the rotors cannot hover: their least thrust of {above}")
-    if objective == "region":
-        if at_least is not None or weights != ONES:
-            option = "--weights" if at_least is None else "--at-least"
-            raise InputError(option, "", "is about L, so not for --objective region")
-        return tune_region(mission, limits, minimum_decay)
-    if minimum_decay is not None:
-        raise InputError("--minimum-decay", "", f"is for --objective region, not {objective}")
+    if wish.objective == "region":
+        return tune_region(mission, limits, wish.minimum_decay)
     command = FirstCommand.of(mission)
 
     def best(objective: RateObjective, weights: tuple[Fraction, ...]) -> Tuned | Infeasible:
@@ -124,38 +178,17 @@ def tune(
         floor = at_least or 0.0
         return _tuned(mission, GainSearch(questions, limits, command, objective, floor), weights)
 
-    found = best(objective, ONES if weights == "search" else weights)
+    given = ONES if weights == "search" else weights
+    found = best(wish.objective, given)
     if weights == "search":
         found = _with_better_weights(found, best)
-    if isinstance(found, Infeasible) and objective == "settling" and at_least is not None:
-        found = best("decay", ONES if weights == "search" else weights)
+    if isinstance(found, Infeasible) and wish.objective == "settling" and at_least is not None:
+        found = best("decay", given)
     if isinstance(found, Infeasible):
         return found
     if at_least is not None and found.verdict.decay_rate < at_least:
         return _short_of(found, limits, at_least, command)
     return replace(found, before=_rate_of_own_gains(mission, weights))
-
-
-def limits_of(
-    mission: Mission,
-    bandwidth: float,
-    rate: float | None = None,
-    tilt: float | None = None,
-    rotor_thrust: float | None = None,
-) -> Limits:
-    """Return the limits that are asked for, with those of the mission's rotors by default.
-
-    Parameters
-    ----------
-    mission : Mission
-    bandwidth, rate, tilt, rotor_thrust
-        In rad/s, 1/s, rad and N; see `tune`.
-    """
-    rotors = mission.rotors
-    if rotor_thrust is None and rotors.max_thrust is not None:
-        rotor_thrust = float(rotors.max_thrust)
-    least = None if rotors.min_thrust is None else float(rotors.min_thrust)
-    return Limits(bandwidth, rate, tilt, rotor_thrust, least)
 
 
 def _with_better_weights(
@@ -177,15 +210,11 @@ def _rate_of_own_gains(mission: Mission, weights: Weights) -> Fraction | None:
     """Return the decay rate that is proved for a mission's own gains, 1/s; None if none is."""
     try:
         if weights == "search":
-            weights = search_weights(mission) if _is_proved(mission) else ONES
-        own = certify(mission, weights=weights)
+            weights = search_weights(mission) if certify(mission).proved else ONES
+        own = certify(mission, weights=weights).proved
     except InputError:
         return None
-    return own.decay_rate if isinstance(own, Proved) else None
-
-
-def _is_proved(mission: Mission) -> bool:
-    return isinstance(certify(mission), Proved)
+    return own.decay_rate if own else None
 
 
 def _is_better(new: Tuned, old: Tuned) -> bool:
@@ -214,10 +243,10 @@ def _tuned(
         return Infeasible(mission, words)
     for gains in _short(mission, search, best, value):
         tuned = mission.model_copy(update={"gains": gains})
-        verdict = certify(tuned, weights=weights)
+        verdict = certify(tuned, weights=weights).proved
         slowest = slowest_rate(tuned)
         if (
-            isinstance(verdict, Proved)
+            verdict is not None
             and (search.objective == "decay" or verdict.decay_rate >= search.at_least)
             and slowest > 0  # follows from the proof; held against the loop itself all the same
         ):
@@ -286,11 +315,11 @@ def _short_of(best: Tuned, limits: Limits, at_least: float, command: FirstComman
 def pareto(
     mission: Mission,
     count: int,
+    wish: Wish | None = None,
     *,
-    bandwidth: float = 20.0,
+    bandwidth: float | None = None,
     lowest: float | None = None,
     report: Report = lambda done, total: None,
-    **options: Any,
 ) -> list[tuple[float, Tuned | RegionTuned | Infeasible]]:
     """Return the best certified gains for bandwidths in equal ratios, lowest first.
 
@@ -301,27 +330,26 @@ def pareto(
     mission : Mission
     count : int
         Number of bandwidths, at least 2.
-    bandwidth : float
-        The highest, rad/s.
+    wish : Wish, optional
+        By default as `tune` has it.
+    bandwidth : float, optional
+        The highest, rad/s; by default that of the wish.
     lowest : float, optional
         The lowest, rad/s; by default a twentieth of the highest.
     report : callable
         Called with how many are done, of how many.
-    options
-        As for `tune`.
     """
     if not 2 <= count <= 1000:
         raise InputError("--pareto", "", f"must be from 2 to 1000 bandwidths, not {count}")
-    if options.get("objective") == "region":
-        if options.get("weights", ONES) != ONES:
-            raise InputError("--weights", "", "is about L, so not for --objective region")
-        names = ("rate", "tilt", "rotor_thrust")
-        limits = limits_of(mission, bandwidth, **{k: options.get(k) for k in names})
-        return list(region_pareto(mission, count, limits, options.get("minimum_decay"), report))
-    first = bandwidth / 20 if lowest is None else lowest
+    wish = wish or Wish()
+    highest = wish.bandwidth if bandwidth is None else bandwidth
+    if wish.objective == "region":
+        limits = replace(wish, bandwidth=highest).limits(mission)
+        return list(region_pareto(mission, count, limits, wish.minimum_decay, report))
+    first = highest / 20 if lowest is None else lowest
     points = []
-    for i, b in enumerate(np.geomspace(first, bandwidth, count)):
-        b = float(f"{b:.4g}") if i < count - 1 else bandwidth
-        points.append((b, tune(mission, bandwidth=b, **options)))
+    for i, b in enumerate(np.geomspace(first, highest, count)):
+        b = float(f"{b:.4g}") if i < count - 1 else highest
+        points.append((b, gains_for(mission, replace(wish, bandwidth=b))))
         report(i + 1, count)
     return points

@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
 
-from hoverproof.certification.gains import Verdict
+from hoverproof.certification.gains import GainsVerdict
 from hoverproof.errors import InputError, suggestion
 from hoverproof.files import replacing
 from hoverproof.mission.sections import Mission
@@ -40,7 +40,7 @@ class Report:
     path: Path
     size: int
     sha256: str
-    verdict: Verdict
+    verdict: GainsVerdict
     missing: Mapping[str, str]
 
 

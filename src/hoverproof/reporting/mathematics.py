@@ -10,7 +10,7 @@ from fractions import Fraction
 from latex2mathml.converter import convert
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
-from hoverproof.certification.attraction.verdict import Proved as Attraction
+from hoverproof.certification.attraction.verdict import Attraction
 
 DENOMINATOR = 10**15
 RELATIONS = "⪯⪰≺≻"

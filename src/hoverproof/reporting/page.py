@@ -14,12 +14,8 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
-from hoverproof.certification.attraction.verdict import Proved as Attraction
-from hoverproof.certification.attraction.verdict import Refuted as Sinks
-from hoverproof.certification.attraction.verdict import not_covered
+from hoverproof.certification.attraction.verdict import Attraction, not_covered
 from hoverproof.certification.certificate import Certificate
-from hoverproof.certification.gains import Proved, Refuted, Undecided
-from hoverproof.certification.over_box import RegionVerdict
 from hoverproof.export.cost import STEPS
 from hoverproof.paper.judge import Verdict
 from hoverproof.reporting import mathematics, pictures, tables, wording
@@ -136,16 +132,15 @@ def context(parts: Parts, origin: Origin) -> dict[str, Any]:
 
 def _theorem(parts: Parts) -> dict[str, Any]:
     verdict, problem = parts.verdict, parts.verdict.problem
-    told: dict[str, Any] = {"statement": None, "claim": None, "counterexample": None}
+    told: dict[str, Any] = {"claim": None, "counterexample": None}
     told["theorem_words"] = wording.THEOREM[parts.verdict.status]
     told["question"] = mathematics.question(problem.eigenvalues, problem.thrust)
-    if not isinstance(verdict, Undecided):
-        told["statement"] = verdict.certificate.statement
-    if isinstance(verdict, Proved):
+    told["statement"] = verdict.statement
+    if verdict.status == "proved":
         told["claim"] = mathematics.claim(
             problem.eigenvalues, problem.thrust, verdict.margin, verdict.decay_rate
         )
-    if isinstance(verdict, Refuted):
+    if verdict.status == "refuted":
         told["counterexample"] = mathematics.counterexample(
             verdict.Q, verdict.f, verdict.X, verdict.value
         )
@@ -181,7 +176,7 @@ def _tables(parts: Parts) -> dict[str, Any]:
     }
     if isinstance(parts.atlas, Map):
         told["atlas_words"] = wording.atlas(parts.atlas)
-    if isinstance(parts.region, RegionVerdict):
+    if not isinstance(parts.region, Missing):
         told["region_table"] = tables.region_table(parts.region)
         told["region_words"] = wording.region(parts.region, parts.mission)
     if (attracted := _attraction(parts)) is not None:
@@ -190,8 +185,8 @@ def _tables(parts: Parts) -> dict[str, Any]:
         told["flight_table"] = tables.flight_table(parts.flight)
         told["flight_words"] = wording.FLIGHT
         told["player"] = player_data(parts.flight)
-        if parts.flight.batch_summary is not None:
-            told["batch_table"] = tables.batch_table(parts.flight.batch_summary)
+        if parts.flight.runs_summary is not None:
+            told["runs_table"] = tables.runs_table(parts.flight.runs_summary)
     if isinstance(parts.firmware, Firmware):
         told["firmware_table"] = tables.firmware_table(parts.firmware)
     return told
@@ -201,14 +196,14 @@ def _pictures(parts: Parts) -> dict[str, Any]:
     drawn: dict[str, Any] = {}
     if isinstance(parts.atlas, Map):
         drawn["atlas"] = pictures.map_picture(parts.mission, parts.atlas)
-    if isinstance(parts.region, RegionVerdict):
+    if not isinstance(parts.region, Missing):
         drawn["region"] = pictures.region_picture(parts.mission, parts.region)
     if (attracted := _attraction(parts)) is not None:
         drawn["attraction"] = pictures.attraction_pictures(attracted)
     if isinstance(parts.flight, Flown):
         drawn["flight"] = list(pictures.flight_pictures(parts.flight))
-        many = parts.flight.batch is not None
-        drawn["batch"] = pictures.batch_picture(parts.flight) if many else None
+        many = parts.flight.runs is not None
+        drawn["runs"] = pictures.runs_picture(parts.flight) if many else None
     return {"pictures": drawn}
 
 
@@ -220,15 +215,14 @@ def _attraction(parts: Parts) -> Attraction | None:
 def _certificates(parts: Parts) -> Iterable[tuple[str, str, Certificate]]:
     """Yield what is proved or refuted here: kind, ending of the file's name, certificate."""
     verdict = parts.verdict
-    if not isinstance(verdict, Undecided):
-        ending = "cert" if isinstance(verdict, Proved) else "refutation"
-        yield "gains", ending, verdict.certificate
-    if isinstance(parts.region, RegionVerdict) and parts.region.certificate is not None:
-        ending = "region.refutation" if parts.region.outside else "region.cert"
-        yield "region", ending, parts.region.certificate
+    if verdict.certificate is not None:
+        yield "gains", verdict.ending, verdict.certificate
+    region = parts.region
+    if not isinstance(region, Missing) and region.certificate is not None:
+        yield "region", f"region.{region.ending}", region.certificate
     if isinstance(parts.attraction, Attracted):
         start = parts.attraction.start
-        if isinstance(start, Sinks):
+        if start.status == "refuted":
             yield "sinks", "attraction.refutation", start.certificate
         if parts.attraction.region is not None:
             yield "attraction", "attraction.cert", parts.attraction.region.certificate
@@ -251,7 +245,7 @@ def _provenance(parts: Parts) -> dict[str, Any]:
         hashes.setdefault("mission", certificate.content["mission_sha256"])
         hashes[f"{parts.mission.name}.{ending}.json"] = certificate.content["sha256"]
         versions |= certificate.content["tools"]
-    if not isinstance(parts.verdict, Undecided):
+    if parts.verdict.certificate is not None:
         hashes["derived model, Σ"] = parts.verdict.certificate.content["model_sha256"]
     if isinstance(parts.flight, Flown):
         hashes["derived model, flight"] = parts.flight.whole.attrs["model_sha256"]

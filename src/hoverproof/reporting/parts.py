@@ -13,10 +13,9 @@ import numpy as np
 import xarray as xr
 
 from hoverproof.certification.attraction.proof import start_or_ball
-from hoverproof.certification.attraction.verdict import Proved as Region
-from hoverproof.certification.attraction.verdict import Verdict as AttractionVerdict
-from hoverproof.certification.gains import Proved, Verdict, certify
-from hoverproof.certification.over_box import RegionVerdict, certify_region
+from hoverproof.certification.attraction.verdict import Attraction, AttractionVerdict
+from hoverproof.certification.gains import GainsVerdict, certify
+from hoverproof.certification.over_box import BoundsVerdict, certify_region
 from hoverproof.certification.region import default_box
 from hoverproof.design.atlas import atlas, axis, cell_values
 from hoverproof.errors import InputError
@@ -30,8 +29,8 @@ from hoverproof.paper.ledger import derive
 from hoverproof.servo.loop import slowest_rate
 from hoverproof.show.decay import Decay, decay_along
 from hoverproof.show.panels import beginning
-from hoverproof.simulation.campaign import batch_summary, simulate_batch
 from hoverproof.simulation.flight import simulate, summary, without_conditions
+from hoverproof.simulation.runs import runs_summary, simulate_batch
 
 PARTS = ("atlas", "region", "attraction", "flight", "firmware", "ledger")
 """The parts that a report may be asked to leave out."""
@@ -88,9 +87,9 @@ class Flown:
         What it came to: distances in m, times in s.
     decay : Decay or None
         The proved decay of L, if it is about this flight.
-    batch : Dataset or None
+    runs : Dataset or None
         Many flights.
-    batch_summary : dict or None
+    runs_summary : dict or None
         What they came to: distances in m, times in s.
     """
 
@@ -98,8 +97,8 @@ class Flown:
     beginning: xr.Dataset | None
     summary: dict[str, Any]
     decay: Decay | None
-    batch: xr.Dataset | None
-    batch_summary: dict[str, Any] | None
+    runs: xr.Dataset | None
+    runs_summary: dict[str, Any] | None
 
 
 @dataclass(frozen=True)
@@ -129,12 +128,12 @@ class Attracted:
     ----------
     start
         What `hoverproof.attraction` returned for the start of the mission.
-    region : Proved or None
+    region : Attraction or None
         The region that holds that start; where none does, the one with the largest ball.
     """
 
     start: AttractionVerdict
-    region: Region | None
+    region: Attraction | None
 
 
 @dataclass(frozen=True)
@@ -149,7 +148,7 @@ class Parts:
     demands : list of Demand
         Conditions of the printed theorem.
     atlas : Map or Missing
-    region : RegionVerdict or Missing
+    region : ProvedBounds, RefutedBounds, UndecidedBounds or Missing
     attraction : Attracted or Missing
     flight : Flown or Missing
     firmware : Firmware or Missing
@@ -157,10 +156,10 @@ class Parts:
     """
 
     mission: Mission
-    verdict: Verdict
+    verdict: GainsVerdict
     demands: Sequence[Demand]
     atlas: Map | Missing
-    region: RegionVerdict | Missing
+    region: BoundsVerdict | Missing
     attraction: Attracted | Missing
     flight: Flown | Missing
     firmware: Firmware | Missing
@@ -252,31 +251,31 @@ def _map(mission: Mission) -> Map:
     return Map(data, where_met(mission, cell_values(mission, x, y)))
 
 
-def _fly(mission: Mission, verdict: Verdict, runs: int | None) -> Flown:
+def _fly(mission: Mission, verdict: GainsVerdict, runs: int | None) -> Flown:
     if slowest_rate(mission) <= 0:
         raise RuntimeError(
             "The loop is not stable near its goal, so a flight has no natural length; "
             f"`hoverproof simulate {mission.source} --duration 20` flies it"
         )
     whole = simulate(mission)
-    decay = decay_along(whole, verdict) if isinstance(verdict, Proved) else None
+    decay = decay_along(whole, verdict)
     duration, early = float(whole["time"].values[-1]), 2 * beginning(whole)
     first = simulate(mission, duration=early) if 0 < early < SHORT * duration else None
     told = {**summary(whole), **without_conditions(mission, whole)}
-    batch, of_batch = (None, None) if runs is None else _fly_many(mission, runs)
-    return Flown(whole, first, told, decay, batch, of_batch)
+    many, of_many = (None, None) if runs is None else _fly_many(mission, runs)
+    return Flown(whole, first, told, decay, many, of_many)
 
 
 def _fly_many(mission: Mission, runs: int) -> tuple[xr.Dataset, dict[str, Any]]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "flights.nc"
         simulate_batch(mission, path, runs=runs)
-        with xr.open_dataset(path, engine="h5netcdf") as batch:
-            return batch.load(), batch_summary(path)
+        with xr.open_dataset(path, engine="h5netcdf") as flown:
+            return flown.load(), runs_summary(path)
 
 
-def _export(mission: Mission, verdict: Verdict) -> Firmware:
-    if not isinstance(verdict, Proved):
+def _export(mission: Mission, verdict: GainsVerdict) -> Firmware:
+    if verdict.status != "proved":
         raise NotCertified(mission.name, verdict.status)
     thrust: tuple[Fraction, Fraction] = verdict.problem.thrust
     with tempfile.TemporaryDirectory() as folder:

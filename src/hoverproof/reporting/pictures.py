@@ -14,13 +14,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
-from hoverproof.certification.attraction.verdict import Proved
-from hoverproof.certification.over_box import RegionVerdict
+from hoverproof.certification.attraction.verdict import Attraction
+from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.mission.sections import Mission
 from hoverproof.reporting.parts import Flown, Map
-from hoverproof.show import attraction, fans, panels, style
+from hoverproof.show import attraction, panels, style
 from hoverproof.show.atlas import atlas_figure
 from hoverproof.show.region import region_figure
+from hoverproof.show.runs import fans_figure
 
 WIDTH = 4.6
 FLIGHTS = 30
@@ -143,13 +144,13 @@ def map_picture(mission: Mission, found: Map) -> Picture:
     )
 
 
-def region_picture(mission: Mission, found: RegionVerdict) -> Picture:
+def region_picture(mission: Mission, found: BoundsVerdict) -> Picture:
     """Draw where the eigenvalue bounds of Q hold.
 
     Parameters
     ----------
     mission : Mission
-    found : RegionVerdict
+    found : ProvedBounds, RefutedBounds or UndecidedBounds
     """
     return picture(
         "region",
@@ -161,12 +162,12 @@ def region_picture(mission: Mission, found: RegionVerdict) -> Picture:
     )
 
 
-def attraction_pictures(region: Proved) -> list[Picture]:
+def attraction_pictures(region: Attraction) -> list[Picture]:
     """Draw a region of attraction in cross-section, and Λ along flights.
 
     Parameters
     ----------
-    region : Proved
+    region : Attraction
     """
     view = attraction.View.of(region)
     flights = attraction.fly(region, view, FLIGHTS)
@@ -265,23 +266,23 @@ def flight_pictures(flown: Flown) -> Iterator[Picture]:
         )
 
 
-def batch_picture(flown: Flown) -> Picture:
+def runs_picture(flown: Flown) -> Picture:
     """Draw many flights as a fan.
 
     Parameters
     ----------
     flown : Flown
-        With a batch.
+        With runs.
     """
-    assert flown.batch is not None
-    batch = flown.batch
-    runs = batch.sizes["run"]
+    assert flown.runs is not None
+    runs = flown.runs
+    count = runs.sizes["run"]
     return picture(
         "flights",
-        lambda: fans.fans_figure(batch),
-        f"Bands that hold 90 % of {runs} flights, with their medians, over time.",
-        f"{runs} flights drawn from the scatter of the mission (seed 0): median, and the band that "
-        "holds 90 % of them.",
+        lambda: fans_figure(runs),
+        f"Bands that hold 90 % of {count} flights, with their medians, over time.",
+        f"{count} flights drawn from the scatter of the mission (seed 0): median, and the band "
+        "that holds 90 % of them.",
         wide=True,
     )
 

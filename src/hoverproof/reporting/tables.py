@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
-from hoverproof.certification.attraction.verdict import Proved as Attraction
+from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.bounds import eigenvalue_bounds
-from hoverproof.certification.gains import Proved, Verdict
-from hoverproof.certification.over_box import RegionVerdict
+from hoverproof.certification.gains import GainsVerdict
+from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.mission.sections import Mission
 from hoverproof.plausibility import warnings
 from hoverproof.reporting.parts import Firmware, Flown, Missing
@@ -219,7 +219,7 @@ def _plain(value: Any) -> str:
         return str(value)
 
 
-def margins_table(verdict: Verdict) -> Table:
+def margins_table(verdict: GainsVerdict) -> Table:
     """Return the bounds of the worst eigenvalue of Σ, and the decay rate.
 
     Parameters
@@ -228,7 +228,7 @@ def margins_table(verdict: Verdict) -> Table:
         What `hoverproof.certify` returned.
     """
     rows = []
-    if isinstance(verdict, Proved):
+    if verdict.status == "proved":
         gap = float(verdict.margin_above / verdict.margin - 1)
         rows = [
             ("proved lower bound", f"{at_least(verdict.margin, 8)} kg/s"),
@@ -249,12 +249,12 @@ def margins_table(verdict: Verdict) -> Table:
     return Table("Worst eigenvalue of Σ over all Q and T that are allowed", rows)
 
 
-def region_table(found: RegionVerdict) -> Table:
+def region_table(found: BoundsVerdict) -> Table:
     """Return the bounds of the eigenvalues of Q over a box.
 
     Parameters
     ----------
-    found : RegionVerdict
+    found : ProvedBounds, RefutedBounds or UndecidedBounds
     """
     rows = [
         (f"box, {axis}", f"{interval(side)} m") for axis, side in zip("xyz", found.box, strict=True)
@@ -322,13 +322,13 @@ def flight_table(flown: Flown) -> Table:
     return Table("The flight", rows)
 
 
-def batch_table(told: dict[str, Any]) -> Table:
+def runs_table(told: dict[str, Any]) -> Table:
     """Return what many flights came to.
 
     Parameters
     ----------
     told : dict
-        Summary of the batch: distances in m, times in s.
+        Summary of the runs: distances in m, times in s.
     """
     rows = [(name.replace("_", " "), str(n)) for name, n in told["outcomes"].items() if n]
     rows.append(("settled within 10 %", str(told["settled"])))

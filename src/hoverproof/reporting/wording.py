@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from hoverproof.certification.attraction.verdict import Proved as Attraction
-from hoverproof.certification.gains import Proved, Refuted
-from hoverproof.certification.over_box import RegionVerdict
+from hoverproof.certification.attraction.verdict import Attraction
+from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.mission.sections import Mission
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts
 from hoverproof.reporting.tables import at_least, at_most, inside, interval, place, short
@@ -52,12 +51,12 @@ def headline(parts: Parts) -> str:
         f"({problem.footing}) and every "
         f"thrust from {inside(problem.thrust)} N"
     )
-    if isinstance(verdict, Proved):
+    if verdict.status == "proved":
         return (
             f"The gains work for {question}: Σ(Q, T) is positive definite there, and the Lyapunov "
             f"function falls at least as fast as exp(−{at_least(verdict.decay_rate)} t), t in s."
         )
-    if isinstance(verdict, Refuted):
+    if verdict.status == "refuted":
         return (
             f"The gains do not work for {question}: at an exact counterexample Σ(Q, T) has an "
             f"eigenvalue of {at_most(verdict.margin_above)} kg/s or less."
@@ -74,7 +73,7 @@ def merits(parts: Parts) -> Iterable[tuple[str, str, str]]:
     """
     verdict, attracted = parts.verdict, parts.attraction
     flight, firmware = parts.flight, parts.firmware
-    if isinstance(verdict, Proved):
+    if verdict.status == "proved":
         yield "margin of Σ, proved", f"≥ {at_least(verdict.margin)} kg/s", ""
         yield "decay rate of L, proved", f"≥ {at_least(verdict.decay_rate)} 1/s", ""
     elif verdict.margin_above is not None:
@@ -145,21 +144,21 @@ def attraction(region: Attraction) -> str:
     )
 
 
-def region(found: RegionVerdict, mission: Mission) -> str:
+def region(found: BoundsVerdict, mission: Mission) -> str:
     """Say whether the eigenvalue bounds of a mission hold over a box.
 
     Parameters
     ----------
-    found : RegionVerdict
+    found : ProvedBounds, RefutedBounds or UndecidedBounds
     mission : Mission
     """
     bounds = f"{interval(found.bounds)} 1/m"
     if found.status == "proved":
         return f"The bounds of the mission, {bounds}, hold at every position in the box."
-    if found.outside is not None:
-        at = place(found.outside.position)
+    if found.status == "refuted":
+        spot = found.outside
         return (
-            f"The {found.outside.bound} of the bounds {bounds} breaks at {at}: Q has an eigenvalue "
-            f"near {short(found.outside.eigenvalue)} 1/m. The theorem says nothing there."
+            f"The {spot.bound} of the bounds {bounds} breaks at {place(spot.position)}: Q has an "
+            f"eigenvalue near {short(spot.eigenvalue)} 1/m. The theorem says nothing there."
         )
     return f"Whether the bounds {bounds} hold all over the box was not decided within the effort."

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.motion import energies
 from hoverproof.certification.attraction.potential import Potential
-from hoverproof.certification.attraction.verdict import Proved
+from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.bounds import eigenvalue_bounds
 from hoverproof.certification.region import eigenvalues
 from hoverproof.design.limits import bandwidth
@@ -56,12 +56,12 @@ class View:
     bottom: float
 
     @classmethod
-    def of(cls, region: Proved) -> View:
+    def of(cls, region: Attraction) -> View:
         """Choose a window that holds target, goal and start.
 
         Parameters
         ----------
-        region : Proved
+        region : Attraction
         """
         p = Potential.of(region.mission)
         start = np.array([float(c) for c in region.mission.start.position])
@@ -119,12 +119,12 @@ class Flights:
     energy: Array
 
 
-def hovers_inside(region: Proved, places: Array) -> NDArray[np.bool_]:
+def hovers_inside(region: Attraction, places: Array) -> NDArray[np.bool_]:
     """Tell which level hovers, (k, 3), are certified.
 
     Parameters
     ----------
-    region : Proved
+    region : Attraction
     places : (k, 3)
         World frame, m.
     """
@@ -136,12 +136,12 @@ def hovers_inside(region: Proved, places: Array) -> NDArray[np.bool_]:
     return np.asarray(inside)
 
 
-def fly(region: Proved, view: View, count: int = FLIGHTS) -> Flights:
+def fly(region: Attraction, view: View, count: int = FLIGHTS) -> Flights:
     """Simulate flights from hovers all over the window, above the target.
 
     Parameters
     ----------
-    region : Proved
+    region : Attraction
     view : View
     count : int
         Number of flights.
@@ -171,14 +171,14 @@ def fly(region: Proved, view: View, count: int = FLIGHTS) -> Flights:
     return Flights(across, height, settled, hovers_inside(region, places), time, energy)
 
 
-def attraction_figure(region: Proved) -> Figure:
+def attraction_figure(region: Attraction) -> Figure:
     """Draw the certified hovers in cross-section and in space, and Λ along flights.
 
     The shaded set is computed in floating point from the proved level and weights.
 
     Parameters
     ----------
-    region : Proved
+    region : Attraction
         From `hoverproof.attraction`.
     """
     view = View.of(region)
@@ -195,12 +195,12 @@ def attraction_figure(region: Proved) -> Figure:
     return figure
 
 
-def save_attraction_figure(region: Proved, path: Path) -> None:
+def save_attraction_figure(region: Attraction, path: Path) -> None:
     """Write the figure as PNG.
 
     Parameters
     ----------
-    region : Proved
+    region : Attraction
     path : Path
 
     Raises
@@ -212,14 +212,14 @@ def save_attraction_figure(region: Proved, path: Path) -> None:
         attraction_figure(region).savefig(beside, dpi=120, format="png")
 
 
-def draw_section(axes: Axes, region: Proved, view: View, flights: Flights) -> None:
+def draw_section(axes: Axes, region: Attraction, view: View, flights: Flights) -> None:
     """Draw the certified hovers in cross-section, and which simulated starts reach the goal.
 
     Parameters
     ----------
     axes : Axes
         What to draw on.
-    region : Proved
+    region : Attraction
     view : View
     flights : Flights
     """
@@ -274,7 +274,7 @@ def draw_section(axes: Axes, region: Proved, view: View, flights: Flights) -> No
     axes.grid(alpha=0.3)
 
 
-def _draw_space(axes: Any, region: Proved, view: View) -> None:
+def _draw_space(axes: Any, region: Attraction, view: View) -> None:
     p = view.potential
     polar, around = np.linspace(0, np.pi, 40), np.linspace(0, 2 * np.pi, 60)
     a, b = np.meshgrid(polar, around, indexing="ij")
@@ -315,14 +315,14 @@ def _draw_space(axes: Any, region: Proved, view: View) -> None:
     axes.view_init(elev=18, azim=-60)
 
 
-def draw_energy(axes: Axes, region: Proved, flights: Flights) -> None:
+def draw_energy(axes: Axes, region: Attraction, flights: Flights) -> None:
     """Draw Λ along simulated flights, and the proved level.
 
     Parameters
     ----------
     axes : Axes
         What to draw on.
-    region : Proved
+    region : Attraction
     flights : Flights
     """
     level = float(region.level)
@@ -346,14 +346,14 @@ def draw_energy(axes: Axes, region: Proved, flights: Flights) -> None:
     axes.legend(loc="upper right", framealpha=0.9)
 
 
-def trade_off_figure(regions: Sequence[Proved], own: Proved | None = None) -> Figure:
+def trade_off_figure(regions: Sequence[Attraction], own: Attraction | None = None) -> Figure:
     """Draw how far hovers are certified, against the speed near the goal.
 
     Parameters
     ----------
-    regions : sequence of Proved
+    regions : sequence of Attraction
         Of the same vehicle with other gains, proved without a barrier.
-    own : Proved, optional
+    own : Attraction, optional
         Of the gains that the mission has, for comparison.
     """
     figure = Figure(figsize=(7, 5.5), layout="constrained")
@@ -388,7 +388,9 @@ def _some_digits(value: float, _: int | None) -> str:
     return f"{value:g}" if f"{value:.0e}"[0] in "25" else ""
 
 
-def save_trade_off_figure(regions: Sequence[Proved], own: Proved | None, path: Path) -> None:
+def save_trade_off_figure(
+    regions: Sequence[Attraction], own: Attraction | None, path: Path
+) -> None:
     """Write the curve as PNG or SVG.
 
     Parameters

@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_below
-from hoverproof.certification.gains import Proved
+from hoverproof.certification.gains import GainsVerdict
 from hoverproof.certification.region import eigenvalues
 from hoverproof.show.scene import Scene
 
@@ -54,7 +54,7 @@ class Decay:
         return f"certified: L ≤ L(0) exp(-{rate:g} t), t in s"
 
 
-def decay_along(flight: xr.Dataset, verdict: Proved) -> Decay | None:
+def decay_along(flight: xr.Dataset, verdict: GainsVerdict) -> Decay | None:
     """Return the decay that a verdict proves for a flight; None if it says nothing of it.
 
     What the proof assumes is looked up at the samples, in floating point: the eigenvalues of Q and
@@ -65,12 +65,12 @@ def decay_along(flight: xr.Dataset, verdict: Proved) -> Decay | None:
     flight : Dataset
         From `hoverproof.simulate`, of the mission that was certified. Its attribute ``conditions``
         (JSON), if there is one, names what was added to the model, of which nothing is proved.
-    verdict : Proved
+    verdict : ProvedGains, RefutedGains or UndecidedGains
         With weights 1, so that its L is the one recorded.
     """
-    problem = verdict.problem
+    proved, problem = verdict.proved, verdict.problem
     added = set(json.loads(flight.attrs.get("conditions", "{}"))) - {"scatter"}
-    if added or any(w != 1 for w in problem.weights):
+    if proved is None or added or any(w != 1 for w in problem.weights):
         return None
     values = eigenvalues(Scene.of(flight).points, flight["position"].values)
     thrust = flight["thrust"].values
@@ -85,4 +85,4 @@ def decay_along(flight: xr.Dataset, verdict: Proved) -> Decay | None:
     samples = len(kept) if kept.all() else int(kept.argmin())
     if samples < 2:
         return None
-    return Decay(float(verdict.decay_rate), float(flight["time"].values[samples - 1]))
+    return Decay(float(proved.decay_rate), float(flight["time"].values[samples - 1]))

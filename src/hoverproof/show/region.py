@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from hoverproof.certification.over_box import RegionVerdict
+from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.certification.region import Box, eigenvalues
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
@@ -17,13 +17,13 @@ from hoverproof.show.style import COLOURS, save_figure
 CELLS = 400
 
 
-def region_figure(mission: Mission, found: RegionVerdict) -> Figure:
+def region_figure(mission: Mission, found: BoundsVerdict) -> Figure:
     """Draw the cross-section through the goal in the (x, z) plane, computed in floating point.
 
     Parameters
     ----------
     mission : Mission
-    found : RegionVerdict
+    found : BoundsVerdict
         Its bounds are drawn, and the outline of its box.
     """
     points = np.array(mission.target.points, float)
@@ -62,7 +62,7 @@ def region_figure(mission: Mission, found: RegionVerdict) -> Figure:
     return figure
 
 
-def save_region_figure(mission: Mission, found: RegionVerdict, path: Path) -> None:
+def save_region_figure(mission: Mission, found: BoundsVerdict, path: Path) -> None:
     """Write the figure as PNG.
 
     Parameters

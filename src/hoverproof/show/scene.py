@@ -52,7 +52,7 @@ class Scene:
 
     @classmethod
     def of(cls, record: xr.Dataset) -> Scene:
-        """Read the attributes of a flight, or of a batch.
+        """Read the attributes of a flight, or of runs.
 
         ``mission`` and ``goal_position`` must be there. Of ``conditions`` (JSON, as ``mission``)
         come the limits of the rotors (``rotors.min_thrust``, ``rotors.max_thrust``, N) and the

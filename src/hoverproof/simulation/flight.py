@@ -22,7 +22,7 @@ from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.layout import place
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import kernel
-from hoverproof.simulation.batch import fly_raw, how_it_ended, log_of
+from hoverproof.simulation.block import fly_raw, how_it_ended, log_of
 from hoverproof.simulation.compiled import Runner, has_diverged, runner
 from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.flight_log import ending, ending_words, is_noted, settled_at
@@ -31,12 +31,7 @@ from hoverproof.simulation.plan import Plan, check_seed, is_ideal
 from hoverproof.simulation.realistic import LAYOUT
 from hoverproof.simulation.record import Record, flight_record
 from hoverproof.simulation.step import GUARDED_SIZE, flight_states
-from hoverproof.simulation.timing import (
-    MAX_SLOW_STEPS,
-    check_patience,
-    flight_step,
-    steps_and_interval,
-)
+from hoverproof.simulation.timing import MAX_SLOW_STEPS, Timing, check_patience, flight_step
 from hoverproof.simulation.timing import default_duration as default_duration
 from hoverproof.spread import interruptibly
 
@@ -72,7 +67,7 @@ def simulate(
         ends early. Such a flight has one more sample, of the step at which it ended.
     seed : int
         Of the noise, if the mission names sensors or wind; a number from 0 to 2**63 - 1.
-        ``[scatter]`` is for batches.
+        ``[scatter]`` is for runs.
     compiler : str, optional
         Command of the C compiler (see `hoverproof.simulation.compiled.runner`).
     law : Law
@@ -89,17 +84,14 @@ def simulate(
     InputError
         If the duration, the step or the mission cannot be used.
     """
-    return flown(
-        mission, duration=duration, step=step, every=every, seed=seed, compiler=compiler, law=law
-    ).dataset()
+    timing = Timing(duration, step, every)
+    return flown(mission, timing, seed=seed, compiler=compiler, law=law).dataset()
 
 
 def flown(
     mission: Mission,
+    timing: Timing,
     *,
-    duration: float | None = None,
-    step: float | None = None,
-    every: int | None = None,
     seed: int = 0,
     compiler: str | None = None,
     law: Law = HAMEL_MAHONY,
@@ -110,28 +102,23 @@ def flown(
     ----------
     mission, compiler
         See `simulate`, also for what is raised.
-    duration, step : float, optional
-        s.
-    every : int, optional
-        Keep every so many steps.
+    timing : Timing
     seed : int
         A bare number.
     law : Law
         What flies it; by default the law of the paper.
     """
     check_seed(seed)
-    step, finer = flight_step(mission, step, law), SAMPLES if every is None else None
-    steps, every = steps_and_interval(
-        mission, duration, step, every, SAMPLES, sample_bytes=sample_bytes(mission), law=law
-    )
+    steps = timing.steps(mission, SAMPLES, sample_bytes(mission), law)
+    step, every, finer = steps.step, steps.every, SAMPLES if timing.every is None else None
     if not is_ideal(mission):
-        plan = Plan(mission, step, steps // every, every, seed, scattered=False, law=law)
+        plan = Plan(mission, step, steps.samples, every, seed, scattered=False, law=law)
         return _fly_as_built(plan, compiler, finer)
     numbers = LoopNumbers.of(mission, law)
     machine = runner(numbers.target_size, law, compiler=compiler)
-    check_patience(steps, step, machine.name)
+    check_patience(steps.count, step, machine.name)
     begin = time.perf_counter()
-    states, good = _run(machine, numbers, step, steps // every, every)
+    states, good = _run(machine, numbers, step, steps.samples, every)
     seconds = time.perf_counter() - begin
     log, outcome = states[-1][GUARDED_SIZE:], "flown"
     taken = every * np.arange(len(states))
@@ -233,11 +220,11 @@ def without_conditions(
     if finer > 1 and finer * float(flight.attrs["steps"]) > MAX_SLOW_STEPS:
         return {}
     every = finer * round(float(times[1]) / step)
-    ideal = flown(bare, duration=float(times[-1]), step=step / finer, every=every, law=law)
+    ideal = flown(bare, Timing(float(times[-1]), step / finer, every), law=law)
     positions, times_of_ideal = ideal["position"].values, ideal["time"].values
     if len(times) == len(positions) + 1 and ideal.attrs["outcome"] == "flown":  # cut short
         whole = finer * round(float(times[-1]) / step)
-        end = flown(bare, duration=float(times[-1]), step=step / finer, every=whole, law=law)
+        end = flown(bare, Timing(float(times[-1]), step / finer, whole), law=law)
         positions = np.vstack([positions, end["position"].values[-1:]])
         times_of_ideal = np.append(times_of_ideal, end["time"].values[-1])
     both = min(len(times), len(positions))

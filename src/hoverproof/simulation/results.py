@@ -1,10 +1,10 @@
-"""The file of a batch: netCDF-4, laid out whole at the start, filled run by run.
+"""The file of many runs: netCDF-4, laid out whole at the start, filled run by run.
 
 All space is taken when the file is made, so a full disk shows before the first flight. Later the
 numbers of a run are written to their places without HDF5, whose metadata a failing disk would tear:
-whatever stops a batch, the file stays whole. A run is complete when its ``outcome`` is not -1; the
+whatever stops the runs, the file stays whole. A run is complete when its ``outcome`` is not -1; the
 attribute ``runs_complete`` counts them. The file holds no time of day and nothing of the machine,
-so the same batch gives the same bytes.
+so the same runs give the same bytes.
 """
 
 from __future__ import annotations
@@ -66,14 +66,14 @@ SECONDS_BETWEEN_NOTES = 2
 SIZES = {"axis": 3, "body_axis": 3, "angle": 3, "rotor": 4}
 
 
-def batch_size(plan: Plan, runs: int, precision: Precision) -> int:
-    """Return about how many bytes the file of a batch takes.
+def file_size(plan: Plan, runs: int, precision: Precision) -> int:
+    """Return about how many bytes the file of runs takes.
 
     Parameters
     ----------
     plan : Plan
     runs : int
-        Number of runs of the batch.
+        Number of runs.
     precision : "float32" or "float64"
         Of the numbers kept over time.
     """
@@ -83,8 +83,8 @@ def batch_size(plan: Plan, runs: int, precision: Precision) -> int:
     return HEADER_BYTES + 8 * plan.samples + runs * (each + of_a_run)
 
 
-class BatchFile:
-    """A file of a batch that is being filled; made by `create` or `reopen`.
+class RunsFile:
+    """A file of runs that is being filled; made by `create` or `reopen`.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class BatchFile:
         Parameters
         ----------
         block : dict
-            From `hoverproof.simulation.batch.fly_block`: by name, each (k, ...) for k runs, in the
+            From `hoverproof.simulation.block.fly_block`: by name, each (k, ...) for k runs, in the
             units of `SERIES` and `OF_A_RUN`.
 
         Raises
@@ -152,15 +152,15 @@ class BatchFile:
 
 
 @contextmanager
-def create(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[BatchFile]:
-    """Make the file of a batch, all runs of it still to be flown, and open it.
+def create(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[RunsFile]:
+    """Make the file of runs, all still to be flown, and open it.
 
     Parameters
     ----------
     path : Path
     plan : Plan
     runs : int
-        Number of runs of the batch.
+        Number of runs.
     precision : "float32" or "float64"
         Of the numbers kept over time.
 
@@ -171,33 +171,33 @@ def create(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[
     """
     try:
         with replacing(path) as beside:
-            _reserve(beside, batch_size(plan, runs, precision))
+            _reserve(beside, file_size(plan, runs, precision))
             _skeleton(plan, runs, precision).to_netcdf(beside, engine="h5netcdf")
             with h5netcdf.File(beside, "r+") as file:
                 _lay_out(file, plan, runs, precision)
     except RuntimeError as error:  # of HDF5
         raise InputError(str(path), "", f"cannot be written: {error}") from None
-    with contextlib.closing(BatchFile(path)) as opened:
+    with contextlib.closing(RunsFile(path)) as opened:
         yield opened
 
 
 @contextmanager
-def reopen(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[BatchFile]:
-    """Open the file of a batch that was cut short.
+def reopen(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[RunsFile]:
+    """Open the file of runs that was cut short.
 
     Parameters
     ----------
     path : Path
     plan : Plan
     runs : int
-        Number of runs of the batch.
+        Number of runs.
     precision : "float32" or "float64"
         Of the numbers kept over time.
 
     Raises
     ------
     InputError
-        If it is not the file of this very batch.
+        If it is not the file of these very runs.
     """
     try:
         with h5py.File(path, "r") as file:
@@ -217,7 +217,7 @@ def reopen(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[
                 reason += f": {found.get(key)} there, {value} here"
             raise InputError(str(path), "", reason)
     try:
-        opened = BatchFile(path)
+        opened = RunsFile(path)
     except OSError as error:
         raise InputError(str(path), "", f"cannot be opened: {error.strerror}") from None
     with contextlib.closing(opened):
@@ -225,13 +225,13 @@ def reopen(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[
 
 
 def identity(plan: Plan, runs: int, precision: Precision) -> dict[str, Any]:
-    """Return all that decides about the bytes of a batch's file.
+    """Return all that decides about the bytes of a file of runs.
 
     Parameters
     ----------
     plan : Plan
     runs : int
-        Number of runs of the batch.
+        Number of runs.
     precision : "float32" or "float64"
         Of the numbers kept over time.
     """

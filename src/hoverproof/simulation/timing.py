@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
@@ -109,40 +110,77 @@ def _linearised(n: int, law: Law) -> ca.Function:
     return ca.Function("linearised", inputs, [ca.densify(slope), guards(x, design, points, law)])
 
 
-def steps_and_interval(
-    mission: Mission,
-    duration: float | None,
-    step: float,
-    every: int | None,
-    samples: int,
-    *,
-    sample_bytes: int,
-    law: Law = HAMEL_MAHONY,
-) -> tuple[int, int]:
-    """Return how many steps a flight has, and how many lie between its samples.
+@dataclass(frozen=True)
+class Steps:
+    """How a flight is stepped through.
 
-    Parameters
+    Attributes
     ----------
-    mission : Mission
-    duration : float, optional
-        s; by default that of `default_duration`.
     step : float
-        s, from `flight_step`.
-    every : int, optional
-        Steps between samples; by default such that about so many `samples` are kept.
-    samples : int
-        Number of samples wanted if `every` is not given.
-    sample_bytes : int
-        Number of bytes that each takes in memory.
-    law : Law
-
-    Raises
-    ------
-    InputError
-        If they are not possible, or beyond reason.
+        s.
+    count : int
+        Number of steps.
+    every : int
+        Steps from one sample to the next.
     """
-    if duration is None:
-        duration = default_duration(mission, law)
+
+    step: float
+    count: int
+    every: int
+
+    @property
+    def samples(self) -> int:
+        """Number of samples after that of the start."""
+        return self.count // self.every
+
+
+@dataclass(frozen=True)
+class Timing:
+    """What is wished of the times of a flight; by default they follow from its loop.
+
+    Attributes
+    ----------
+    duration : float or None
+        s; by default that of `default_duration`.
+    step : float or None
+        s; by default that of `flight_step`.
+    every : int or None
+        Steps between samples.
+    """
+
+    duration: float | None = None
+    step: float | None = None
+    every: int | None = None
+
+    def steps(
+        self, mission: Mission, samples: int, sample_bytes: int, law: Law = HAMEL_MAHONY
+    ) -> Steps:
+        """Return the steps of a flight.
+
+        Parameters
+        ----------
+        mission : Mission
+        samples : int
+            Number of those that are to be kept, about, if `every` is not given.
+        sample_bytes : int
+            Number of bytes that each takes in memory.
+        law : Law
+
+        Raises
+        ------
+        InputError
+            If the wishes are not possible, or beyond reason.
+        """
+        step = flight_step(mission, self.step, law)
+        duration = default_duration(mission, law) if self.duration is None else self.duration
+        count, every = _count(duration, step, self.every, samples, sample_bytes)
+        return Steps(step, count, every)
+
+
+def _count(
+    duration: float, step: float, every: int | None, samples: int, sample_bytes: int
+) -> tuple[int, int]:
+    """Return how many steps a flight has, and how many lie between its samples."""
     if not (math.isfinite(duration) and duration >= step):
         raise InputError("--duration", "", f"must be at least one step of {step} s, not {duration}")
     count = duration / step

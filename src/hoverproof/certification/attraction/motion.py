@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.form import half_squares
-from hoverproof.certification.attraction.verdict import Proved
+from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.plant.camera import body_points
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
 from hoverproof.servo.laws.hamel_mahony import errors
@@ -48,12 +48,12 @@ def energy_function(n: int) -> ca.Function:
     )
 
 
-def energies(region: Proved, states: Array) -> Array:
+def energies(region: Attraction, states: Array) -> Array:
     """Return Λ, (k,), at states (k, 19) of the vehicle.
 
     Parameters
     ----------
-    region : Proved
+    region : Attraction
     states : (k, 19)
         Packed states; see `RigidBodyState`.
     """

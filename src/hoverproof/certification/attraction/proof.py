@@ -27,8 +27,9 @@ from hoverproof.certification.attraction.search import (
 from hoverproof.certification.attraction.sinking import Sinking
 from hoverproof.certification.attraction.start_terms import added, start_terms
 from hoverproof.certification.attraction.starts import Start
-from hoverproof.certification.attraction.verdict import Proved, Reach, Undecided, Verdict
+from hoverproof.certification.attraction.verdict import Attraction, AttractionVerdict, Reach
 from hoverproof.certification.certificate import Certificate, rejection, seal
+from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 
@@ -43,7 +44,7 @@ def attraction(
     starts: Sequence[Start] | None = None,
     barrier: bool | None = None,
     progress: Progress | None = None,
-) -> Verdict:
+) -> AttractionVerdict:
     """Find and prove a region of attraction of the goal.
 
     Parameters
@@ -62,7 +63,7 @@ def attraction(
 
     Returns
     -------
-    Proved; Refuted if a wanted start is shown to sink to the target; or Undecided
+    Attraction; Sinks if a wanted start is shown to sink to the target; or Undecided
 
     Raises
     ------
@@ -77,7 +78,7 @@ def attraction(
     return verdict
 
 
-def start_or_ball(mission: Mission) -> tuple[Verdict, Proved | None]:
+def start_or_ball(mission: Mission) -> tuple[AttractionVerdict, Attraction | None]:
     """Decide about the start of a mission, and find a region whatever becomes of it.
 
     Parameters
@@ -88,7 +89,7 @@ def start_or_ball(mission: Mission) -> tuple[Verdict, Proved | None]:
     -------
     verdict
         Of `attraction`, about the start of the mission.
-    region : Proved or None
+    region : Attraction or None
         The region that holds that start; where none is proved to, the one with the largest ball.
 
     Raises
@@ -97,8 +98,7 @@ def start_or_ball(mission: Mission) -> tuple[Verdict, Proved | None]:
         See `attraction`.
     """
     start = attraction(mission)
-    found = start if isinstance(start, Proved) else attraction(mission, objective="radius")
-    return start, found if isinstance(found, Proved) else None
+    return start, start.proved or attraction(mission, objective="radius").proved
 
 
 def _search_and_prove(
@@ -107,7 +107,7 @@ def _search_and_prove(
     starts: Sequence[Start] | None,
     barrier: bool | None,
     tell: Progress,
-) -> Proved | Undecided:
+) -> Attraction | Undecided:
     """Try with and without a barrier."""
     potential = Potential.of(mission)
     loop = Loop.of(mission, potential.q3)
@@ -122,19 +122,20 @@ def _search_and_prove(
     gains = mission.gains
     possible = gains.k3 >= 3 * gains.k1 * gains.k2
     if barrier and not possible:
-        return Undecided("a barrier needs k3 >= 3 k1 k2", mission)
+        return Undecided(mission=mission, reason="a barrier needs k3 >= 3 k1 k2")
     kinds = [k for k in (True, False) if (barrier is None or k is barrier) and (possible or not k)]
     reasons = []
     for with_barrier in kinds:
-        verdict: Proved | str
+        verdict: Attraction | str
         try:
             verdict = _attempt(mission, potential, loop, objective, wanted, with_barrier, tell)
         except (ArithmeticError, np.linalg.LinAlgError) as error:
             verdict = f"these numbers are beyond what can be computed with ({error})"
-        if isinstance(verdict, Proved):
+        if not isinstance(verdict, str):
             return verdict
         reasons.append(("with" if with_barrier else "without") + f" a barrier: {verdict}")
-    return Undecided("; ".join(reasons), mission, _advice(mission, bool(wanted)))
+    advice = _advice(mission, bool(wanted))
+    return Undecided(mission=mission, reason="; ".join(reasons), advice=advice)
 
 
 def _advice(mission: Mission, asked: bool) -> tuple[str, ...]:
@@ -201,7 +202,7 @@ def _attempt(
     starts: tuple[Start, ...],
     barrier: bool,
     tell: Progress,
-) -> Proved | str:
+) -> Attraction | str:
     """Search with more and more room for the proof; return what was proved, or why not."""
     terms = _start_terms(mission, potential, loop, starts)
     reason = ""
@@ -220,7 +221,7 @@ def _attempt(
             )
         tell("proving")
         proved = prove(mission, found, starts, slack)
-        if isinstance(proved, Proved):
+        if not isinstance(proved, str):
             return proved
         reason = proved
     return reason
@@ -228,7 +229,7 @@ def _attempt(
 
 def prove(
     mission: Mission, found: Found, starts: Sequence[Start] = (), slack: Slack = SLACKS[0]
-) -> Proved | str:
+) -> Attraction | str:
     """Round what was found, and prove it exactly.
 
     Parameters
@@ -241,7 +242,7 @@ def prove(
 
     Returns
     -------
-    Proved, or the reason why the checker rejects it
+    Attraction, or the reason why the checker rejects it
     """
     try:
         parts = draft(mission, found, starts, 1 - slack.reach)
@@ -253,10 +254,12 @@ def prove(
 
 def _verdict(
     mission: Mission, certificate: Certificate, parts: dict[str, Any], starts: Sequence[Start]
-) -> Proved:
+) -> Attraction:
     claim, hints, weight = parts["claim"], parts["enclosures"], mission.vehicle.weight
     force = force_bound(mission, parts["weights"], claim["level"])
-    return Proved(
+    return Attraction(
+        mission=mission,
+        certificate=certificate,
         level=claim["level"],
         weights=tuple(parts["weights"]),
         rate=claim["rate"],
@@ -266,8 +269,6 @@ def _verdict(
         barrier_height=claim["barrier_height"],
         reach=Reach(**claim["reach"]),
         starts=tuple(starts),
-        mission=mission,
-        certificate=certificate,
     )
 
 

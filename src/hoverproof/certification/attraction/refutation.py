@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 from hoverproof import checker
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.attraction.starts import Start, State
-from hoverproof.certification.attraction.verdict import Refuted, Undecided
+from hoverproof.certification.attraction.verdict import Sinks
 from hoverproof.certification.certificate import rejection, seal
+from hoverproof.certification.verdict import Undecided
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters
@@ -202,7 +203,7 @@ def _natural_times(mission: Mission, state: State, time: float, most: int) -> Ar
 
 def refute(
     mission: Mission, starts: Sequence[Start] | None, undecided: Undecided
-) -> Refuted | Undecided:
+) -> Sinks | Undecided:
     """Show that a wanted start sinks to the target; else tell what a simulation does.
 
     To sink is to come from above the lowest target point to its height or below.
@@ -217,7 +218,7 @@ def refute(
 
     Returns
     -------
-    Refuted, or Undecided with the reason completed
+    Sinks, or Undecided with the reason completed
     """
     if starts is None:
         own = State.of(mission)
@@ -242,7 +243,8 @@ def refute(
             certificate = seal(mission, "sinking", parts, model_fingerprint(mission))
             reason = rejection(certificate)
             if not reason:
-                return Refuted(state, sum(steps, Fraction(0)), mission, certificate)
+                spent = sum(steps, Fraction(0))
+                return Sinks(mission=mission, certificate=certificate, state=state, time=spent)
         shown = f"sinks to the target within {time:.3g} s, but {reason}"
         return undecided.because(f"a simulation, which is no proof, {shown}")
     if not states:

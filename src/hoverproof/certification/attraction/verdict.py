@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import ClassVar, Literal
 
 from hoverproof.certification.attraction.starts import Start, State
-from hoverproof.certification.certificate import Certificate
-from hoverproof.mission.sections import Mission
+from hoverproof.certification.verdict import Proved, Refuted, Undecided
 
 NOT_COVERED = (
     "goals whose centroid is not straight below",
@@ -21,14 +19,15 @@ NOT_COVERED = (
 GROUND = "the ground: without a barrier, a motion may pass below the target points"
 
 
-def not_covered(verdict: Verdict) -> tuple[str, ...]:
+def not_covered(verdict: AttractionVerdict) -> tuple[str, ...]:
     """Return what the theorem of a verdict does not say, in words.
 
     Parameters
     ----------
-    verdict : Proved, Refuted or Undecided
+    verdict : Attraction, Sinks or Undecided
     """
-    grounded = isinstance(verdict, Proved) and verdict.barrier_height is None
+    region = verdict.proved
+    grounded = region is not None and region.barrier_height is None
     return (*NOT_COVERED, *([GROUND] if grounded else []))
 
 
@@ -47,12 +46,14 @@ class Reach:
     down: Fraction
 
 
-@dataclass(frozen=True)
-class Proved:
+@dataclass(frozen=True, kw_only=True)
+class Attraction(Proved):
     """A region of attraction.
 
     Attributes
     ----------
+    mission, certificate
+        See `Proved` of `hoverproof.certification.verdict`.
     level : Fraction
         ℓ, m: the set is {Λ <= ℓ}, above the barrier if there is one.
     weights : (3,) Fractions
@@ -70,11 +71,8 @@ class Proved:
     reach : Reach
     starts : tuple of Start
         Other sets of states that are proved to be inside.
-    mission : Mission
-    certificate : Certificate
     """
 
-    status: ClassVar[Literal["proved"]] = "proved"
     level: Fraction
     weights: tuple[Fraction, ...]
     rate: Fraction
@@ -84,59 +82,26 @@ class Proved:
     barrier_height: Fraction | None
     reach: Reach
     starts: tuple[Start, ...]
-    mission: Mission
-    certificate: Certificate
 
 
-@dataclass(frozen=True)
-class Undecided:
-    """No region was proved that holds what was asked for.
-
-    Attributes
-    ----------
-    reason : str
-        What stood in the way.
-    mission : Mission
-    advice : tuple of str
-        What may help.
-    """
-
-    status: ClassVar[Literal["undecided"]] = "undecided"
-    reason: str
-    mission: Mission
-    advice: tuple[str, ...] = ()
-
-    def because(self, more: str) -> Undecided:
-        """Return it with more to the reason.
-
-        Parameters
-        ----------
-        more : str
-        """
-        return replace(self, reason=f"{self.reason}; {more}")
-
-
-@dataclass(frozen=True)
-class Refuted:
+@dataclass(frozen=True, kw_only=True)
+class Sinks(Refuted):
     """A start that was asked for sinks: from above the lowest target point to its height.
 
     What the motion does after that is not said.
 
     Attributes
     ----------
+    mission, certificate
+        See `Refuted` of `hoverproof.certification.verdict`.
     state : State
         Where the motion starts.
     time : Fraction
         At that time, s, it is as low as the lowest target point, or lower.
-    mission : Mission
-    certificate : Certificate
     """
 
-    status: ClassVar[Literal["refuted"]] = "refuted"
     state: State
     time: Fraction
-    mission: Mission
-    certificate: Certificate
 
     @property
     def reason(self) -> str:
@@ -144,4 +109,4 @@ class Refuted:
         return f"the vehicle sinks to the target within {float(self.time):.4g} s"
 
 
-Verdict = Proved | Refuted | Undecided
+AttractionVerdict = Attraction | Sinks | Undecided

@@ -10,13 +10,13 @@ from typing import Any
 
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import (
-    Proved,
-    Refuted,
-    Undecided,
-    Verdict,
+    Attraction,
+    AttractionVerdict,
+    Sinks,
     not_covered,
 )
 from hoverproof.certification.certificate import exact
+from hoverproof.certification.verdict import Undecided
 from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import interval, number, numbers
 
@@ -36,7 +36,7 @@ OF_A_REGION = (
 class AttractionAnswer(Answer):
     """A verdict on where the controller may be switched on, and what was written."""
 
-    verdict: Verdict
+    verdict: AttractionVerdict
     path: Path | None
     picture: Path | None
 
@@ -56,7 +56,7 @@ class AttractionAnswer(Answer):
             ):
                 yield textwrap.fill(words, 80, initial_indent="  ", subsequent_indent="    ")
             return
-        yield from _region(verdict) if isinstance(verdict, Proved) else _motion(verdict)
+        yield from _region(verdict) if verdict.status == "proved" else _motion(verdict)
         yield f"  certificate             {self.path}"
         if self.picture is not None:
             yield f"  figure                  {self.picture}"
@@ -68,19 +68,23 @@ class AttractionAnswer(Answer):
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""
         verdict = self.verdict
-        found = _region_as_json(verdict) if isinstance(verdict, Proved) else _none_as_json(verdict)
         return {
             "mission": verdict.mission.name,
             "verdict": verdict.status,
             "certificate": None if self.path is None else str(self.path),
             "not_covered": list(not_covered(verdict)),
-            "advice": list(verdict.advice) if isinstance(verdict, Undecided) else [],
-            **found,
+            "advice": list(verdict.advice),
+            **dict.fromkeys(OF_A_REGION),
+            "starts": [],
+            "statement": verdict.statement,
+            "motion": verdict.refuted and verdict.refuted.certificate.content["motion"],
+            "reason": verdict.reason,
+            **(_region_as_json(verdict.proved) if verdict.proved else {}),
             "figure": None if self.picture is None else str(self.picture),
         }
 
 
-def _region(verdict: Proved) -> Iterator[str]:
+def _region(verdict: Attraction) -> Iterator[str]:
     reach, height = verdict.reach, verdict.barrier_height
     yield "  the motion converges to the goal: the controller may be switched on, with any"
     yield "  heading and yaw rate, in every"
@@ -105,7 +109,7 @@ def _region(verdict: Proved) -> Iterator[str]:
         yield f"  height                  {number(height)} m or more above the target"
 
 
-def _motion(verdict: Refuted) -> Iterator[str]:
+def _motion(verdict: Sinks) -> Iterator[str]:
     state = verdict.state
     yield f"  {verdict.reason},"
     yield "  by the exact model, from the state (world axes, yaw rate zero):"
@@ -138,18 +142,7 @@ def _describe(start: Start) -> str:
     return ", ".join([f"({sides}) m", *(sizes or ["level hover"])])
 
 
-def _none_as_json(verdict: Refuted | Undecided) -> dict[str, Any]:
-    content = verdict.certificate.content if isinstance(verdict, Refuted) else {}
-    return {
-        **dict.fromkeys(OF_A_REGION),
-        "statement": content.get("statement"),
-        "motion": content.get("motion"),
-        "starts": [],
-        "reason": verdict.reason,
-    }
-
-
-def _region_as_json(verdict: Proved) -> dict[str, Any]:
+def _region_as_json(verdict: Attraction) -> dict[str, Any]:
     reach, height = verdict.reach, verdict.barrier_height
     return {
         "level": float(verdict.level),
@@ -161,9 +154,6 @@ def _region_as_json(verdict: Proved) -> dict[str, Any]:
         "barrier_height": None if height is None else float(height),
         "reach": {way: float(getattr(reach, way)) for way in ("sideways", "up", "down")},
         "starts": [exact(start.content()) for start in verdict.starts],
-        "statement": verdict.certificate.statement,
-        "motion": None,
-        "reason": None,
         "units": {
             "rate": "1, of Λ' <= -(k1/m) rate |Y|²",
             "tilt": "rad",

@@ -8,7 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hoverproof.certification.gains import Proved, Refuted, Undecided, Verdict
+from hoverproof.certification.gains import (
+    GainsVerdict,
+    ProvedGains,
+    RefutedGains,
+    UndecidedGains,
+)
 from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import interval, number, numbers, sides_text
 from hoverproof.paper.conditions import Demand
@@ -28,7 +33,7 @@ class CertifyAnswer(Answer):
     With what is strange about a loop for which they are proved.
     """
 
-    verdict: Verdict
+    verdict: GainsVerdict
     path: Path | None
     demands: Sequence[Demand]
     weighted: bool
@@ -44,11 +49,11 @@ class CertifyAnswer(Answer):
         yield f"{self.verdict.problem.mission.name}: {self.verdict.status}"
         yield from self._question()
         match self.verdict:
-            case Proved() as proved:
+            case ProvedGains() as proved:
                 yield from self._proved(proved)
-            case Refuted() as refuted:
+            case RefutedGains() as refuted:
                 yield from self._refuted(refuted)
-            case Undecided() as undecided:
+            case UndecidedGains() as undecided:
                 yield f"  {undecided.reason}"
                 if undecided.margin_above is not None:
                     yield _worst(undecided)
@@ -76,14 +81,14 @@ class CertifyAnswer(Answer):
         if self.weighted:
             yield f"  weights of L            {', '.join(map(number, problem.weights))}"
 
-    def _proved(self, verdict: Proved) -> Iterator[str]:
+    def _proved(self, verdict: ProvedGains) -> Iterator[str]:
         gap = float(verdict.margin_above / verdict.margin - 1)
         what = "margin, Σ ⪰ margin·W   " if self.weighted else "worst eigenvalue of Σ  "
         yield f"  {what} {number(verdict.margin)} kg/s, proved (tight to {gap:.0e})"
         yield f"  decay rate of L         {number(verdict.decay_rate)} 1/s, proved"
         yield f"  certificate             {self.path}"
 
-    def _refuted(self, verdict: Refuted) -> Iterator[str]:
+    def _refuted(self, verdict: RefutedGains) -> Iterator[str]:
         yield _worst(verdict)
         yield "  counterexample, exact:"
         yield f"    Q = [{'; '.join(', '.join(map(str, row)) for row in verdict.Q)}] 1/m"
@@ -95,8 +100,7 @@ class CertifyAnswer(Answer):
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""
         verdict, problem = self.verdict, self.verdict.problem
-        proved = verdict if isinstance(verdict, Proved) else None
-        refuted = verdict if isinstance(verdict, Refuted) else None
+        proved, refuted = verdict.proved, verdict.refuted
         above = None if verdict.margin_above is None else float(verdict.margin_above)
         return {
             "mission": problem.mission.name,
@@ -111,8 +115,8 @@ class CertifyAnswer(Answer):
             "weights": numbers(problem.weights),
             "box": None if problem.box is None else [numbers(side) for side in problem.box],
             "counterexample": refuted.certificate.content["counterexample"] if refuted else None,
-            "reason": verdict.reason if isinstance(verdict, Undecided) else None,
-            "statement": None if isinstance(verdict, Undecided) else verdict.certificate.statement,
+            "reason": verdict.reason,
+            "statement": verdict.statement,
             "certificate": None if self.path is None else str(self.path),
             "units": {"margin": "kg/s", "decay_rate": "1/s", "eigenvalues": "1/m", "thrust": "N"},
             "paper_conditions": [{"condition": d.text(), "met": d.met} for d in self.demands],
@@ -120,5 +124,5 @@ class CertifyAnswer(Answer):
         }
 
 
-def _worst(verdict: Refuted | Undecided) -> str:
+def _worst(verdict: RefutedGains | UndecidedGains) -> str:
     return f"  worst eigenvalue of Σ   {number(verdict.margin_above)} kg/s or less, proved"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hoverproof.certification.over_box import RegionVerdict
+from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import interval, number, numbers, position_text, sides_text
 
@@ -26,7 +26,7 @@ class RegionAnswer(Answer):
     """
 
     mission: str
-    verdict: RegionVerdict
+    verdict: BoundsVerdict
     path: Path | None
     picture: Path | None
     next_arguments: str
@@ -39,7 +39,7 @@ class RegionAnswer(Answer):
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""
         verdict = self.verdict
-        found, spot = verdict.enclosure, verdict.outside
+        found, broken = verdict.enclosure, verdict.refuted
         yield f"{self.mission}: {verdict.status}"
         yield f"  bounds {interval(verdict.bounds)} 1/m of the eigenvalues of Q"
         yield f"  for every position in the box {sides_text(verdict.box)} m"
@@ -48,7 +48,8 @@ class RegionAnswer(Answer):
         else:
             yield f"  proved there            {interval(found.eigenvalues)} 1/m"
             yield f"  found there             {interval(found.attained)} 1/m"
-        if spot is not None:
+        if broken is not None:
+            spot = broken.outside
             value, place = number(spot.eigenvalue), position_text(spot.position)
             yield f"  {spot.bound} bound broken      {value} 1/m at {place}"
             low, high = verdict.bounds if found is None else found.attained
@@ -66,7 +67,8 @@ class RegionAnswer(Answer):
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""
         verdict = self.verdict
-        found, spot = verdict.enclosure, verdict.outside
+        found = verdict.enclosure
+        spot = verdict.refuted and verdict.refuted.outside
         witness = spot and {
             "position": [str(c) for c in spot.position],
             "eigenvalue": spot.eigenvalue,

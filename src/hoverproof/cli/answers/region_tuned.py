@@ -8,7 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from hoverproof.certification.attraction.verdict import Proved
+from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.words import (
     gain_units,
@@ -58,7 +58,7 @@ class RegionTunedAnswer(Answer):
         return {**region_tuned_as_json(self.found), **written}
 
 
-def reach_text(region: Proved) -> str:
+def reach_text(region: Attraction) -> str:
     """Write how far hovers are certified."""
     far = [number(getattr(region.reach, way)) for way in WAYS]
     return f"{far[0]} m sideways, {far[1]} m up, {far[2]} m down"
@@ -106,7 +106,7 @@ def region_tuned_as_json(found: RegionTuned) -> dict[str, Any]:
     }
 
 
-def _reach_as_json(region: Proved | None) -> dict[str, float] | None:
+def _reach_as_json(region: Attraction | None) -> dict[str, float] | None:
     return None if region is None else {w: float(getattr(region.reach, w)) for w in WAYS}
 
 

@@ -21,12 +21,12 @@ from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.simulation import kernel
-from hoverproof.simulation.batch import fly_block
+from hoverproof.simulation.block import fly_block
 from hoverproof.simulation.flight_log import OUTCOMES
 from hoverproof.simulation.plan import AT_LEAST, Plan, check_seed
 from hoverproof.simulation.realistic import REALISTIC_RECORD
 from hoverproof.simulation.results import Precision, create, reopen
-from hoverproof.simulation.timing import flight_step, steps_and_interval
+from hoverproof.simulation.timing import Timing
 from hoverproof.spread import spread
 
 SAMPLES = 200
@@ -35,7 +35,7 @@ MAX_RUNS = 2**32 - 1
 
 @dataclass(frozen=True)
 class Flown:
-    """What came of a batch.
+    """What came of runs.
 
     Attributes
     ----------
@@ -115,11 +115,8 @@ def simulate_batch(
         If anything asked for is not possible, or the file cannot be written, or is being written by
         another process.
     """
-    step = flight_step(mission, step, law)
     in_memory = 8 * AT_LEAST * sum(REALISTIC_RECORD.values())
-    steps, every = steps_and_interval(
-        mission, duration, step, every, SAMPLES, sample_bytes=in_memory, law=law
-    )
+    steps = Timing(duration, step, every).steps(mission, SAMPLES, in_memory, law)
     check_seed(seed)
     if not 1 <= runs <= MAX_RUNS:
         raise InputError("--runs", "", f"must be from 1 to {MAX_RUNS}, not {runs}")
@@ -127,7 +124,7 @@ def simulate_batch(
         raise InputError("--threads", "", f"must be from 1 to 1024, not {threads}")
     if precision not in ("float32", "float64"):
         raise InputError("--precision", "", f"must be float32 or float64, not {precision}")
-    plan = Plan(mission, step, steps // every, every, seed, law=law)
+    plan = Plan(mission, steps.step, steps.samples, steps.every, seed, law=law)
     plan.prepare()
     machine = kernel.machine(plan.loop, plan.schedule)  # compiled before threads want it
     begin, path = time.perf_counter(), Path(path)
@@ -144,7 +141,7 @@ def simulate_batch(
                     with _undisturbed():
                         file.write(block)
                     if progress is not None:
-                        progress(file.runs_complete, steps)
+                        progress(file.runs_complete, steps.count)
         except KeyboardInterrupt:
             interrupted = True
         complete = file.runs_complete
@@ -159,18 +156,18 @@ def simulate_batch(
     )
 
 
-def batch_summary(path: str | Path) -> dict[str, Any]:
-    """Return what the flights in a batch's file came to: errors in m, times in s.
+def runs_summary(path: str | Path) -> dict[str, Any]:
+    """Return what the runs in a file came to: errors in m, times in s.
 
     Parameters
     ----------
     path : str or Path
     """
-    with xr.open_dataset(path, engine="h5netcdf") as batch:
-        count = int(batch.attrs["runs_complete"])
-        done = batch[["outcome", "start_error", "final_error", "settled_at", "frames_lost"]]
+    with xr.open_dataset(path, engine="h5netcdf") as runs:
+        count = int(runs.attrs["runs_complete"])
+        done = runs[["outcome", "start_error", "final_error", "settled_at", "frames_lost"]]
         done = done.isel(run=slice(count)).load()
-        duration = float(batch["time"][-1])
+        duration = float(runs["time"][-1])
     codes = done["outcome"].values
     good = codes == 0
     settled = done["settled_at"].values[good]
@@ -180,7 +177,7 @@ def batch_summary(path: str | Path) -> dict[str, Any]:
         return np.quantile(values, [0.05, 0.5, 0.95]).tolist() if len(values) else None
 
     return {
-        "runs": int(batch.attrs["runs"]),
+        "runs": int(runs.attrs["runs"]),
         "runs_complete": count,
         "duration": duration,
         "outcomes": {name: int((codes == i).sum()) for i, name in enumerate(OUTCOMES)},

@@ -10,7 +10,7 @@ import xarray as xr
 from PIL import Image
 
 from hoverproof.mission.reading import load
-from hoverproof.show import fans
+from hoverproof.show import runs
 from hoverproof.simulation.flight import simulate, summary
 
 STARTS = [(5, 2.5, -4), (3, -2, -5), (-4, 1, -3), (0.5, 0.5, -6), (2, 2, -2.5), (-3, -3, -4)]
@@ -36,7 +36,7 @@ def batch(flights):
 
 
 def test_every_axis_has_its_unit_and_no_legend_covers_data(batch):
-    for figure in (fans.fans_figure(batch), fans.starts_figure(batch)):
+    for figure in (runs.fans_figure(batch), runs.starts_figure(batch)):
         figure.draw_without_rendering()
         boxes = [axes.get_window_extent() for axes in figure.axes]
         for axes in figure.axes:
@@ -51,7 +51,7 @@ def test_every_axis_has_its_unit_and_no_legend_covers_data(batch):
 
 
 def test_bands_are_percentiles_of_the_runs_that_still_fly(batch):
-    axes = fans.fans_figure(batch).axes[0]
+    axes = runs.fans_figure(batch).axes[0]
     (median,) = (line for line in axes.lines if line.get_label() == "median")
     goal = batch.attrs["goal_position"]
     distance = np.linalg.norm(batch["position"].values - goal, axis=-1)
@@ -70,7 +70,7 @@ def test_bands_are_percentiles_of_the_runs_that_still_fly(batch):
 
 
 def test_settled_times_are_the_first_samples_after_those_of_the_single_flights(batch, flights):
-    found = fans.settled_times(batch)
+    found = runs.settled_times(batch)
     wanted = [summary(flight)["settled_at"] for flight in flights[:4]]
     assert sum(w is not None for w in wanted) >= 2
     interval = float(batch["time"][1])
@@ -78,21 +78,21 @@ def test_settled_times_are_the_first_samples_after_those_of_the_single_flights(b
         assert np.isnan(time) if exact is None else 0 <= time - exact < interval
     assert np.isnan(found[4:]).all()
     recorded = batch.assign(settled_at=("run", np.arange(6.0)))
-    assert fans.settled_times(recorded)[:4].tolist() == [0, 1, 2, 3]
+    assert runs.settled_times(recorded)[:4].tolist() == [0, 1, 2, 3]
 
 
 def test_shares_count_every_run_that_was_flown(batch):
-    axes = fans.fans_figure(batch).axes[2]
+    axes = runs.fans_figure(batch).axes[2]
     flying, settled = axes.lines
     assert flying.get_ydata()[0] == 100
     assert flying.get_ydata()[-1] == 80
-    done = np.isfinite(fans.settled_times(batch)).sum()
+    done = np.isfinite(runs.settled_times(batch)).sum()
     assert settled.get_ydata()[-1] == pytest.approx(100 * done / 5)
     assert (np.diff(settled.get_ydata()) >= 0).all()
 
 
 def test_starts_are_coloured_by_outcome_and_counted(batch):
-    figure = fans.starts_figure(batch)
+    figure = runs.starts_figure(batch)
     plan = figure.axes[0]
     lines = {line.get_label(): line for line in plan.lines}
     assert np.allclose(lines["diverged: 1"].get_xydata(), [STARTS[4][:2]])
@@ -106,7 +106,7 @@ def test_starts_are_coloured_by_outcome_and_counted(batch):
 
 
 def test_the_tilt_of_small_angles_keeps_its_digits(batch):
-    axes = fans.fans_figure(batch).axes[4]
+    axes = runs.fans_figure(batch).axes[4]
     (median,) = (line for line in axes.lines if line.get_label() == "median")
     tilt = np.degrees(batch["tilt"].values[:5, 1])
     assert tilt.max() < 0.1
@@ -115,28 +115,28 @@ def test_the_tilt_of_small_angles_keeps_its_digits(batch):
 
 def test_only_the_position_must_be_there(batch):
     bare = batch[["position"]]
-    figure = fans.fans_figure(bare)
+    figure = runs.fans_figure(bare)
     assert [axes.get_ylabel() for axes in figure.axes] == [
         "distance from the goal (m)",
         "share of the runs (%)",
         "position (m)",
     ]
-    assert fans.outcomes(bare).tolist() == ["flown"] * 6
-    assert len(fans.starts_figure(bare.isel(run=slice(0, 5))).axes) == 3
+    assert runs.outcomes(bare).tolist() == ["flown"] * 6
+    assert len(runs.starts_figure(bare.isel(run=slice(0, 5))).axes) == 3
 
 
 def test_outcomes_may_be_text(batch):
     words = ["flown", "flown", "flown", "flown", "diverged", "not_flown"]
     text = batch.drop_vars("outcome").assign(outcome=("run", words))
-    assert fans.outcomes(text).tolist() == words == fans.outcomes(batch).tolist()
+    assert runs.outcomes(text).tolist() == words == runs.outcomes(batch).tolist()
 
 
 def test_a_batch_in_a_file_is_drawn_block_by_block(batch, monkeypatch):
     batch.to_netcdf("b.nc", engine="h5netcdf")
-    monkeypatch.setattr(fans, "BLOCK", 2)
+    monkeypatch.setattr(runs, "BLOCK", 2)
     with xr.open_dataset("b.nc") as stored:
-        paths = fans.save_batch_figures(stored, Path("b"))
-    whole = fans.save_batch_figures(batch, Path("w"))
+        paths = runs.save_runs_figures(stored, Path("b"))
+    whole = runs.save_runs_figures(batch, Path("w"))
     assert [p.name for p in paths] == ["b.fans.png", "b.starts.png"]
     for ours, theirs in zip(paths, whole, strict=True):
         assert 30_000 < ours.stat().st_size < 2_000_000
@@ -145,9 +145,9 @@ def test_a_batch_in_a_file_is_drawn_block_by_block(batch, monkeypatch):
 
 
 def test_one_run_and_one_sample_can_be_drawn(batch):
-    assert len(fans.save_batch_figures(batch.isel(run=[0]), Path("one"))) == 2
-    assert len(fans.save_batch_figures(batch.isel(run=[0], time=[0]), Path("instant"))) == 2
+    assert len(runs.save_runs_figures(batch.isel(run=[0]), Path("one"))) == 2
+    assert len(runs.save_runs_figures(batch.isel(run=[0], time=[0]), Path("instant"))) == 2
 
 
 def test_a_batch_of_which_nothing_is_flown_has_no_picture(batch):
-    assert fans.save_batch_figures(batch.isel(run=[5]), Path("none")) == []
+    assert runs.save_runs_figures(batch.isel(run=[5]), Path("none")) == []

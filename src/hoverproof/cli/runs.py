@@ -10,20 +10,20 @@ from hoverproof.cli.console import progress
 from hoverproof.cli.interruption import interruption
 
 if TYPE_CHECKING:
-    from hoverproof.cli.answers.flights import FlightsAnswer
+    from hoverproof.cli.answers.runs import RunsAnswer
     from hoverproof.mission.sections import Mission
 
 SECONDS_TO_CLOSE = 5
-"""How long a batch may take to bring its file in order when it is interrupted."""
+"""How long runs may take to bring their file in order when they are interrupted."""
 
 
 def fly_many(
     mission: Mission, path: Path, *, draw: bool, runs: int, seed: int, **options: Any
-) -> FlightsAnswer:
+) -> RunsAnswer:
     """Fly a mission many times into one file, with a bar on stderr, and draw what came of it."""
-    from hoverproof.cli.answers.flights import FlightsAnswer
-    from hoverproof.simulation.campaign import batch_summary, simulate_batch
+    from hoverproof.cli.answers.runs import RunsAnswer
     from hoverproof.simulation.plan import check_runs_differ
+    from hoverproof.simulation.runs import runs_summary, simulate_batch
 
     check_runs_differ(mission, runs)
     begin = time.perf_counter()
@@ -41,13 +41,13 @@ def fly_many(
         flown = simulate_batch(mission, path, runs=runs, seed=seed, progress=show, **options)
     interruption.said |= flown.interrupted
     pictures = _draw(path) if draw and not flown.interrupted else []
-    return FlightsAnswer(mission.name, flown, batch_summary(path), seed, pictures)
+    return RunsAnswer(mission.name, flown, runs_summary(path), seed, pictures)
 
 
 def _draw(path: Path) -> list[Path]:
     import xarray as xr
 
-    from hoverproof.show.fans import save_batch_figures
+    from hoverproof.show.runs import save_runs_figures
 
-    with xr.open_dataset(path, engine="h5netcdf") as batch:
-        return save_batch_figures(batch, path.with_suffix(""))
+    with xr.open_dataset(path, engine="h5netcdf") as runs:
+        return save_runs_figures(runs, path.with_suffix(""))

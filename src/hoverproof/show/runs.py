@@ -1,6 +1,6 @@
 """Pictures of many flights: how they spread over time, where they started and how they ended.
 
-A batch is a Dataset in the way of a flight's, with a dimension ``run`` in front:
+Runs are a Dataset in the way of a flight's, with a dimension ``run`` in front:
 
 ================  ==================  =====================================================
 variable          dimensions          meaning
@@ -39,7 +39,7 @@ from hoverproof.show.scene import Array, Scene
 from hoverproof.show.style import COLOURS, STYLES, legend_above, save_figure
 from hoverproof.simulation.numbers import SETTLED
 
-BATCH_FIGURES = ("fans", "starts")
+RUNS_FIGURES = ("fans", "starts")
 
 FLOWN, NOT_FLOWN = "flown", "not_flown"
 SETTLES, STAYS_AWAY = "settled", "flown, not settled"
@@ -50,16 +50,16 @@ SINGLE_RUNS = 20
 MARKERS = "osX^DvP*"
 
 
-def fans_figure(batch: xr.Dataset) -> Figure:
+def fans_figure(runs: xr.Dataset) -> Figure:
     """Draw median, 5-95 % band and a few runs of what was recorded over time.
 
     Parameters
     ----------
-    batch : Dataset
+    runs : Dataset
         See the head of this module.
     """
-    batch = _thinned(batch)
-    outcome = outcomes(batch)
+    runs = _thinned(runs)
+    outcome = outcomes(runs)
     panels = [
         draw
         for name, draw in (
@@ -70,37 +70,37 @@ def fans_figure(batch: xr.Dataset) -> Figure:
             ("euler_angles", _tilt),
             ("rotor_thrust", _rotors),
         )
-        if name in batch
+        if name in runs
     ]
     rows = -(-len(panels) // 3)
     figure = Figure(figsize=(13, 0.8 + 3.7 * rows), layout="constrained")
-    shown = min(SINGLE_RUNS, batch.sizes["run"])
-    title = f"{_title(batch)}: median, 5 to 95 % band, and {shown} single runs"
+    shown = min(SINGLE_RUNS, runs.sizes["run"])
+    title = f"{_title(runs)}: median, 5 to 95 % band, and {shown} single runs"
     early = int(sum(o != FLOWN for o in outcome))
     if early:
         title += f"\n{early} ended early, and leave the bands when they end"
     figure.suptitle(title)
     for k, draw in enumerate(panels):
         axes = figure.add_subplot(rows, 3, k + 1)
-        draw(axes, batch)
+        draw(axes, runs)
         axes.set_xlabel("time (s)")
         legend_above(axes, 3)
     return figure
 
 
-def starts_figure(batch: xr.Dataset) -> Figure:
+def starts_figure(runs: xr.Dataset) -> Figure:
     """Draw where the runs started, coloured by how they ended, and how far from the goal.
 
     Parameters
     ----------
-    batch : Dataset
+    runs : Dataset
         See the head of this module.
     """
-    batch = _flown(batch)
-    scene, start = Scene.of(batch), _start(batch)
-    kinds = _kinds(batch)
+    runs = _flown(runs)
+    scene, start = Scene.of(runs), _start(runs)
+    kinds = _kinds(runs)
     figure = Figure(figsize=(13, 5), layout="constrained")
-    figure.suptitle(f"{_title(batch)}: starts by outcome, and errors at the end")
+    figure.suptitle(f"{_title(runs)}: starts by outcome, and errors at the end")
     plan, side, ends = figure.subplots(1, 3)
     names = sorted(set(kinds), key=lambda kind: (-(kinds == kind).sum(), kind))
     faint = float(np.clip(30 / np.sqrt(len(kinds)), 0.15, 0.9))
@@ -128,7 +128,7 @@ def starts_figure(batch: xr.Dataset) -> Figure:
     side.set_ylabel("z of the start (m), down")
     plan.set_title("from above", fontsize="medium")
     side.set_title("from the side", fontsize="medium")
-    error = _final_error(batch)
+    error = _final_error(runs)
     for name in names:
         values = np.sort(error[kinds == name])
         share = np.arange(1, len(values) + 1) / len(kinds) * 100
@@ -148,19 +148,19 @@ def starts_figure(batch: xr.Dataset) -> Figure:
     return figure
 
 
-def save_batch_figures(
-    batch: xr.Dataset, stem: Path, which: Sequence[str] = BATCH_FIGURES
+def save_runs_figures(
+    runs: xr.Dataset, stem: Path, which: Sequence[str] = RUNS_FIGURES
 ) -> list[Path]:
-    """Write the figures of a batch as PNG files beside each other.
+    """Write the figures of runs as PNG files beside each other.
 
     Parameters
     ----------
-    batch : Dataset
+    runs : Dataset
         See the head of this module.
     stem : Path
         Path without its ending; ``.fans.png`` and ``.starts.png`` are appended.
     which : sequence of str
-        Some of `BATCH_FIGURES`.
+        Some of `RUNS_FIGURES`.
 
     Raises
     ------
@@ -172,26 +172,26 @@ def save_batch_figures(
         "starts": starts_figure,
     }
     paths: list[Path] = []
-    if not (outcomes(batch) != NOT_FLOWN).any():
+    if not (outcomes(runs) != NOT_FLOWN).any():
         return paths
     for name in which:
         path = stem.with_name(f"{stem.name}.{name}.png")
-        save_figure(draw[name](batch), path)
+        save_figure(draw[name](runs), path)
         paths.append(path)
     return paths
 
 
-def outcomes(batch: xr.Dataset) -> np.ndarray:
+def outcomes(runs: xr.Dataset) -> np.ndarray:
     """Return the outcome of each run as text, (run,).
 
     Parameters
     ----------
-    batch : Dataset
+    runs : Dataset
         Many flights.
     """
-    if "outcome" not in batch:
-        return np.full(batch.sizes["run"], FLOWN, object)
-    recorded = batch["outcome"]
+    if "outcome" not in runs:
+        return np.full(runs.sizes["run"], FLOWN, object)
+    recorded = runs["outcome"]
     if "flag_meanings" not in recorded.attrs:
         return recorded.values.astype(object)
     values = np.atleast_1d(recorded.attrs["flag_values"]).tolist()
@@ -199,57 +199,57 @@ def outcomes(batch: xr.Dataset) -> np.ndarray:
     return np.array([names[int(v)] for v in recorded.values], object)
 
 
-def settled_times(batch: xr.Dataset) -> Array:
+def settled_times(runs: xr.Dataset) -> Array:
     """Return when each run came within 10 % of its distance at the start for good, s.
 
     NaN for those that did not, or ended early.
 
     Parameters
     ----------
-    batch : Dataset
+    runs : Dataset
         Many flights.
     """
-    if "settled_at" in batch:
-        found = batch["settled_at"].values.astype(float)
+    if "settled_at" in runs:
+        found = runs["settled_at"].values.astype(float)
     else:
-        distance, times = _distances(batch), batch["time"].values
+        distance, times = _distances(runs), runs["time"].values
         outside = ~(distance <= SETTLED * distance[:, :1])
         last = distance.shape[1] - 1 - outside[:, ::-1].argmax(axis=1)
         reached = outside.any(axis=1) & (last + 1 < len(times))
         found = np.where(reached, times[np.minimum(last + 1, len(times) - 1)], np.nan)
-    return np.where(outcomes(batch) == FLOWN, found, np.nan)
+    return np.where(outcomes(runs) == FLOWN, found, np.nan)
 
 
-def _flown(batch: xr.Dataset) -> xr.Dataset:
-    flown = outcomes(batch) != NOT_FLOWN
-    return batch if flown.all() else batch.isel(run=np.nonzero(flown)[0])
+def _flown(runs: xr.Dataset) -> xr.Dataset:
+    flown = outcomes(runs) != NOT_FLOWN
+    return runs if flown.all() else runs.isel(run=np.nonzero(flown)[0])
 
 
-def _thinned(batch: xr.Dataset) -> xr.Dataset:
+def _thinned(runs: xr.Dataset) -> xr.Dataset:
     """Return the runs that were flown, at no more than `MOST_TIMES` times, the last among them."""
-    last = batch.sizes["time"] - 1
+    last = runs.sizes["time"] - 1
     kept = np.unique(np.linspace(0, last, min(MOST_TIMES, last + 1)).round().astype(int))
-    return _flown(batch).isel(time=kept)
+    return _flown(runs).isel(time=kept)
 
 
-def _title(batch: xr.Dataset) -> str:
-    return f"{Scene.of(batch).name}, {batch.sizes['run']} runs"
+def _title(runs: xr.Dataset) -> str:
+    return f"{Scene.of(runs).name}, {runs.sizes['run']} runs"
 
 
-def _series(batch: xr.Dataset, name: str, reduce: Callable[[Array], Array]) -> Array:
+def _series(runs: xr.Dataset, name: str, reduce: Callable[[Array], Array]) -> Array:
     """Return what `reduce` makes of (runs, time, ...), as (runs, time), read block by block."""
-    runs = batch.sizes["run"]
+    count = runs.sizes["run"]
     return np.vstack(
         [
-            reduce(batch[name].isel(run=slice(k, k + BLOCK)).values).astype(np.float32)
-            for k in range(0, runs, BLOCK)
+            reduce(runs[name].isel(run=slice(k, k + BLOCK)).values).astype(np.float32)
+            for k in range(0, count, BLOCK)
         ]
     )
 
 
-def _distances(batch: xr.Dataset) -> Array:
-    goal = Scene.of(batch).goal
-    return _series(batch, "position", lambda p: np.linalg.norm(p - goal, axis=-1))
+def _distances(runs: xr.Dataset) -> Array:
+    goal = Scene.of(runs).goal
+    return _series(runs, "position", lambda p: np.linalg.norm(p - goal, axis=-1))
 
 
 def _bands(values: Array) -> Array:
@@ -270,23 +270,23 @@ def _fan(
     axes.plot(times, middle, style, color=colour, linewidth=2, label=label)
 
 
-def _distance(axes: Axes, batch: xr.Dataset) -> None:
-    _fan(axes, batch["time"].values, _distances(batch), colour=COLOURS[0], label="median")
+def _distance(axes: Axes, runs: xr.Dataset) -> None:
+    _fan(axes, runs["time"].values, _distances(runs), colour=COLOURS[0], label="median")
     axes.set_yscale("log")
     _plain_numbers(axes.yaxis)
     axes.set_ylabel("distance from the goal (m)")
 
 
-def _level(axes: Axes, batch: xr.Dataset) -> None:
-    values = _series(batch, "lyapunov", np.asarray)
-    _fan(axes, batch["time"].values, values, colour=COLOURS[3], label="median")
+def _level(axes: Axes, runs: xr.Dataset) -> None:
+    values = _series(runs, "lyapunov", np.asarray)
+    _fan(axes, runs["time"].values, values, colour=COLOURS[3], label="median")
     axes.set_yscale("log")
     axes.set_ylabel("L (dimensionless)")
 
 
-def _settled_share(axes: Axes, batch: xr.Dataset) -> None:
-    settled, times = settled_times(batch), batch["time"].values
-    flying = np.isfinite(_axis(batch, 0)).mean(axis=0)
+def _settled_share(axes: Axes, runs: xr.Dataset) -> None:
+    settled, times = settled_times(runs), runs["time"].values
+    flying = np.isfinite(_axis(runs, 0)).mean(axis=0)
     arrived = np.array([(settled <= t).mean() for t in times])
     within = f"settled within {SETTLED * 100:.0f} %"
     axes.step(times, 100 * flying, "--", where="post", color="black", label="still flying")
@@ -295,39 +295,39 @@ def _settled_share(axes: Axes, batch: xr.Dataset) -> None:
     axes.set_ylabel("share of the runs (%)")
 
 
-def _axis(batch: xr.Dataset, i: int) -> Array:
+def _axis(runs: xr.Dataset, i: int) -> Array:
     """Return one coordinate of the positions, (run, time), m."""
 
     def coordinate(places: Array) -> Array:
         return places[..., i]
 
-    return _series(batch, "position", coordinate)
+    return _series(runs, "position", coordinate)
 
 
-def _position(axes: Axes, batch: xr.Dataset) -> None:
+def _position(axes: Axes, runs: xr.Dataset) -> None:
     for i, axis in enumerate("xyz"):
-        values = _axis(batch, i)
+        values = _axis(runs, i)
         label = "z (down)" if axis == "z" else axis
-        _fan(axes, batch["time"].values, values, colour=COLOURS[i], label=label, style=STYLES[i])
+        _fan(axes, runs["time"].values, values, colour=COLOURS[i], label=label, style=STYLES[i])
     axes.set_ylabel("position (m)")
 
 
-def _tilt(axes: Axes, batch: xr.Dataset) -> None:
+def _tilt(axes: Axes, runs: xr.Dataset) -> None:
     def tilt(angles: Array) -> Array:
         """Of R₃₃ = cos(roll) cos(pitch), through half the angle, which keeps small ones exact."""
         roll, pitch = np.asarray(angles[..., 0], float), np.asarray(angles[..., 1], float)
         half = np.sin(roll / 2) ** 2 * np.cos(pitch) + np.sin(pitch / 2) ** 2
         return np.asarray(2 * DEGREES * np.arcsin(np.sqrt(np.clip(half, 0, 1))), np.float64)
 
-    values = _series(batch, "euler_angles", tilt)
-    _fan(axes, batch["time"].values, values, colour=COLOURS[1], label="median")
+    values = _series(runs, "euler_angles", tilt)
+    _fan(axes, runs["time"].values, values, colour=COLOURS[1], label="median")
     axes.set_ylabel("tilt (deg)")
 
 
-def _rotors(axes: Axes, batch: xr.Dataset) -> None:
-    times = batch["time"].values
-    highest = _series(batch, "rotor_thrust", lambda t: np.asarray(t.max(axis=-1)))
-    lowest = _series(batch, "rotor_thrust", lambda t: np.asarray(t.min(axis=-1)))
+def _rotors(axes: Axes, runs: xr.Dataset) -> None:
+    times = runs["time"].values
+    highest = _series(runs, "rotor_thrust", lambda t: np.asarray(t.max(axis=-1)))
+    lowest = _series(runs, "rotor_thrust", lambda t: np.asarray(t.min(axis=-1)))
     _fan(axes, times, highest, colour=COLOURS[4], label="highest of the rotors")
     _fan(axes, times, lowest, colour=COLOURS[5], label="lowest", style="--")
     axes.set_ylabel("rotor thrust (N)")
@@ -342,27 +342,27 @@ def _plain_numbers(axis: Axis) -> None:
     axis.set_minor_formatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in labelled else "")
 
 
-def _start(batch: xr.Dataset) -> Array:
-    if "start_position" in batch:
-        return np.asarray(batch["start_position"].values, np.float64)
-    return np.asarray(batch["position"].isel(time=0).values, np.float64)
+def _start(runs: xr.Dataset) -> Array:
+    if "start_position" in runs:
+        return np.asarray(runs["start_position"].values, np.float64)
+    return np.asarray(runs["position"].isel(time=0).values, np.float64)
 
 
-def _final_error(batch: xr.Dataset) -> Array:
-    if "final_error" in batch:
-        return np.asarray(batch["final_error"].values, np.float64)
-    distance = _distances(batch)
+def _final_error(runs: xr.Dataset) -> Array:
+    if "final_error" in runs:
+        return np.asarray(runs["final_error"].values, np.float64)
+    distance = _distances(runs)
     last = np.isfinite(distance).cumsum(axis=1).argmax(axis=1)
     return np.asarray(distance[np.arange(len(distance)), last], np.float64)
 
 
-def _kinds(batch: xr.Dataset) -> np.ndarray:
+def _kinds(runs: xr.Dataset) -> np.ndarray:
     """Return how each run ended, in words, (run,)."""
-    settled = np.isfinite(settled_times(batch))
+    settled = np.isfinite(settled_times(runs))
     return np.array(
         [
             (SETTLES if done else STAYS_AWAY) if o == FLOWN else str(o).replace("_", " ")
-            for o, done in zip(outcomes(batch), settled, strict=True)
+            for o, done in zip(outcomes(runs), settled, strict=True)
         ],
         object,
     )

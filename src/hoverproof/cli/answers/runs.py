@@ -13,12 +13,12 @@ from hoverproof.cli.answers.words import number
 from hoverproof.cli.interruption import STATUS
 
 if TYPE_CHECKING:
-    from hoverproof.simulation.campaign import Flown
+    from hoverproof.simulation.runs import Flown
 
 
 @dataclass(frozen=True)
-class FlightsAnswer(Answer):
-    """What came of many flights, the facts of their file (`batch_summary`), and its figures."""
+class RunsAnswer(Answer):
+    """What came of many flights, the facts of their file (`runs_summary`), and its figures."""
 
     mission: str
     flown: Flown
