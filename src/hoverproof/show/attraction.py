@@ -19,10 +19,9 @@ from hoverproof.certification.attraction.verdict import Proved
 from hoverproof.certification.bounds import eigenvalue_bounds
 from hoverproof.certification.region import eigenvalues
 from hoverproof.design.limits import bandwidth
-from hoverproof.files import replacing
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.loop import LoopNumbers, slowest_rate
-from hoverproof.show.style import COLOURS
+from hoverproof.show.style import COLOURS, save_figure
 from hoverproof.simulation.compiled import runner
 from hoverproof.simulation.step import flight_states
 from hoverproof.spread import spread
@@ -227,8 +226,7 @@ def save_attraction_figure(region: Proved, path: Path) -> None:
     InputError
         If the file cannot be written.
     """
-    with replacing(path) as beside:
-        attraction_figure(region).savefig(beside, dpi=120, format="png")
+    save_figure(attraction_figure(region), path, dpi=120)
 
 
 def draw_section(axes: Axes, region: Proved, view: View, flights: Flights) -> None:
@@ -421,6 +419,4 @@ def save_trade_off_figure(regions: Sequence[Proved], own: Proved | None, path: P
     InputError
         If the file cannot be written.
     """
-    with replacing(path) as beside:
-        ending = "svg" if path.suffix.lower() == ".svg" else "png"
-        trade_off_figure(regions, own).savefig(beside, dpi=130, format=ending)
+    save_figure(trade_off_figure(regions, own), path)
