@@ -91,11 +91,11 @@ class Design:
     weight : Fraction
         m g, N.
     gains : tuple of Fraction
-        In the order and the units of the law.
+        Numbers in the order and the units of the law.
     gains_text : str
         Their names with their units.
     goal_centroid : sequence of Fraction
-        q*, (3,).
+        q*, (3,), dimensionless.
     rotors : tuple of str
         Names of the rotors, in their order.
     """
@@ -120,13 +120,13 @@ class Limits:
     floor : Fraction
         The lowest T - m g at which the law is computed: half-way between singular and lowest, N.
     tilt_cosine : Fraction
-        Lowest cosine of the tilt.
+        Lowest cosine of the tilt, dimensionless.
     tilt_words : str
         That tilt, and where it comes from.
     box : InputBox
         What is accepted as input.
     centroid_square : Fraction
-        The largest square of the centroid that is accepted.
+        The largest square of the centroid that is accepted, dimensionless.
     """
 
     thrust: tuple[Fraction, Fraction]

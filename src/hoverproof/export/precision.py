@@ -84,7 +84,7 @@ class Precision:
         Parameters
         ----------
         value : Fraction, int, or str
-            A word is a decimal.
+            An exact number; a str is a decimal.
         """
         return self.literal(Fraction(value))
 
@@ -94,6 +94,7 @@ class Precision:
         Parameters
         ----------
         values : iterable of Fraction or int
+            Exact numbers.
         """
         return "{ " + ", ".join(map(self.lit, values)) + " }"
 

@@ -102,9 +102,9 @@ class Vector:
     seen, velocity, rate, gravity_direction : str
         In braces, the rest of the input; see `Step`.
     target_seen : int
-        0 if the camera missed the target.
+        A bare number: 0 if the camera missed the target.
     status : int
-        That the step must answer.
+        That the step must answer, a bare number.
     thrust, thrust_rate, next_excess : str
         N, N/s and N.
     torque, rotor : str

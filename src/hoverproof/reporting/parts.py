@@ -26,7 +26,7 @@ from hoverproof.export.package import NotCertified, write_package
 from hoverproof.mission.sections import Mission
 from hoverproof.paper.conditions import Demand, printed_demands, where_met
 from hoverproof.paper.judge import Judgement
-from hoverproof.paper.ledger import derive
+from hoverproof.paper.ledger import derive_once
 from hoverproof.servo.loop import slowest_rate
 from hoverproof.show.decay import Decay, decay_along
 from hoverproof.show.panels import beginning
@@ -209,7 +209,7 @@ def gather(
         ),
         flight=part("flight", "flight", lambda: _fly(mission, verdict, runs)),
         firmware=part("firmware", "firmware", lambda: _export(mission, verdict)),
-        ledger=part("ledger", "ledger of the paper", derive),
+        ledger=part("ledger", "ledger of the paper", derive_once),
     )
 
 

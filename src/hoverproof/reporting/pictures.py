@@ -89,7 +89,7 @@ def picture(
         See `Picture`.
     """
     with mpl.rc_context(LOOKS):
-        figure = draw()
+        figure = style.laid_out(draw(), "svg")
         written = io.BytesIO()
         none = {"Date": None, "Creator": None, "Format": None, "Type": None}
         figure.savefig(written, format="svg", transparent=True, dpi=160, metadata=none)

@@ -61,22 +61,28 @@ def save_figure(figure: Figure, path: Path, dpi: int = DPI) -> None:
     """
     with replacing(path) as beside:
         ending = "svg" if path.suffix.lower() == ".svg" else "png"
-        laid_out(figure, dpi if ending == "png" else SVG_DPI)
+        figure = laid_out(figure, ending, dpi)
         figure.savefig(beside, dpi=dpi, format=ending)
 
 
-def laid_out(figure: Figure, dpi: int) -> Figure:
+def laid_out(figure: Figure, ending: str, dpi: int = DPI) -> Figure:
     """Put everything in its place, once: `savefig` would draw the whole figure to do so.
 
     Parameters
     ----------
     figure : Figure
+    ending : {"png", "svg"}
+        How it will be saved: letters are measured as they are drawn.
     dpi : int
-        Number of pixels in an inch, those with which it will be saved.
+        Number of pixels in an inch of a PNG.
     """
     engine = figure.get_layout_engine()
     if engine is not None:
-        figure.set_dpi(dpi)
+        if ending == "svg":
+            from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+            FigureCanvasSVG(figure)
+        figure.set_dpi(SVG_DPI if ending == "svg" else dpi)
         engine.execute(figure)
         figure.set_layout_engine(None)
     return figure

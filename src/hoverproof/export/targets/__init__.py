@@ -56,6 +56,11 @@ TARGETS = (
 
 
 def titles(targets: tuple[Target, ...] = TARGETS) -> str:
-    """Return their titles as a list in words."""
+    """Return their titles as a list in words.
+
+    Parameters
+    ----------
+    targets : tuple of Target
+    """
     *some, last = (target.title for target in targets)
     return f"{', '.join(some)} and {last}" if some else last
