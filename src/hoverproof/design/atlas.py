@@ -14,10 +14,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from importlib.metadata import version
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from hoverproof.certification.bounds import eigenvalues_at_goal
@@ -27,7 +26,11 @@ from hoverproof.design.margins import Questions, margins
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Bounds, Gains, Mission
 from hoverproof.servo.law import Design
+from hoverproof.simulation.record import Column, Record
 from hoverproof.spread import spread
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 Scale = Literal["log", "linear"]
@@ -216,6 +219,39 @@ def atlas(
     InputError
         If an axis or the scheduler cannot be used.
     """
+    drawn = chart(
+        *(mission, x, y),
+        weights=weights,
+        exact=exact,
+        processes=processes,
+        scheduler=scheduler,
+        report=report,
+    )
+    return drawn.dataset()
+
+
+def chart(
+    mission: Mission,
+    x: Axis | str,
+    y: Axis | str,
+    *,
+    weights: tuple[Fraction, ...] = ONES,
+    exact: bool = False,
+    processes: int | None = None,
+    scheduler: str | None = None,
+    report: Report = lambda done, total: None,
+) -> Record:
+    """Map the margin and the decay rate: `atlas`, without the time that it takes to import xarray.
+
+    Parameters
+    ----------
+    mission, x, y, exact, scheduler, report
+        See `atlas`, also for what is raised.
+    weights : (4,) Fractions
+        w of L = ½ Σ wᵢ|δᵢ|².
+    processes : int, optional
+        A bare number.
+    """
     x = axis(mission, x, option="--x") if isinstance(x, str) else x
     y = axis(mission, y, option="--y") if isinstance(y, str) else y
     if x.name == y.name:
@@ -233,7 +269,7 @@ def atlas(
         found = _spread(decide, groups, processes, scheduler, report)
         if len(asked):
             verdict[tuple(asked.T)] = np.concatenate(found)
-    return _dataset(mission, x, y, weights, margin, verdict)
+    return _record(mission, x, y, weights, margin, verdict)
 
 
 def _spread(
@@ -381,29 +417,34 @@ def cell_mission(mission: Mission, x: Axis, y: Axis, i: int, j: int) -> Mission:
     return mission
 
 
-def _dataset(
+def _record(
     mission: Mission,
     x: Axis,
     y: Axis,
     weights: tuple[Fraction, ...],
     margin: Array,
     verdict: NDArray[np.int16],
-) -> xr.Dataset:
+) -> Record:
     words = {
         "margin": ("kg/s", "worst eigenvalue of W^(-1/2) Σ W^(-1/2), floating point"),
         "decay_rate": ("1/s", "decay rate of L that follows, floating point"),
         "verdict": ("1", "certify: 1 proved, -1 refuted, 0 undecided, -128 not asked"),
     }
-    values = {
+    values: dict[str, NDArray[Any]] = {
         "margin": margin,
         "decay_rate": 2 * margin / float(mission.vehicle.mass),
         "verdict": verdict,
     }
     dims = (y.name, x.name)
-    return xr.Dataset(
-        {k: (dims, v, {"units": words[k][0], "long_name": words[k][1]}) for k, v in values.items()},
-        coords={
-            a.name: (a.name, a.values, {"units": a.quantity.unit, "long_name": a.quantity.words})
+    return Record(
+        {
+            k: Column(dims, v, {"units": words[k][0], "long_name": words[k][1]})
+            for k, v in values.items()
+        },
+        {
+            a.name: Column(
+                (a.name,), a.values, {"units": a.quantity.unit, "long_name": a.quantity.words}
+            )
             for a in (x, y)
         },
         attrs={

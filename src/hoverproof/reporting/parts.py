@@ -7,10 +7,9 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-import xarray as xr
 
 from hoverproof.certification.attraction.proof import start_or_ball
 from hoverproof.certification.attraction.verdict import Proved as Region
@@ -18,7 +17,7 @@ from hoverproof.certification.attraction.verdict import Verdict as AttractionVer
 from hoverproof.certification.gains import Proved, Verdict, certify
 from hoverproof.certification.over_box import RegionVerdict, certify_region
 from hoverproof.certification.region import default_box
-from hoverproof.design.atlas import atlas, axis, cell_values
+from hoverproof.design.atlas import axis, cell_values, chart
 from hoverproof.errors import InputError
 from hoverproof.export.contents import Standing
 from hoverproof.export.cost import Footprint, Rounding, footprint, rounding
@@ -30,8 +29,11 @@ from hoverproof.paper.ledger import derive_once
 from hoverproof.servo.loop import slowest_rate
 from hoverproof.show.decay import Decay, decay_along
 from hoverproof.show.panels import beginning
-from hoverproof.simulation.campaign import batch_summary, simulate_batch
-from hoverproof.simulation.flight import simulate, summary, without_conditions
+from hoverproof.simulation.flight import flown, summary, without_conditions
+from hoverproof.simulation.record import Record
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 PARTS = ("atlas", "region", "attraction", "flight", "firmware", "ledger")
 """The parts that a report may be asked to leave out."""
@@ -64,13 +66,13 @@ class Map:
 
     Attributes
     ----------
-    data : Dataset
-        From `hoverproof.atlas`.
+    data : Record
+        Of `hoverproof.atlas`.
     printed : (m, n)
         Where the conditions of the printed theorem are met.
     """
 
-    data: xr.Dataset
+    data: Record
     printed: np.ndarray
 
 
@@ -80,9 +82,9 @@ class Flown:
 
     Attributes
     ----------
-    whole : Dataset
+    whole : Record
         The flight.
-    beginning : Dataset or None
+    beginning : Record or None
         Its first seconds in finer samples; None if the whole flight is no longer than that.
     summary : dict
         What it came to: distances in m, times in s.
@@ -94,8 +96,8 @@ class Flown:
         What they came to: distances in m, times in s.
     """
 
-    whole: xr.Dataset
-    beginning: xr.Dataset | None
+    whole: Record
+    beginning: Record | None
     summary: dict[str, Any]
     decay: Decay | None
     batch: xr.Dataset | None
@@ -248,7 +250,7 @@ def sentence(words: str) -> str:
 
 def _map(mission: Mission) -> Map:
     x, y = (axis(mission, name, cells=MAP_CELLS) for name in MAP_AXES)
-    data = atlas(mission, x, y, processes=1)
+    data = chart(mission, x, y, processes=1)
     return Map(data, where_met(mission, cell_values(mission, x, y)))
 
 
@@ -258,16 +260,20 @@ def _fly(mission: Mission, verdict: Verdict, runs: int | None) -> Flown:
             "The loop is not stable near its goal, so a flight has no natural length; "
             f"`hoverproof simulate {mission.source} --duration 20` flies it"
         )
-    whole = simulate(mission)
+    whole = flown(mission)
     decay = decay_along(whole, verdict) if isinstance(verdict, Proved) else None
     duration, early = float(whole["time"].values[-1]), 2 * beginning(whole)
-    first = simulate(mission, duration=early) if 0 < early < SHORT * duration else None
+    first = flown(mission, duration=early) if 0 < early < SHORT * duration else None
     told = {**summary(whole), **without_conditions(mission, whole)}
     batch, of_batch = (None, None) if runs is None else _fly_many(mission, runs)
     return Flown(whole, first, told, decay, batch, of_batch)
 
 
 def _fly_many(mission: Mission, runs: int) -> tuple[xr.Dataset, dict[str, Any]]:
+    import xarray as xr
+
+    from hoverproof.simulation.campaign import batch_summary, simulate_batch
+
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "flights.nc"
         simulate_batch(mission, path, runs=runs)

@@ -18,7 +18,7 @@ from hoverproof.certification.attraction.verdict import Proved
 from hoverproof.certification.over_box import RegionVerdict
 from hoverproof.mission.sections import Mission
 from hoverproof.reporting.parts import Flown, Map
-from hoverproof.show import attraction, fans, panels, style
+from hoverproof.show import attraction, panels, style
 from hoverproof.show.atlas import atlas_figure
 from hoverproof.show.region import region_figure
 
@@ -238,7 +238,7 @@ def flight_pictures(flown: Flown) -> Iterator[Picture]:
         "Tracks of the target points in the image.",
         "What the camera sees: the tracks of the target points in the image plane.",
     )
-    if flight.sizes["time"] < 2:
+    if len(flight["time"].values) < 2:
         return
     claim = ""
     if flown.decay is not None:
@@ -273,6 +273,8 @@ def batch_picture(flown: Flown) -> Picture:
     flown : Flown
         With a batch.
     """
+    from hoverproof.show import fans
+
     assert flown.batch is not None
     batch = flown.batch
     runs = batch.sizes["run"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -14,13 +14,10 @@ from numpy.typing import NDArray
 from hoverproof.plant.camera import body_points, pinhole
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.plant.rotors import ROTORS, wrench
-from hoverproof.simulation.record import Record
-
-if TYPE_CHECKING:
-    import xarray as xr
+from hoverproof.simulation.record import Recorded
 
 Array = NDArray[np.float64]
-Flight: TypeAlias = "xr.Dataset | Record"
+Flight: TypeAlias = Recorded
 """What `simulate` or `flown` returned. A picture needs no xarray, which takes long to import."""
 
 

@@ -10,7 +10,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Array = NDArray[np.float64]
+Recorded: TypeAlias = "xr.Dataset | Record"
+"""What a picture is drawn of: values, names of axes and attributes are asked for alike."""
 
 
 @dataclass(frozen=True)
