@@ -407,6 +407,24 @@ def test_undecided_has_its_own_exit_status(capsys):
     assert "k3" in answer["reason"]
 
 
+@pytest.mark.slow
+def test_flights_of_a_picture_are_those_of_three_times_the_steps_flown_to_the_end(x4, monkeypatch):
+    from hoverproof.show import attraction as picture
+
+    region = attraction(x4)
+    view = picture.View.of(region)
+    drawn = picture.fly(region, view, 20)
+    monkeypatch.setattr(picture, "STEPS_PER_FASTEST", 3 * picture.STEPS_PER_FASTEST)
+    monkeypatch.setattr(picture, "AT_REST", 0.0)
+    fine = picture.fly(region, view, 20)
+    assert (drawn.settled == fine.settled).all()
+    assert np.isnan(drawn.energy).any()
+    for one, other in zip(drawn.energy, fine.energy, strict=True):
+        seen = one > 1e-6 * float(region.level)
+        there = np.interp(drawn.time[seen], fine.time, np.log10(other))
+        assert np.abs(np.log10(one[seen]) - there).max() < 0.02
+
+
 def test_the_trade_off_is_drawn_at_the_speed_and_the_reach_of_each_region():
     from types import SimpleNamespace
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
+import matplotlib as mpl
 import matplotlib.colors
 import numpy as np
 import pytest
@@ -19,7 +21,8 @@ from hoverproof.plant.goal import hover_goal
 from hoverproof.show import figures, panels, style
 from hoverproof.show.decay import Decay, decay_along
 from hoverproof.show.scene import Scene, view_angle
-from hoverproof.simulation.flight import simulate
+from hoverproof.simulation.flight import flown, simulate
+from hoverproof.simulation.timing import Timing
 
 UNITS = ("(m)", "(m), down", "(deg)", "(N)", "(s)", "(focal lengths)", "(focal lengths), down")
 
@@ -215,6 +218,26 @@ def test_figures_of_flights_cut_short_can_be_drawn():
     assert wild.attrs["outcome"] != "flown"
     assert len(figures.save_figures(wild, Path("wild"))) == 3
     assert len(figures.save_figures(wild.isel(time=slice(0, 1)), Path("instant"))) == 3
+
+
+def test_a_record_is_drawn_as_its_dataset_is(x4):
+    record = flown(x4, Timing(duration=1500))
+    decay = decay_along(record, hp.certify(x4))
+    first = figures.save_figures(record, Path("record"), decay=decay)
+    same = figures.save_figures(record.dataset(), Path("dataset"), decay=decay)
+    assert decay == decay_along(record.dataset(), hp.certify(x4))
+    for one, other in zip(first, same, strict=True):
+        assert one.read_bytes() == other.read_bytes()
+
+
+@pytest.mark.parametrize("ending", ["png", "svg"])
+def test_a_figure_laid_out_once_is_the_figure_that_savefig_lays_out(flight, ending):
+    with mpl.rc_context({"svg.hashsalt": "same"}):
+        figures.features_figure(flight).savefig(f"own.{ending}", dpi=style.DPI)
+        style.save_figure(figures.features_figure(flight), Path(f"once.{ending}"))
+    own, once = (Path(f"{name}.{ending}").read_text("latin-1") for name in ("own", "once"))
+    dates = re.compile("<dc:date>.*</dc:date>")
+    assert dates.sub("", own) == dates.sub("", once)
 
 
 def test_the_view_angle_of_a_point_on_the_axis_is_zero(flight):

@@ -6,6 +6,7 @@ import hashlib
 import json
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 
 import casadi as ca
 import hypothesis.strategies as st
@@ -19,6 +20,7 @@ from hoverproof import checker
 from hoverproof.certification.gains import certify
 from hoverproof.cli import main
 from hoverproof.errors import InputError
+from hoverproof.export import targets
 from hoverproof.export.binding import Firmware
 from hoverproof.export.contents import Standing
 from hoverproof.export.flight_law import assert_is_the_controller, flight_law
@@ -433,6 +435,19 @@ def test_the_package_is_complete_and_hashed(package):
     assert json.loads((package.folder / "manifest.json").read_text()) == package.manifest
     on_disk = {str(p.relative_to(package.folder)) for p in package.folder.rglob("*") if p.is_file()}
     assert on_disk == {*listed, "manifest.json"}
+
+
+def test_a_package_has_the_files_and_the_words_of_every_target_folder(package):
+    home = Path(targets.__file__).parent
+    folders = {path.name for path in home.iterdir() if list(path.glob("*.j2"))}
+    assert folders == {target.folder for target in targets.TARGETS}
+    told = (package.folder / "adapters/README.md").read_text()
+    for target in targets.TARGETS:
+        written = {p.name for p in (package.folder / "adapters" / target.folder).iterdir()}
+        templates = {p.name.removesuffix(".j2") for p in (home / target.folder).glob("*.j2")}
+        named = {name.replace("NAME", package.name) for name in templates}
+        assert named == written | {"where.md"}
+        assert f"**{target.title}**" in told
 
 
 def test_the_certificate_travels_with_the_code(package):

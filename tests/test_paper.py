@@ -17,8 +17,9 @@ from hoverproof.algebra.identity import prove_equal
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.paper import equations, symbols, theorem
+from hoverproof.paper import ledger as ledger_module
 from hoverproof.paper.judge import Verdict, identity, proof_of
-from hoverproof.paper.ledger import ORDER, all_proved, derive, ledger
+from hoverproof.paper.ledger import ORDER, all_proved, as_rows, derive, derive_once, ledger
 from hoverproof.paper.notation import (
     Equation,
     Number,
@@ -414,3 +415,16 @@ def test_no_formula_has_two_superscripts_in_a_row_which_latex_refuses():
     for judgement in derive():
         for shown in (judgement.printed, judgement.derived):
             assert not re.search(r"\^(\S|\{[^{}]*\})\^", shown.latex()), judgement.id
+
+
+def test_what_is_kept_of_the_judgement_is_what_is_judged(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    judged = derive()
+    for _ in range(2):  # judged, then found in the file
+        ledger_module._judged.cache_clear()
+        kept = derive_once()
+        assert as_rows(kept) == as_rows(judged)
+        for one, other in zip(kept, judged, strict=True):
+            assert one.printed.latex() == other.printed.latex()
+            assert one.derived.latex() == other.derived.latex()
+            assert (one.derived is one.printed) == (other.derived is other.printed)

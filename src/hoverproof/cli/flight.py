@@ -15,8 +15,6 @@ from hoverproof.cli.runs import fly_many
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from hoverproof.cli.answers.flight import FlightAnswer
     from hoverproof.mission.sections import Mission
     from hoverproof.show.decay import Decay
@@ -189,12 +187,11 @@ def _draw(
     from hoverproof.show.figures import FIGURES, save_figures
 
     which = FIGURES if figures is None else figures
-    drawn = flight.dataset()
-    decay = _certified_decay(mission, drawn) if "features" in which else None
-    return decay, save_figures(drawn, stem, which, decay)
+    decay = _certified_decay(mission, flight) if "features" in which else None
+    return decay, save_figures(flight, stem, which, decay)
 
 
-def _certified_decay(mission: Mission, flight: xr.Dataset) -> Decay | None:
+def _certified_decay(mission: Mission, flight: Record) -> Decay | None:
     """Return the decay that is proved for a flight of a mission; None if none is."""
     from hoverproof.certification.gains import certify
     from hoverproof.show.decay import decay_along

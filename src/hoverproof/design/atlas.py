@@ -7,172 +7,41 @@ each cell can be decided exactly, by `certify`.
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from importlib.metadata import version
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from hoverproof.certification.bounds import eigenvalues_at_goal
 from hoverproof.certification.gains import certify, model_fingerprint
 from hoverproof.certification.problem import ONES, gain_problem, pose
+from hoverproof.design.axes import QUANTITIES as QUANTITIES
+from hoverproof.design.axes import Axis as Axis
+from hoverproof.design.axes import axis as axis
 from hoverproof.design.margins import Questions, margins
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Bounds, Gains, Mission
 from hoverproof.servo.law import Design
+from hoverproof.simulation.record import Column, Record
 from hoverproof.spread import spread
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 Array = NDArray[np.float64]
-Scale = Literal["log", "linear"]
 Report = Callable[[int, int], None]
 
-DIGITS = 6
 CHUNK = 4000
 BARELY = 1e-6  # how near to its bounds Q at the goal may come, as a part
 EXACT_CHUNK = 16
 VERDICTS = {"refuted": -1, "undecided": 0, "proved": 1}
 NOT_ASKED = -128
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """Something that an axis of an atlas can run over.
-
-    Attributes
-    ----------
-    key : str
-        As in a mission file.
-    end : int or None
-        Which end of an interval, None if the value is a number.
-    unit : str
-    words : str
-        What it is.
-    scale : str
-        The scale that suits it.
-    """
-
-    key: str
-    end: int | None
-    unit: str
-    words: str
-    scale: Scale = "log"
-
-    def value(self, mission: Mission) -> Fraction | None:
-        """Return what a mission has; None if it has another kind of bound.
-
-        Parameters
-        ----------
-        mission : Mission
-        """
-        section, name = self.key.split(".")
-        held = getattr(getattr(mission, section), name)
-        if held == "auto":
-            return None
-        value: Fraction | None = held if held is None or self.end is None else held[self.end]
-        return value
-
-
-QUANTITIES = {
-    **{
-        name: Quantity(f"gains.{name}", None, Design.units()[name], f"gain {name}")
-        for name in Design.chain_gains()
-    },
-    "lowest_eigenvalue": Quantity("bounds.eigenvalues", 0, "1/m", "lowest eigenvalue of Q"),
-    "highest_eigenvalue": Quantity("bounds.eigenvalues", 1, "1/m", "highest eigenvalue of Q"),
-    "lowest_thrust": Quantity("bounds.thrust", 0, "N", "lowest thrust", "linear"),
-    "highest_thrust": Quantity("bounds.thrust", 1, "N", "highest thrust", "linear"),
-    "level": Quantity("bounds.level", None, "1", "level of L"),
-}
-
-
-@dataclass(frozen=True)
-class Axis:
-    """One axis of an atlas.
-
-    Attributes
-    ----------
-    name : str
-        One of `QUANTITIES`.
-    values : (n,)
-        Short decimals, so that a cell can be decided exactly.
-    scale : str
-    """
-
-    name: str
-    values: Array
-    scale: Scale
-
-    @property
-    def quantity(self) -> Quantity:
-        """What the axis runs over."""
-        return QUANTITIES[self.name]
-
-
-def axis(
-    mission: Mission,
-    name: str,
-    *,
-    ends: tuple[float, float] | None = None,
-    scale: Scale | None = None,
-    cells: int = 200,
-    option: str = "--x",
-) -> Axis:
-    """Make an axis.
-
-    Parameters
-    ----------
-    mission : Mission
-    name : str
-        One of `QUANTITIES`.
-    ends : (low, high), optional
-        Bare numbers in the unit of the quantity. By default a tenth and ten times of what the
-        mission has; for a thrust, the thrust of hover and half or three halves of it.
-    scale : str, optional
-        "log" or "linear"; by default what suits the quantity.
-    cells : int
-        Number of values.
-    option : str
-        How the user calls it, for messages.
-
-    Raises
-    ------
-    InputError
-        If there is no such quantity, or its range cannot be used.
-    """
-    name = name.removeprefix("gains.")
-    if name not in QUANTITIES:
-        raise InputError(option, "", f"must be one of {', '.join(QUANTITIES)}, not {name!r}")
-    quantity = QUANTITIES[name]
-    held = quantity.value(mission)
-    if held is None:
-        other = "bounds.level" if name.endswith("thrust") else "bounds.thrust"
-        if name.endswith("eigenvalue"):
-            other = '"auto" for them'
-        raise InputError(option, "", f"{name} cannot vary: {mission.source} gives {other} instead")
-    if not 2 <= cells <= 5000:
-        raise InputError("--cells", "", f"must be from 2 to 5000, not {cells}")
-    scale = scale or quantity.scale
-    if ends is None:
-        weight = float(mission.vehicle.weight)
-        special = {
-            "lowest_thrust": (weight / 2, weight),
-            "highest_thrust": (weight, 3 * weight / 2),
-        }
-        ends = special.get(name, (float(held) / 10, float(held) * 10))
-    low, high = ends
-    if not 0 < low < high < math.inf:
-        what = f"two numbers in order, above 0 {quantity.unit}"
-        raise InputError(f"{option}-range", "", f"must be {what}, not {low:g},{high:g}")
-    line = np.geomspace(low, high, cells) if scale == "log" else np.linspace(low, high, cells)
-    digits = DIGITS + max(0, math.ceil(math.log10(cells * high / (high - low))) - 3)
-    return Axis(name, np.array([float(f"{v:.{digits}g}") for v in line]), scale)
 
 
 def atlas(
@@ -216,6 +85,39 @@ def atlas(
     InputError
         If an axis or the scheduler cannot be used.
     """
+    drawn = chart(
+        *(mission, x, y),
+        weights=weights,
+        exact=exact,
+        processes=processes,
+        scheduler=scheduler,
+        report=report,
+    )
+    return drawn.dataset()
+
+
+def chart(
+    mission: Mission,
+    x: Axis | str,
+    y: Axis | str,
+    *,
+    weights: tuple[Fraction, ...] = ONES,
+    exact: bool = False,
+    processes: int | None = None,
+    scheduler: str | None = None,
+    report: Report = lambda done, total: None,
+) -> Record:
+    """Map the margin and the decay rate: `atlas`, without the time that it takes to import xarray.
+
+    Parameters
+    ----------
+    mission, x, y, exact, scheduler, report
+        See `atlas`, also for what is raised.
+    weights : (4,) Fractions
+        w of L = ½ Σ wᵢ|δᵢ|².
+    processes : int, optional
+        A bare number.
+    """
     x = axis(mission, x, option="--x") if isinstance(x, str) else x
     y = axis(mission, y, option="--y") if isinstance(y, str) else y
     if x.name == y.name:
@@ -233,7 +135,7 @@ def atlas(
         found = _spread(decide, groups, processes, scheduler, report)
         if len(asked):
             verdict[tuple(asked.T)] = np.concatenate(found)
-    return _dataset(mission, x, y, weights, margin, verdict)
+    return _record(mission, x, y, weights, margin, verdict)
 
 
 def _spread(
@@ -381,29 +283,34 @@ def cell_mission(mission: Mission, x: Axis, y: Axis, i: int, j: int) -> Mission:
     return mission
 
 
-def _dataset(
+def _record(
     mission: Mission,
     x: Axis,
     y: Axis,
     weights: tuple[Fraction, ...],
     margin: Array,
     verdict: NDArray[np.int16],
-) -> xr.Dataset:
+) -> Record:
     words = {
         "margin": ("kg/s", "worst eigenvalue of W^(-1/2) Σ W^(-1/2), floating point"),
         "decay_rate": ("1/s", "decay rate of L that follows, floating point"),
         "verdict": ("1", "certify: 1 proved, -1 refuted, 0 undecided, -128 not asked"),
     }
-    values = {
+    values: dict[str, NDArray[Any]] = {
         "margin": margin,
         "decay_rate": 2 * margin / float(mission.vehicle.mass),
         "verdict": verdict,
     }
     dims = (y.name, x.name)
-    return xr.Dataset(
-        {k: (dims, v, {"units": words[k][0], "long_name": words[k][1]}) for k, v in values.items()},
-        coords={
-            a.name: (a.name, a.values, {"units": a.quantity.unit, "long_name": a.quantity.words})
+    return Record(
+        {
+            k: Column(dims, v, {"units": words[k][0], "long_name": words[k][1]})
+            for k, v in values.items()
+        },
+        {
+            a.name: Column(
+                (a.name,), a.values, {"units": a.quantity.unit, "long_name": a.quantity.words}
+            )
             for a in (x, y)
         },
         attrs={

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import xarray as xr
 
 from hoverproof.design.atlas import NOT_ASKED, VERDICTS
+from hoverproof.simulation.record import Recorded
 
 
 @dataclass(frozen=True)
@@ -37,13 +37,13 @@ class AtlasSummary:
     disagree: int
 
 
-def atlas_summary(drawn: xr.Dataset) -> AtlasSummary:
+def atlas_summary(drawn: Recorded) -> AtlasSummary:
     """Sum up a map.
 
     Parameters
     ----------
-    drawn : Dataset
-        From `atlas`.
+    drawn : Dataset or Record
+        From `atlas` or `chart`.
     """
     margin, verdict = drawn["margin"].values, drawn["verdict"].values
     certified, asked = int((margin > 0).sum()), verdict != NOT_ASKED

@@ -1,30 +1,24 @@
-"""What the files of a firmware package are filled with."""
+"""What the files of a firmware package are filled with: the templates name these values."""
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 from hoverproof.algebra.decimals import decimal_below
-from hoverproof.algebra.graph import fingerprint
 from hoverproof.algebra.surd import sqrt_enclosure
-from hoverproof.export.emitter import literals, statements
-from hoverproof.export.flight_law import BODY_SENSORS, FlightLaw
-from hoverproof.export.precision import PRECISIONS, Precision
-from hoverproof.export.vectors import InputBox, test_vectors
-from hoverproof.export.vehicle import rate_function, sense_function
+from hoverproof.export.flight_law import FlightLaw
+from hoverproof.export.law_text import LawText, VehicleText, law_text, vehicle_text
+from hoverproof.export.options import Options
+from hoverproof.export.precision import FLOAT32
+from hoverproof.export.vectors import InputBox, Vector, test_vectors
 from hoverproof.mission.sections import Mission
-from hoverproof.plant.rigid_body import BODY_SIZE
 from hoverproof.plant.rotors import ROTORS
 from hoverproof.servo.hover_error import hover_error, rests_as_modelled
 from hoverproof.servo.law import Law
-from hoverproof.servo.loop import LoopNumbers
 from hoverproof.version import __version__
 
 
@@ -44,219 +38,297 @@ class Standing:
     certificate: Mapping[str, Any] | None = None
 
 
+@dataclass(frozen=True)
+class Evidence:
+    """What is proved of the gains, as the files tell it.
+
+    Attributes
+    ----------
+    certified : bool
+    sha256 : str
+        Of the certificate, or ``"none"``.
+    claim, statement : str
+        In a line, and in full.
+    interval : str
+        Whether the interval of thrusts is ``"certified"`` or ``"assumed"``.
+    eigenvalue_bounds : str or None
+        Whether the certificate assumes the bounds of Q or has them proved.
+    """
+
+    certified: bool
+    sha256: str
+    claim: str
+    statement: str
+    interval: str
+    eigenvalue_bounds: str | None
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where a package comes from.
+
+    Attributes
+    ----------
+    text : str
+        In a sentence or two, with a warning if nothing is proved.
+    banner : str
+        The comment that begins each file of C.
+    size : int
+        Number of characters of the text in the C, with the one that ends it.
+    """
+
+    text: str
+    banner: str
+    size: int
+
+
+@dataclass(frozen=True)
+class Design:
+    """What the law is made of.
+
+    Attributes
+    ----------
+    weight : Fraction
+        m g, N.
+    gains : tuple of Fraction
+        Numbers in the order and the units of the law.
+    gains_text : str
+        Their names with their units.
+    goal_centroid : sequence of Fraction
+        q*, (3,), dimensionless.
+    rotors : tuple of str
+        Names of the rotors, in their order.
+    """
+
+    weight: Fraction
+    gains: tuple[Fraction, ...]
+    gains_text: str
+    goal_centroid: Sequence[Fraction]
+    rotors: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the firmware watches while it flies.
+
+    Attributes
+    ----------
+    thrust, excess : (low, high)
+        Interval of T that is certified or assumed, and of T - m g, N.
+    singular : Fraction
+        T - m g at which the law is singular, N.
+    floor : Fraction
+        The lowest T - m g at which the law is computed: half-way between singular and lowest, N.
+    tilt_cosine : Fraction
+        Lowest cosine of the tilt, dimensionless.
+    tilt_words : str
+        That tilt, and where it comes from.
+    box : InputBox
+        What is accepted as input.
+    centroid_square : Fraction
+        The largest square of the centroid that is accepted, dimensionless.
+    """
+
+    thrust: tuple[Fraction, Fraction]
+    excess: tuple[Fraction, Fraction]
+    singular: Fraction
+    floor: Fraction
+    tilt_cosine: Fraction
+    tilt_words: str
+    box: InputBox
+    centroid_square: Fraction
+
+
+@dataclass(frozen=True)
+class Adapter:
+    """What the glue for autopilots says, in float.
+
+    Attributes
+    ----------
+    weight, thrust : str
+        Literals: m g, and the most that the rotors give, N.
+    torque : str
+        Literals with commas: the largest torques, N m.
+    seen_size : int
+        How many numbers the camera delivers.
+    seen_words : str
+        What they are.
+    """
+
+    weight: str
+    thrust: str
+    torque: str
+    seen_size: int
+    seen_words: str
+
+
+@dataclass(frozen=True)
+class Contents:
+    """All that the templates name.
+
+    Attributes
+    ----------
+    name, NAME : str
+        Prefix of files and symbols, and the same in capitals.
+    real : str
+        The type of numbers in C.
+    mission : Mission
+    options : Options
+    evidence : Evidence
+    origin : Origin
+    design : Design
+    limits : Limits
+    law : LawText
+    vehicle : VehicleText
+    adapter : Adapter
+    hover_error : list of (str, str)
+        What errors of thrust and mass do to the hover; empty where that is not known of the law.
+    vectors : list of Vector
+        Of the self-test.
+    """
+
+    name: str
+    NAME: str
+    real: str
+    mission: Mission
+    options: Options
+    evidence: Evidence
+    origin: Origin
+    design: Design
+    limits: Limits
+    law: LawText
+    vehicle: VehicleText
+    adapter: Adapter
+    hover_error: Sequence[tuple[str, str]]
+    vectors: Sequence[Vector]
+
+    @property
+    def points(self) -> int:
+        """Number of target points."""
+        return len(self.mission.target.points)
+
+    @property
+    def tells_gains(self) -> bool:
+        """Whether a step may have to say that nothing is proved of its gains."""
+        return self.options.tunable or not self.evidence.certified
+
+
 def contents(
-    mission: Mission,
-    standing: Standing,
-    precision: Precision,
-    law: FlightLaw,
-    name: str,
-    options: dict[str, Any],
-) -> dict[str, Any]:
-    """Return what the templates ask for, by name.
+    mission: Mission, standing: Standing, law: FlightLaw, name: str, options: Options
+) -> Contents:
+    """Return what the templates are filled with.
 
     Parameters
     ----------
     mission : Mission
     standing : Standing
-    precision : Precision
     law : FlightLaw
+        Of the mission, for the options.
     name : str
         Prefix of files and symbols.
-    options : dict
-        sensing, tunable and rotor_limits, as in `write_package`.
+    options : Options
     """
-    weight, n = mission.vehicle.weight, len(mission.target.points)
-    goal = law.source.goal_feature(mission)
-    low, high = (thrust - weight for thrust in standing.thrust)
-    sine = high / weight  # a level gives |F| <= high, and its horizontal part is m g sin(tilt)
-    if mission.bounds.level is not None and sine < 1:
-        cosine = decimal_below(sqrt_enclosure(1 - sine**2)[0], 9)
-        tilt_words = (
-            f"{math.degrees(math.acos(float(cosine))):.4g} degrees (follows from the level)"
-        )
-    else:
-        cosine = Fraction(0)
-        tilt_words = "90 degrees (the certificate sets no bound of its own)"
-    certified = standing.certificate is not None
-    sha = standing.certificate["sha256"] if standing.certificate is not None else "none"
-    origin = f"Made by hoverproof {__version__} from the mission {mission.name}. Do not edit."
-    box = InputBox()
-    units = law.source.design.gains()
-    gains = [law.source.design.numbers(mission)[gain][0] for gain in units]
-    in_ = {
-        "points": [f"in->image[{i}][{k}]" for i in range(n) for k in range(2)],
-        "centroid": [f"in->centroid[{k}]" for k in range(3)],
-    }[options["sensing"]]
-    tuned = law.tuned if options["tunable"] else ()
-    inputs = [
-        in_,
-        *([f"in->{v}[{k}]" for k in range(3)] for v in BODY_SENSORS),
-        ["thrust_excess"],
-        [f"params->{c}" if c in tuned else c for c in law.coefficients],
-    ]
-    results = {
-        "thrust_rate": ["out->thrust_rate"],
-        "torque": [f"out->torque[{i}]" for i in range(3)],
-        "rotor": [f"out->rotor[{i}]" for i in range(4)],
-    }
-    coefficients = literals(law.coefficients, precision)
-    exact = {k: str(v) for k, v in law.coefficients.items()}
-    identity = json.dumps([fingerprint(law.function), exact])
-    law_sha = hashlib.sha256(identity.encode()).hexdigest()
-    origin_text = f"mission {mission.name}; certificate SHA-256 {sha}; law SHA-256 {law_sha}"
-
-    def lit(value: Any) -> str:
-        return precision.literal(Fraction(value))
-
-    def from_gains(targets: Mapping[str, str]) -> list[str]:
-        """Return the statements that compute some coefficients from the gains."""
-        of_gains = law.of_gains
-        inputs = [[f"gains[{i}]" for i in range(len(gains))], [lit(v) for v in law.fixed]]
-        results = {of_gains.name_out(0): [targets.get(c) for c in law.coefficients]}
-        return statements(of_gains, inputs, results, precision)
-
-    vehicle = _vehicle_texts(mission, options["sensing"], precision, law.source)
-    return {
-        **options,
-        **vehicle,
-        "mission": mission,
-        "name": name,
-        "NAME": name.upper(),
-        "precision": precision,
-        "real": precision.c_type,
-        "points": n,
-        "origin": origin if certified else f"{origin} UNCERTIFIED.",
-        "banner": f"/* {origin}\n * {_claim(certified, sha)} */",
-        "standing": _standing(standing),
-        "certificate_note": f"`{name}.cert.json` is the certificate: `hoverproof check`."
-        if certified
-        else "There is no certificate.",
-        "certificate_file": f"{name}.cert.json" if certified else "no certificate",
-        "certificate_sha256": sha,
-        "certified": certified,
-        "eigenvalue_bounds": _bounds_origin(standing),
-        "law_sha256": law_sha,
-        "origin_size": len(origin_text) + 1,
-        "tells_gains": options["tunable"] or not certified,
-        "interval_kind": "certified" if certified else "assumed",
-        "tilt_words": tilt_words,
-        "hover_error": hover_error(mission, law.source).rows()
+    evidence, limits = _evidence(standing), _limits(mission, standing, law)
+    text = law_text(mission, options, law)
+    return Contents(
+        name=name,
+        NAME=name.upper(),
+        real=options.precision.c_type,
+        mission=mission,
+        options=options,
+        evidence=evidence,
+        origin=_origin(mission, evidence, text),
+        design=_design(mission, law.source),
+        limits=limits,
+        law=text,
+        vehicle=vehicle_text(mission, options, law.source),
+        adapter=_adapter(mission, options),
+        hover_error=hover_error(mission, law.source).rows()
         if rests_as_modelled(law.source)
         else [],
-        "tilt_cosine": cosine,
-        "lit": lit,
-        "zero": lit(0),
-        "one": lit(1),
-        "four": lit(4),
-        "thousand": lit(1000),
-        "thousandth": lit(Fraction(1, 1000)),
-        "braces": lambda values: "{ " + ", ".join(map(lit, values)) + " }",
-        "goal_centroid": goal,
-        "gains": gains,
-        "gains_text": ", ".join(f"{k} {unit}" for k, unit in units.items()).replace("²", "^2"),
-        "gains_status": f"{name.upper()}_{'OK' if certified else 'GAINS'}",
-        "weight": weight,
-        "weight_text": repr(float(weight)),
-        **_adapter_texts(mission, options),
-        "singular": law.singular_excess,
-        "floor": (law.singular_excess + low) / 2,
-        "thrust": standing.thrust,
-        "thrust_excess": (low, high),
-        "rotor_lowest_text": f"{float(options['rotor_limits'][0]):g}",
-        "rotor_highest_text": f"{float(options['rotor_limits'][1]):g}",
-        "rotor_order": ", ".join(ROTORS),
-        "box": box,
-        "centroid_square": (Fraction(101, 100) * n) ** 2,
-        "image_square": _sum_of_squares(in_),
-        "coefficients": {c: v for c, v in coefficients.items() if c not in tuned},
-        "tuned": {c: v for c, v in coefficients.items() if c in tuned},
-        "meanings": law.meanings,
-        "law": statements(law.function, inputs, results, precision),
-        "of_gains": from_gains({c: f"params->{c}" for c in tuned}),
-        "gap_of_gains": from_gains({"hover_gap": f"const {precision.c_type} hover_gap"}),
-        "inputs_text": "the target points in the undistorted image (x = X/Z, y = Y/Z; any order),"
-        if options["sensing"] == "points"
-        else "the image centroid (sum of the unit vectors toward the target points),",
-        "vectors": test_vectors(
+        vectors=test_vectors(
             mission,
             law,
-            precision,
             options,
             standing.thrust,
-            tilt_cosine=cosine,
-            certified=certified,
+            tilt_cosine=limits.tilt_cosine,
+            certified=evidence.certified,
         ),
-    }
+    )
 
 
-def _adapter_texts(mission: Mission, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what adapters say in float: full scales of thrust and torque."""
+def _evidence(standing: Standing) -> Evidence:
+    certificate = standing.certificate
+    if certificate is None:
+        nothing = "UNCERTIFIED: nothing is proved of these gains."
+        return Evidence(False, "none", nothing, f"**{nothing} Not for flight.**", "assumed", None)
+    sha = certificate["sha256"]
+    bounds = "assumed" if certificate["region"]["box"] is None else "proved over a box"
+    statement = f"**What is proved.** {certificate['statement']}"
+    claim = f"Certificate of the gains, SHA-256 {sha}."
+    return Evidence(True, sha, claim, statement, "certified", bounds)
 
+
+def _origin(mission: Mission, evidence: Evidence, law: LawText) -> Origin:
+    made = f"Made by hoverproof {__version__} from the mission {mission.name}. Do not edit."
+    in_c = (
+        f"mission {mission.name}; certificate SHA-256 {evidence.sha256}; law SHA-256 {law.sha256}"
+    )
+    return Origin(
+        text=made if evidence.certified else f"{made} UNCERTIFIED.",
+        banner=f"/* {made}\n * {evidence.claim} */",
+        size=len(in_c) + 1,
+    )
+
+
+def _design(mission: Mission, law: Law) -> Design:
+    units, numbers = law.design.gains(), law.design.numbers(mission)
+    words = ", ".join(f"{gain} {unit}" for gain, unit in units.items())
+    return Design(
+        weight=mission.vehicle.weight,
+        gains=tuple(numbers[gain][0] for gain in units),
+        gains_text=words.replace("²", "^2"),
+        goal_centroid=law.goal_feature(mission),
+        rotors=tuple(ROTORS),
+    )
+
+
+def _limits(mission: Mission, standing: Standing, law: FlightLaw) -> Limits:
+    low, high = (thrust - mission.vehicle.weight for thrust in standing.thrust)
+    cosine, words = _tilt(mission, high)
+    return Limits(
+        thrust=standing.thrust,
+        excess=(low, high),
+        singular=law.singular_excess,
+        floor=(law.singular_excess + low) / 2,
+        tilt_cosine=cosine,
+        tilt_words=words,
+        box=InputBox(),
+        centroid_square=(Fraction(101, 100) * len(mission.target.points)) ** 2,
+    )
+
+
+def _tilt(mission: Mission, excess: Fraction) -> tuple[Fraction, str]:
+    """Return the lowest cosine of the tilt that is certified, and the tilt in words."""
+    sine = excess / mission.vehicle.weight  # a level gives |F| <= excess, of which m g sin(tilt)
+    if mission.bounds.level is None or sine >= 1:  # is the horizontal part
+        return Fraction(0), "90 degrees (the certificate sets no bound of its own)"
+    cosine = decimal_below(sqrt_enclosure(1 - sine**2)[0], 9)
+    degrees = math.degrees(math.acos(float(cosine)))
+    return cosine, f"{degrees:.4g} degrees (follows from the level)"
+
+
+def _adapter(mission: Mission, options: Options) -> Adapter:
     def single(value: Fraction) -> str:
-        return PRECISIONS["float32"].literal(value).replace("F", "f")
+        return FLOAT32.literal(value).replace("F", "f")
 
-    v, (low, high) = mission.vehicle, options["rotor_limits"]
+    v, (low, high) = mission.vehicle, options.rotor_limits
     reach = 2 * (high - low)  # two rotors high and two low
     torques = [reach * v.arm, reach * v.arm, reach * v.drag_ratio]
-    of_points = options["sensing"] == "points"
-    return {
-        "weight_f": single(v.weight),
-        "highest_f": single(4 * high),
-        "torque_f": ", ".join(map(single, torques)),
-        "seen_size": 2 * len(mission.target.points) if of_points else 3,
-        "seen_words": "x and y of each target point" if of_points else "the image centroid",
-    }
-
-
-def _claim(certified: bool, sha: str) -> str:
-    if certified:
-        return f"Certificate of the gains, SHA-256 {sha}."
-    return "UNCERTIFIED: nothing is proved of these gains."
-
-
-def _bounds_origin(standing: Standing) -> str | None:
-    """Say whether the certificate assumes the bounds of Q or has them proved."""
-    if standing.certificate is None:
-        return None
-    return "assumed" if standing.certificate["region"]["box"] is None else "proved over a box"
-
-
-def _standing(standing: Standing) -> str:
-    if standing.certificate is None:
-        return "**UNCERTIFIED: nothing is proved of these gains. Not for flight.**"
-    return f"**What is proved.** {standing.certificate['statement']}"
-
-
-def _sum_of_squares(names: Sequence[str]) -> str:
-    """Write Σ x², each pair x² + y² as the law has it, so that a compiler computes it once."""
-    pairs = [names[i : i + 2] for i in range(0, len(names), 2)]
-    squares = ["(" + " + ".join(f"({x} * {x})" for x in pair) + ")" for pair in pairs]
-    return " +\n      ".join(squares)
-
-
-def _vehicle_texts(
-    mission: Mission, sensing: str, precision: Precision, law: Law
-) -> dict[str, Any]:
-    double = PRECISIONS["float64"]
-    v, n = mission.vehicle, len(mission.target.points)
-    x = [f"x[{i}]" for i in range(BODY_SIZE)]
-    numbers = [double.literal(c) for c in (v.mass, v.gravity, *v.inertia)]
-    torque = [f"torque[{i}]" for i in range(3)]
-    rate = statements(
-        rate_function(),
-        [x, ["thrust"], torque, numbers],
-        {"rate": [f"rate[{i}]" for i in range(BODY_SIZE)]},
-        double,
+    return Adapter(
+        weight=single(v.weight),
+        thrust=single(4 * high),
+        torque=", ".join(map(single, torques)),
+        seen_size=len(options.seen(len(mission.target.points))),
+        seen_words="x and y of each target point" if options.of_points else "the image centroid",
     )
-    points = [double.literal(c) for p in mission.target.points for c in p]
-    targets = {
-        "seen": [f"in->image[{i}][{k}]" for i in range(n) for k in range(2)]
-        if sensing == "points"
-        else [f"in->centroid[{k}]" for k in range(3)],
-        **{u: [f"in->{u}[{k}]" for k in range(3)] for u in BODY_SENSORS},
-    }
-    sense = statements(sense_function(n, sensing, law), [x, points], targets, double)
-    if precision.name == "float32":
-        sense = [re.sub(r"^(in->.*?) = (.*);$", r"\1 = (float)(\2);", line) for line in sense]
-    start = ", ".join(repr(float(s) + 0.0) for s in LoopNumbers.of(mission).start[:BODY_SIZE])
-    return {"rate": rate, "sense": sense, "start": start}

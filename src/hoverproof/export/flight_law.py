@@ -11,7 +11,7 @@ import random
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 
 import casadi as ca
 
@@ -97,10 +97,18 @@ def flight_law(
     AssertionError
         If the graph is not the derived controller, compared in exact arithmetic.
     """
+    points = len(mission.target.points) if sensing == "points" else None
+    return _flight_law(law, tuple(_design_values(mission, law)), points, tunable)
+
+
+@lru_cache(maxsize=8)
+def _flight_law(
+    law: Law, here: tuple[Fraction, ...], points: int | None, tunable: bool
+) -> FlightLaw:
+    """Return the law of a design, for so many points in the image or for their centroid."""
     chain = _chain(law)
-    here = _design_values(mission, law)
-    samples = [here, *(_with_gains(law, here, g) for g in _other_gains(law, here))]
-    numbers = Coefficients(chain.design, samples if tunable else [here])
+    samples = [list(here), *(_with_gains(law, here, g) for g in _other_gains(law, here))]
+    numbers = Coefficients(chain.design, samples if tunable else samples[:1])
     by_centroid = _function(_scheme(chain, numbers, ca.SX.sym("centroid", 3)), chain, numbers)
     forms = closed_forms(ca.vertcat(*numbers.expressions.values()))
     expressions = ca.vertcat(*(form.value for form in forms))
@@ -108,8 +116,8 @@ def flight_law(
     for i, sample in enumerate(numbers.samples):
         assert_is_the_controller(by_centroid, sample, [values[i] for values in at_samples], law)
     function = by_centroid
-    if sensing == "points":  # the same behind the camera's own equations
-        image = ca.SX.sym("image", 2, len(mission.target.points))
+    if points is not None:  # the same behind the camera's own equations
+        image = ca.SX.sym("image", 2, points)
         function = _function(_scheme(chain, numbers, image), chain, numbers)
     tuned, rest = _gains_and_rest(law)
     (singular,) = numbers.at_samples(chain.singular)

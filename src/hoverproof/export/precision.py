@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -76,6 +77,26 @@ class Precision:
         if len(text) > 16:
             text = np.format_float_scientific(number, unique=True, trim="0")
         return text + self.suffix
+
+    def lit(self, value: Fraction | int | str) -> str:
+        """Return the literal of an exact number; short, for the templates.
+
+        Parameters
+        ----------
+        value : Fraction, int, or str
+            An exact number; a str is a decimal.
+        """
+        return self.literal(Fraction(value))
+
+    def braces(self, values: Iterable[Fraction | int]) -> str:
+        """Return the literals of exact numbers, as C fills an array with them.
+
+        Parameters
+        ----------
+        values : iterable of Fraction or int
+            Exact numbers.
+        """
+        return "{ " + ", ".join(map(self.lit, values)) + " }"
 
     def hex_literal(self, value: np.floating) -> str:
         """Return a hexadecimal literal of C, bit for bit.

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.graph import evaluate
 from hoverproof.export.flight_law import BODY_SENSORS, FlightLaw
+from hoverproof.export.options import Options
 from hoverproof.export.precision import Precision, Rounded
 from hoverproof.mission.sections import Mission
 
@@ -88,6 +89,44 @@ class Step:
     dt: np.floating
 
 
+@dataclass(frozen=True)
+class Vector:
+    """A step with what must come of it: literals of C, hexadecimal, bit for bit.
+
+    Attributes
+    ----------
+    what : str
+        In words.
+    excess, dt : str
+        T - m g in N, and s.
+    seen, velocity, rate, gravity_direction : str
+        In braces, the rest of the input; see `Step`.
+    target_seen : int
+        A bare number: 0 if the camera missed the target.
+    status : int
+        That the step must answer, a bare number.
+    thrust, thrust_rate, next_excess : str
+        N, N/s and N.
+    torque, rotor : str
+        In braces, N m and N.
+    """
+
+    what: str
+    excess: str
+    seen: str
+    velocity: str
+    rate: str
+    gravity_direction: str
+    dt: str
+    target_seen: int
+    status: int
+    thrust: str
+    torque: str
+    rotor: str
+    thrust_rate: str
+    next_excess: str
+
+
 def random_step(
     draw: np.random.Generator,
     mission: Mission,
@@ -158,13 +197,12 @@ RESULTS = ("thrust_rate", "torque", "rotor")
 def test_vectors(
     mission: Mission,
     law: FlightLaw,
-    precision: Precision,
-    options: Mapping[str, Any],
+    options: Options,
     thrust: tuple[Fraction, Fraction],
     *,
     tilt_cosine: Fraction,
     certified: bool,
-) -> list[dict[str, str]]:
+) -> list[Vector]:
     """Return the vectors as C text: steps of the law, and one for each fault.
 
     Parameters
@@ -173,10 +211,8 @@ def test_vectors(
         Gives the weight and the target points.
     law : FlightLaw
         That of the mission.
-    precision : Precision
-        The type of the target.
-    options : mapping
-        Of the package; here "sensing" and "rotor_limits" in N count.
+    options : Options
+        Of the package.
     thrust : (low, high)
         The interval that steps are drawn from, N.
     tilt_cosine : Fraction
@@ -184,18 +220,18 @@ def test_vectors(
     certified : bool
         If not, each step of the law has the status bit 64.
     """
-    draw = np.random.default_rng(0)
+    draw, precision = np.random.default_rng(0), options.precision
     weight = mission.vehicle.weight
-    highest = 4 * options["rotor_limits"][1] - weight
-    written: list[dict[str, str]] = []
-    step = random_step(draw, mission, precision, options["sensing"], thrust)
+    highest = 4 * options.rotor_limits[1] - weight
+    written: list[Vector] = []
+    step = random_step(draw, mission, precision, options.sensing, thrust)
     for _ in range(100 * NOMINAL):
         if len(written) == NOMINAL:
             break
-        step = random_step(draw, mission, precision, options["sensing"], thrust)
+        step = random_step(draw, mission, precision, options.sensing, thrust)
         out = law_at(law, step, precision)
         following = step.excess + step.dt * out["thrust_rate"][0]
-        low, high = (precision.round(r) for r in options["rotor_limits"])
+        low, high = (precision.round(r) for r in options.rotor_limits)
         inside = all(low < r < high for r in out["rotor"])
         if inside and abs(float(following)) < 0.9 * float(min(highest, weight / 2)):
             out["thrust"] = [precision.round(weight) + step.excess]
@@ -229,7 +265,7 @@ def _written(
     what: str,
     *,
     seen: bool = True,
-) -> dict[str, str]:
+) -> Vector:
     hexed = precision.hex_literal
 
     def braces(values: Any) -> str:
@@ -237,17 +273,19 @@ def _written(
 
     image = step.seen
     pairs = ",\n          ".join(braces(column) for column in image.T) if image.ndim == 2 else ""
-    return {
-        "what": what,
-        "excess": hexed(step.excess),
-        "seen": f"{{ {pairs} }}" if pairs else braces(image),
-        **{name: braces(getattr(step, name)) for name in BODY_SENSORS},
-        "dt": hexed(step.dt),
-        "target_seen": "1" if seen else "0",
-        "status": str(status),
-        "thrust": hexed(out["thrust"][0]),
-        "torque": braces(out["torque"]),
-        "rotor": braces(out["rotor"]),
-        "thrust_rate": hexed(out["thrust_rate"][0]),
-        "next_excess": hexed(following),
-    }
+    return Vector(
+        what=what,
+        excess=hexed(step.excess),
+        seen=f"{{ {pairs} }}" if pairs else braces(image),
+        velocity=braces(step.velocity),
+        rate=braces(step.rate),
+        gravity_direction=braces(step.gravity_direction),
+        dt=hexed(step.dt),
+        target_seen=int(seen),
+        status=status,
+        thrust=hexed(out["thrust"][0]),
+        torque=braces(out["torque"]),
+        rotor=braces(out["rotor"]),
+        thrust_rate=hexed(out["thrust_rate"][0]),
+        next_excess=hexed(following),
+    )

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
+from hoverproof.algebra.derived import kept_json
 from hoverproof.errors import InputError
 from hoverproof.paper.claims import CLAIMS
 from hoverproof.paper.equations import EQUATIONS
-from hoverproof.paper.judge import Claim, Judgement, Verdict
+from hoverproof.paper.judge import Claim, Judgement, Verdict, Words
 from hoverproof.paper.theorem import THEOREM
 
 ORDER = (
@@ -55,6 +57,35 @@ def derive(ids: Iterable[str] | None = None) -> list[Judgement]:
                 )
         claims = [known[id] for id in wanted]
     return [claim.judge(claim) for claim in claims]
+
+
+def derive_once() -> list[Judgement]:
+    """Judge all claims of the paper, or find them judged by the same sources.
+
+    Returns
+    -------
+    list of Judgement
+        As `derive` returns it, but with formulas in words and LaTeX alone.
+    """
+    judged = []
+    for id, title, verdict, reason, printed, derived, difference, example in _judged():
+        shown = Words(*printed)
+        other = shown if derived is None else Words(*derived)
+        more = (shown, other, difference, example)
+        judged.append(Judgement(id, title, Verdict(verdict), reason, *more))
+    return judged
+
+
+@kept_json
+def _judged() -> list[Any]:
+    return [
+        (
+            *(j.id, j.title, str(j.verdict), j.reason, (j.printed.text(), j.printed.latex())),
+            None if j.derived is j.printed else (j.derived.text(), j.derived.latex()),
+            *(j.difference, j.counterexample),
+        )
+        for j in derive()
+    ]
 
 
 def all_proved(judgements: Sequence[Judgement]) -> bool:

@@ -7,17 +7,16 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-import xarray as xr
 
 from hoverproof.certification.attraction.proof import start_or_ball
 from hoverproof.certification.attraction.verdict import Attraction, AttractionVerdict
 from hoverproof.certification.gains import GainsVerdict, certify
 from hoverproof.certification.over_box import BoundsVerdict, certify_region
 from hoverproof.certification.region import default_box
-from hoverproof.design.atlas import atlas, axis, cell_values
+from hoverproof.design.atlas import axis, cell_values, chart
 from hoverproof.errors import InputError
 from hoverproof.export.contents import Standing
 from hoverproof.export.cost import Footprint, Rounding, footprint, rounding
@@ -25,12 +24,16 @@ from hoverproof.export.package import NotCertified, write_package
 from hoverproof.mission.sections import Mission
 from hoverproof.paper.conditions import Demand, printed_demands, where_met
 from hoverproof.paper.judge import Judgement
-from hoverproof.paper.ledger import derive
+from hoverproof.paper.ledger import derive_once
 from hoverproof.servo.loop import slowest_rate
 from hoverproof.show.decay import Decay, decay_along
 from hoverproof.show.panels import beginning
-from hoverproof.simulation.flight import simulate, summary, without_conditions
-from hoverproof.simulation.runs import runs_summary, simulate_batch
+from hoverproof.simulation.flight import flown, summary, without_conditions
+from hoverproof.simulation.record import Record
+from hoverproof.simulation.timing import Timing
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 PARTS = ("atlas", "region", "attraction", "flight", "firmware", "ledger")
 """The parts that a report may be asked to leave out."""
@@ -63,13 +66,13 @@ class Map:
 
     Attributes
     ----------
-    data : Dataset
-        From `hoverproof.atlas`.
+    data : Record
+        Of `hoverproof.atlas`.
     printed : (m, n)
         Where the conditions of the printed theorem are met.
     """
 
-    data: xr.Dataset
+    data: Record
     printed: np.ndarray
 
 
@@ -79,9 +82,9 @@ class Flown:
 
     Attributes
     ----------
-    whole : Dataset
+    whole : Record
         The flight.
-    beginning : Dataset or None
+    beginning : Record or None
         Its first seconds in finer samples; None if the whole flight is no longer than that.
     summary : dict
         What it came to: distances in m, times in s.
@@ -93,8 +96,8 @@ class Flown:
         What they came to: distances in m, times in s.
     """
 
-    whole: xr.Dataset
-    beginning: xr.Dataset | None
+    whole: Record
+    beginning: Record | None
     summary: dict[str, Any]
     decay: Decay | None
     runs: xr.Dataset | None
@@ -208,7 +211,7 @@ def gather(
         ),
         flight=part("flight", "flight", lambda: _fly(mission, verdict, runs)),
         firmware=part("firmware", "firmware", lambda: _export(mission, verdict)),
-        ledger=part("ledger", "ledger of the paper", derive),
+        ledger=part("ledger", "ledger of the paper", derive_once),
     )
 
 
@@ -247,7 +250,7 @@ def sentence(words: str) -> str:
 
 def _map(mission: Mission) -> Map:
     x, y = (axis(mission, name, cells=MAP_CELLS) for name in MAP_AXES)
-    data = atlas(mission, x, y, processes=1)
+    data = chart(mission, x, y, processes=1)
     return Map(data, where_met(mission, cell_values(mission, x, y)))
 
 
@@ -257,16 +260,20 @@ def _fly(mission: Mission, verdict: GainsVerdict, runs: int | None) -> Flown:
             "The loop is not stable near its goal, so a flight has no natural length; "
             f"`hoverproof simulate {mission.source} --duration 20` flies it"
         )
-    whole = simulate(mission)
+    whole = flown(mission, Timing())
     decay = decay_along(whole, verdict)
     duration, early = float(whole["time"].values[-1]), 2 * beginning(whole)
-    first = simulate(mission, duration=early) if 0 < early < SHORT * duration else None
+    first = flown(mission, Timing(duration=early)) if 0 < early < SHORT * duration else None
     told = {**summary(whole), **without_conditions(mission, whole)}
     many, of_many = (None, None) if runs is None else _fly_many(mission, runs)
     return Flown(whole, first, told, decay, many, of_many)
 
 
 def _fly_many(mission: Mission, runs: int) -> tuple[xr.Dataset, dict[str, Any]]:
+    import xarray as xr
+
+    from hoverproof.simulation.runs import runs_summary, simulate_batch
+
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "flights.nc"
         simulate_batch(mission, path, runs=runs)

@@ -21,7 +21,6 @@ from hoverproof.reporting.parts import Flown, Map
 from hoverproof.show import attraction, panels, style
 from hoverproof.show.atlas import atlas_figure
 from hoverproof.show.region import region_figure
-from hoverproof.show.runs import fans_figure
 
 WIDTH = 4.6
 FLIGHTS = 30
@@ -90,7 +89,7 @@ def picture(
         See `Picture`.
     """
     with mpl.rc_context(LOOKS):
-        figure = draw()
+        figure = style.laid_out(draw(), "svg")
         written = io.BytesIO()
         none = {"Date": None, "Creator": None, "Format": None, "Type": None}
         figure.savefig(written, format="svg", transparent=True, dpi=160, metadata=none)
@@ -239,7 +238,7 @@ def flight_pictures(flown: Flown) -> Iterator[Picture]:
         "Tracks of the target points in the image.",
         "What the camera sees: the tracks of the target points in the image plane.",
     )
-    if flight.sizes["time"] < 2:
+    if len(flight["time"].values) < 2:
         return
     claim = ""
     if flown.decay is not None:
@@ -274,6 +273,9 @@ def runs_picture(flown: Flown) -> Picture:
     flown : Flown
         With runs.
     """
+
+    from hoverproof.show.runs import fans_figure
+
     assert flown.runs is not None
     runs = flown.runs
     count = runs.sizes["run"]

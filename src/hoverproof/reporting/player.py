@@ -6,12 +6,12 @@ import math
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from hoverproof.reporting.parts import Flown
 from hoverproof.show.scene import Scene
+from hoverproof.simulation.record import Record
 
 MOST_SAMPLES = 500
 DRAWN_SPAN = 0.2
@@ -25,7 +25,7 @@ def player_data(flown: Flown) -> dict[str, Any]:
     flown : Flown
     """
     flight, scene = flown.whole, Scene.of(flown.whole)
-    yaw = float(flight["euler_angles"].sel(angle="yaw").values[-1])
+    yaw = float(flight["euler_angles"].values[-1, 2])
     duration = float(flight["time"].values[-1])
     spans = [{"name": f"whole flight, {duration:g} s", **_track(flight)}]
     if flown.beginning is not None:
@@ -45,22 +45,21 @@ def player_data(flown: Flown) -> dict[str, Any]:
     }
 
 
-def _track(flight: xr.Dataset) -> dict[str, Any]:
+def _track(flight: Record) -> dict[str, Any]:
     """Return a flight at so many times that a page need not hold more."""
-    last = flight.sizes["time"] - 1
+    last = len(flight["time"].values) - 1
     kept = np.unique(np.linspace(0, last, min(MOST_SAMPLES, last + 1)).round().astype(int))
-    record = flight.isel(time=kept)
-    turns = Rotation.from_matrix(record["rotation"].values).as_quat(scalar_first=True)
+    turns = Rotation.from_matrix(flight["rotation"].values[kept]).as_quat(scalar_first=True)
     for i in range(1, len(turns)):  # q and -q are one attitude: take the nearer
         if turns[i] @ turns[i - 1] < 0:
             turns[i] = -turns[i]
     return {
-        "time": _short(record["time"].values, 8),
-        "position": _short(record["position"].values),
+        "time": _short(flight["time"].values[kept], 8),
+        "position": _short(flight["position"].values[kept]),
         "attitude": _short(turns),
-        "tilt": _short(np.degrees(record["tilt"].values)),
-        "thrust": _short(record["thrust"].values, 7),
-        "image": _short(record["image"].values.reshape(len(kept), -1)),
+        "tilt": _short(np.degrees(flight["tilt"].values[kept])),
+        "thrust": _short(flight["thrust"].values[kept], 7),
+        "image": _short(flight["image"].values[kept].reshape(len(kept), -1)),
     }
 
 

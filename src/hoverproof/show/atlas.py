@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -21,6 +20,7 @@ from hoverproof.design.limits import bandwidth
 from hoverproof.design.outcome import Tuned
 from hoverproof.mission.sections import Mission
 from hoverproof.show.style import COLOURS, save_figure
+from hoverproof.simulation.record import Recorded
 
 Array = NDArray[np.float64]
 
@@ -74,14 +74,14 @@ def save_pareto_figure(mission: Mission, points: Sequence[tuple[float, Tuned]], 
 
 
 def atlas_figure(
-    mission: Mission, atlas: xr.Dataset, what: str, printed: NDArray[np.bool_]
+    mission: Mission, atlas: Recorded, what: str, printed: NDArray[np.bool_]
 ) -> Figure:
     """Draw an atlas: colours where certified, the boundary, and the mission's own point.
 
     Parameters
     ----------
     mission : Mission
-    atlas : Dataset
+    atlas : Dataset or Record
         From `hoverproof.atlas`.
     what : str
         "margin" or "decay_rate".
@@ -97,7 +97,7 @@ def atlas_figure(
 
 
 def draw_atlas(
-    axes: Axes, mission: Mission, atlas: xr.Dataset, what: str, printed: NDArray[np.bool_]
+    axes: Axes, mission: Mission, atlas: Recorded, what: str, printed: NDArray[np.bool_]
 ) -> list[Artist]:
     """Draw an atlas on axes, with a bar for its colours, and return what belongs in the legend.
 
@@ -170,7 +170,7 @@ def draw_atlas(
     return handles
 
 
-def _boundary(axes: Axes, atlas: xr.Dataset, x: str, y: str, scales: list[str]) -> list[Artist]:
+def _boundary(axes: Axes, atlas: Recorded, x: str, y: str, scales: list[str]) -> list[Artist]:
     """Draw where certified turns into refuted: between cells decided exactly, or a contour."""
     margin, verdict = atlas["margin"].values, atlas["verdict"].values
     decided = (verdict == VERDICTS["proved"]).any() and (verdict == VERDICTS["refuted"]).any()
@@ -200,7 +200,7 @@ def _edges(values: Array, scale: str) -> Array:
 
 
 def save_atlas_figure(
-    mission: Mission, atlas: xr.Dataset, what: str, printed: NDArray[np.bool_], path: Path
+    mission: Mission, atlas: Recorded, what: str, printed: NDArray[np.bool_], path: Path
 ) -> None:
     """Write the map as PNG or SVG.
 

@@ -19,19 +19,22 @@ from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.bounds import eigenvalue_bounds
 from hoverproof.certification.region import eigenvalues
 from hoverproof.design.limits import bandwidth
-from hoverproof.files import replacing
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.loop import LoopNumbers, slowest_rate
-from hoverproof.show.style import COLOURS
+from hoverproof.show.style import COLOURS, save_figure
 from hoverproof.simulation.compiled import runner
 from hoverproof.simulation.step import flight_states
+from hoverproof.spread import spread
 
 Array = NDArray[np.float64]
 
 CELLS = 300
 FLIGHTS = 90
 SAMPLES = 300
-STEPS_PER_FASTEST = 12
+BLOCK = 20
+AT_REST = 1e-7
+"""Part of the proved level below which Λ is out of the picture."""
+STEPS_PER_FASTEST = 4
 
 
 @dataclass(frozen=True)
@@ -108,7 +111,7 @@ class Flights:
     time : (SAMPLES + 1,)
         s.
     energy : (k, SAMPLES + 1)
-        Λ; NaN after a flight that ended.
+        Λ; NaN after a flight that ended, or came to rest at the goal.
     """
 
     across: Array
@@ -155,18 +158,33 @@ def fly(region: Attraction, view: View, count: int = FLIGHTS) -> Flights:
     numbers, rate = LoopNumbers.of(mission), slowest_rate(mission)
     step = 1 / (STEPS_PER_FASTEST * bandwidth(mission))
     every = max(1, int(12 / rate / step / SAMPLES))
-    machine = runner(p.n)
+    level = (np.zeros(3), np.eye(3).ravel(), np.zeros(3), [numbers.hover_thrust])
+    hovers = np.column_stack([places, np.tile(np.concatenate(level), (count, 1))])
+    starts = flight_states(hovers, p.goal, p.points.T)
+    near = 0.05 * np.linalg.norm(p.points - p.goal, axis=1).min()
     energy = np.full((count, SAMPLES + 1), np.nan)
     settled = np.zeros(count, bool)
-    for i, place in enumerate(places):
-        level = (np.zeros(3), np.eye(3).ravel(), np.zeros(3), [numbers.hover_thrust])
-        level_hover = np.concatenate([place, *level])[None]
-        (start,) = flight_states(level_hover, p.goal, p.points.T)
-        states, good = machine.run(start, numbers.design, p.points.T, step, SAMPLES, every)
-        track = np.vstack([start, states if good else states[:-1]])[:, :STATE_SIZE]
-        energy[i, : len(track)] = energies(region, track)
-        end = np.linalg.norm(track[-1, :3] - p.goal)
-        settled[i] = good and end < 0.05 * np.linalg.norm(p.points - p.goal, axis=1).min()
+    machine = runner(p.n)
+
+    def run(now: Array) -> tuple[Array, bool]:
+        return machine.run(now, numbers.design, p.points.T, step, BLOCK, every)
+
+    energy[:, 0] = energies(region, starts[:, :STATE_SIZE])
+    flying, now = np.arange(count), starts
+    for first in range(1, SAMPLES + 1, BLOCK):  # what has come to rest need not be flown on
+        flown = list(spread(run, now))
+        tracks = np.full((len(flown), BLOCK, STATE_SIZE), np.nan)
+        for track, (states, good) in zip(tracks, flown, strict=True):
+            kept = states if good else states[:-1]
+            track[: len(kept)] = kept[:, :STATE_SIZE]
+        of_tracks = energies(region, tracks.reshape(-1, STATE_SIZE)).reshape(len(flown), BLOCK)
+        energy[flying, first : first + BLOCK] = of_tracks
+        settled[flying] = np.linalg.norm(tracks[:, -1, :3] - p.goal, axis=1) < near
+        whole = np.array([good for _, good in flown])
+        on = whole & ~(settled[flying] & (of_tracks[:, -1] < AT_REST * float(region.level)))
+        flying, now = flying[on], np.array([s[-1] for s, _ in flown])[on]
+        if not len(flying):
+            break
     time = np.linspace(0, step * every * SAMPLES, SAMPLES + 1)
     return Flights(across, height, settled, hovers_inside(region, places), time, energy)
 
@@ -208,8 +226,7 @@ def save_attraction_figure(region: Attraction, path: Path) -> None:
     InputError
         If the file cannot be written.
     """
-    with replacing(path) as beside:
-        attraction_figure(region).savefig(beside, dpi=120, format="png")
+    save_figure(attraction_figure(region), path, dpi=120)
 
 
 def draw_section(axes: Axes, region: Attraction, view: View, flights: Flights) -> None:
@@ -404,6 +421,4 @@ def save_trade_off_figure(
     InputError
         If the file cannot be written.
     """
-    with replacing(path) as beside:
-        ending = "svg" if path.suffix.lower() == ".svg" else "png"
-        trade_off_figure(regions, own).savefig(beside, dpi=130, format=ending)
+    save_figure(trade_off_figure(regions, own), path)

@@ -10,13 +10,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.certification.gains import GainsVerdict
 from hoverproof.certification.region import eigenvalues
-from hoverproof.show.scene import Scene
+from hoverproof.show.scene import Flight, Scene
 
 YAW_RATE_ZERO = 1e-9
 
@@ -54,7 +53,7 @@ class Decay:
         return f"certified: L ≤ L(0) exp(-{rate:g} t), t in s"
 
 
-def decay_along(flight: xr.Dataset, verdict: GainsVerdict) -> Decay | None:
+def decay_along(flight: Flight, verdict: GainsVerdict) -> Decay | None:
     """Return the decay that a verdict proves for a flight; None if it says nothing of it.
 
     What the proof assumes is looked up at the samples, in floating point: the eigenvalues of Q and
@@ -62,7 +61,7 @@ def decay_along(flight: xr.Dataset, verdict: GainsVerdict) -> Decay | None:
 
     Parameters
     ----------
-    flight : Dataset
+    flight : Dataset or Record
         From `hoverproof.simulate`, of the mission that was certified. Its attribute ``conditions``
         (JSON), if there is one, names what was added to the model, of which nothing is proved.
     verdict : ProvedGains, RefutedGains or UndecidedGains
@@ -80,7 +79,7 @@ def decay_along(flight: xr.Dataset, verdict: GainsVerdict) -> Decay | None:
         & (values[:, 2] <= float(high))
         & (thrust >= float(least))
         & (thrust <= float(most))
-        & (np.abs(flight["body_rate"].sel(body_axis="z").values) <= YAW_RATE_ZERO)
+        & (np.abs(flight["body_rate"].values[:, 2]) <= YAW_RATE_ZERO)
     )
     samples = len(kept) if kept.all() else int(kept.argmin())
     if samples < 2:

@@ -5,27 +5,27 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import xarray as xr
 from matplotlib.figure import Figure
 
 from hoverproof.show import panels
 from hoverproof.show.decay import Decay
-from hoverproof.show.scene import Scene
+from hoverproof.show.scene import Flight, Scene
 from hoverproof.show.style import save_figure
+from hoverproof.simulation.record import Record
 
 FIGURES = ("motion", "features", "path")
 SHORT = 0.2
 
 
-def motion_figure(flight: xr.Dataset) -> Figure:
+def motion_figure(flight: Flight) -> Figure:
     """Draw position, attitude (paper, Fig. 5), rotor thrusts and required view over time.
 
     Where attitude and rotors come to rest long before the end, their beginning stands alongside.
 
     Parameters
     ----------
-    flight : Dataset
-        From `hoverproof.simulate`.
+    flight : Dataset or Record
+        From `hoverproof.simulate` or `flown`.
     """
     drawn = (panels.position, panels.attitude, panels.rotor_forces, panels.required_view)
     duration, early = float(flight["time"].values[-1]), panels.beginning(flight)
@@ -38,7 +38,7 @@ def motion_figure(flight: xr.Dataset) -> Figure:
         draw(row[0], flight)
     axes[-1, 0].set_xlabel("time (s)")
     if columns == 2:
-        start = flight.isel(time=flight["time"].values <= 2 * early)
+        start = _until(flight, 2 * early)
         for row, draw in zip(axes, drawn, strict=True):
             draw(row[1], start)
             row[1].get_legend().remove()
@@ -50,13 +50,13 @@ def motion_figure(flight: xr.Dataset) -> Figure:
     return figure
 
 
-def features_figure(flight: xr.Dataset, decay: Decay | None = None) -> Figure:
+def features_figure(flight: Flight, decay: Decay | None = None) -> Figure:
     """Draw the image points' tracks, and the errors and L over time.
 
     Parameters
     ----------
-    flight : Dataset
-        From `hoverproof.simulate`.
+    flight : Dataset or Record
+        From `hoverproof.simulate` or `flown`.
     decay : Decay, optional
         Proved for this flight; drawn as a line beside L.
     """
@@ -68,13 +68,13 @@ def features_figure(flight: xr.Dataset, decay: Decay | None = None) -> Figure:
     return figure
 
 
-def path_figure(flight: xr.Dataset) -> Figure:
+def path_figure(flight: Flight) -> Figure:
     """Draw the path in space (paper, Fig. 4), from above and from the side.
 
     Parameters
     ----------
-    flight : Dataset
-        From `hoverproof.simulate`.
+    flight : Dataset or Record
+        From `hoverproof.simulate` or `flown`.
     """
     figure = Figure(figsize=(11, 6), layout="constrained")
     figure.suptitle(f"{Scene.of(flight).name}: path over the target")
@@ -86,13 +86,13 @@ def path_figure(flight: xr.Dataset) -> Figure:
 
 
 def save_figures(
-    flight: xr.Dataset, stem: Path, which: Sequence[str] = FIGURES, decay: Decay | None = None
+    flight: Flight, stem: Path, which: Sequence[str] = FIGURES, decay: Decay | None = None
 ) -> list[Path]:
     """Write figures of a flight as PNG files beside each other.
 
     Parameters
     ----------
-    flight : Dataset
+    flight : Dataset or Record
     stem : Path
         Path without its ending; ``.motion.png`` and so on are appended.
     which : sequence of str
@@ -116,3 +116,10 @@ def save_figures(
         save_figure(draw[name](), path)
         paths.append(path)
     return paths
+
+
+def _until(flight: Flight, time: float) -> Flight:
+    """Return the part of a flight up to a time in s."""
+    if isinstance(flight, Record):
+        return flight.until(time)
+    return flight.isel(time=flight["time"].values <= time)

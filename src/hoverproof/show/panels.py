@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Rectangle
 from matplotlib.ticker import AutoLocator, MultipleLocator
 from mpl_toolkits.mplot3d import Axes3D
 
 from hoverproof.show.decay import Decay
-from hoverproof.show.scene import Array, Scene, view_angle
+from hoverproof.show.scene import Array, Flight, Scene, view_angle
 from hoverproof.show.style import COLOURS, STYLES, legend_above
 
 FLOOR = 1e-10
@@ -19,43 +18,43 @@ LITTLE = 0.2
 DEGREES = 180 / np.pi
 
 
-def position(axes: Axes, flight: xr.Dataset) -> None:
+def position(axes: Axes, flight: Flight) -> None:
     """Draw the position over time, with the goal as thin lines (paper, Fig. 5).
 
     Parameters
     ----------
     axes : Axes
         What to draw on.
-    flight : Dataset
+    flight : Dataset or Record
         From `simulate`.
     """
     goal = Scene.of(flight).goal
     for i, axis in enumerate("xyz"):
         label = "z (down)" if axis == "z" else axis
-        _line(axes, flight, flight["position"].sel(axis=axis), i, label)
+        _line(axes, flight, flight["position"].values[:, i], i, label)
         axes.axhline(goal[i], color=COLOURS[i], linewidth=0.7, alpha=0.6)
     axes.plot([], [], color="grey", linewidth=0.7, label="goal")
     axes.set_ylabel("position (m)")
     legend_above(axes)
 
 
-def attitude(axes: Axes, flight: xr.Dataset) -> None:
+def attitude(axes: Axes, flight: Flight) -> None:
     """Draw roll, pitch and yaw over time (paper, Fig. 5).
 
     Parameters
     ----------
     axes : Axes
         What to draw on.
-    flight : Dataset
+    flight : Dataset or Record
         From `simulate`.
     """
     for i, angle in enumerate(("roll", "pitch", "yaw")):
-        _line(axes, flight, flight["euler_angles"].sel(angle=angle) * DEGREES, i, angle)
+        _line(axes, flight, flight["euler_angles"].values[:, i] * DEGREES, i, angle)
     axes.set_ylabel("Euler angles (deg)")
     legend_above(axes)
 
 
-def rotor_forces(axes: Axes, flight: xr.Dataset) -> None:
+def rotor_forces(axes: Axes, flight: Flight) -> None:
     """Draw the thrust of each rotor over time, the share of the weight, and limits that are near.
 
     A limit farther off than the thrusts ever stray is left out, and named in the legend.
@@ -64,13 +63,13 @@ def rotor_forces(axes: Axes, flight: xr.Dataset) -> None:
     ----------
     axes : Axes
         What to draw on.
-    flight : Dataset
+    flight : Dataset or Record
         From `simulate`.
     """
     scene = Scene.of(flight)
     for i, rotor in enumerate(flight["rotor"].values):
-        _line(axes, flight, flight["rotor_thrust"].sel(rotor=rotor), i, str(rotor))
-    hover = scene.weight / flight.sizes["rotor"]
+        _line(axes, flight, flight["rotor_thrust"].values[:, i], i, str(rotor))
+    hover = scene.weight / len(flight["rotor"].values)
     axes.axhline(hover, color="grey", linewidth=0.7, label="m g/4")
     reach = float(np.abs(flight["rotor_thrust"].values - hover).max())
     for name, limit in zip(("lowest", "highest"), scene.rotor_limits, strict=True):
@@ -86,14 +85,14 @@ def rotor_forces(axes: Axes, flight: xr.Dataset) -> None:
     legend_above(axes)
 
 
-def required_view(axes: Axes, flight: xr.Dataset) -> None:
+def required_view(axes: Axes, flight: Flight) -> None:
     """Draw the largest angle of a point off the optical axis over time, its maximum marked.
 
     Parameters
     ----------
     axes : Axes
         What to draw on.
-    flight : Dataset
+    flight : Dataset or Record
         From `simulate`.
     """
     times, angle = flight["time"].values, view_angle(flight) * DEGREES
@@ -118,7 +117,7 @@ def required_view(axes: Axes, flight: xr.Dataset) -> None:
     legend_above(axes)
 
 
-def image_tracks(axes: Axes, flight: xr.Dataset) -> None:
+def image_tracks(axes: Axes, flight: Flight) -> None:
     """Draw the tracks of the target points in the image, their start, end and goal.
 
     The dotted circle is the smallest field of view around the optical axis that holds them; the
@@ -128,17 +127,16 @@ def image_tracks(axes: Axes, flight: xr.Dataset) -> None:
     ----------
     axes : Axes
         What to draw on.
-    flight : Dataset
+    flight : Dataset or Record
         From `simulate`.
     """
     scene = Scene.of(flight)
-    for i, point in enumerate(flight["point"].values):
-        track = flight["image"].sel(point=point).values
+    for i, track in enumerate(np.swapaxes(flight["image"].values, 0, 1)):
         colour = COLOURS[i % len(COLOURS)]
         axes.plot(track[:, 0], track[:, 1], color=colour, linewidth=1.3)
         axes.plot(*track[0], "o", color=colour, fillstyle="none")
         axes.plot(*track[-1], "x", color=colour)
-    yaw = float(flight["euler_angles"].sel(angle="yaw").values[-1])
+    yaw = float(flight["euler_angles"].values[-1, 2])
     goal = scene.goal_image(yaw)
     axes.plot(*goal.T, "s", color="black", fillstyle="none", markersize=9, markeredgewidth=0.8)
     angle = float(view_angle(flight).max())
@@ -195,13 +193,13 @@ def image_axes(axes: Axes) -> None:
         axes.invert_yaxis()
 
 
-def errors(axes: Axes, flight: xr.Dataset, decay: Decay | None = None) -> None:
+def errors(axes: Axes, flight: Flight, decay: Decay | None = None) -> None:
     """Draw |δ1| to |δ4| and L on a log scale, with the certified decay as a line.
 
     Parameters
     ----------
     axes : Axes
-    flight : Dataset
+    flight : Dataset or Record
     decay : Decay, optional
         From `hoverproof.show.decay.decay_along`.
     """
@@ -224,14 +222,14 @@ def errors(axes: Axes, flight: xr.Dataset, decay: Decay | None = None) -> None:
     legend_above(axes, 3)
 
 
-def path(axes: Axes3D, flight: xr.Dataset) -> None:
+def path(axes: Axes3D, flight: Flight) -> None:
     """Draw the path in space with target, start and goal, up on the page (paper, Fig. 4).
 
     Parameters
     ----------
     axes : Axes
         What to draw on.
-    flight : Dataset
+    flight : Dataset or Record
         From `simulate`.
     """
     scene = Scene.of(flight)
@@ -274,14 +272,14 @@ def space_axes(axes: Axes3D, places: Array) -> None:
     axes.set_zlabel("z (m), down", labelpad=10)  # clear of the numbers
 
 
-def from_above(axes: Axes, flight: xr.Dataset) -> None:
+def from_above(axes: Axes, flight: Flight) -> None:
     """Draw the path seen from above.
 
     Parameters
     ----------
     axes : Axes
         What to draw on.
-    flight : Dataset
+    flight : Dataset or Record
         From `simulate`.
     """
     _plan(axes, flight, 0, 1)
@@ -291,14 +289,14 @@ def from_above(axes: Axes, flight: xr.Dataset) -> None:
     axes.invert_yaxis()
 
 
-def from_the_side(axes: Axes, flight: xr.Dataset) -> None:
+def from_the_side(axes: Axes, flight: Flight) -> None:
     """Draw the path seen from the side, along the y axis.
 
     Parameters
     ----------
     axes : Axes
         What to draw on.
-    flight : Dataset
+    flight : Dataset or Record
         From `simulate`.
     """
     _plan(axes, flight, 0, 2)
@@ -308,7 +306,7 @@ def from_the_side(axes: Axes, flight: xr.Dataset) -> None:
     axes.invert_yaxis()
 
 
-def _plan(axes: Axes, flight: xr.Dataset, i: int, j: int) -> None:
+def _plan(axes: Axes, flight: Flight, i: int, j: int) -> None:
     scene, places = Scene.of(flight), flight["position"].values
     axes.plot(places[:, i], places[:, j], color=COLOURS[0], linewidth=1.5)
     axes.plot(places[0, i], places[0, j], "o", color=COLOURS[3])
@@ -319,27 +317,27 @@ def _plan(axes: Axes, flight: xr.Dataset, i: int, j: int) -> None:
     axes.grid(alpha=0.3)
 
 
-def beginning(flight: xr.Dataset) -> float:
+def beginning(flight: Flight) -> float:
     """Return the time after which tilt and rotor thrusts stray little any more, s.
 
     Little is a fifth of the farthest that each strays from the end of the flight.
 
     Parameters
     ----------
-    flight : Dataset
+    flight : Dataset or Record
         From `simulate`.
     """
     late = 0
     for name in ("tilt", "rotor_thrust"):
-        values = flight[name].values.reshape(flight.sizes["time"], -1)
+        values = flight[name].values.reshape(len(flight["time"].values), -1)
         strayed = np.abs(values - values[-1]).max(axis=1)
         late = max(late, int(np.nonzero(strayed >= LITTLE * strayed.max())[0][-1]))
     return float(flight["time"].values[late])
 
 
-def _line(axes: Axes, flight: xr.Dataset, values: xr.DataArray, i: int, label: str) -> None:
+def _line(axes: Axes, flight: Flight, values: Array, i: int, label: str) -> None:
     axes.plot(
-        flight["time"],
+        flight["time"].values,
         values,
         STYLES[i % len(STYLES)],
         color=COLOURS[i % len(COLOURS)],

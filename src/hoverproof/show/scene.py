@@ -5,18 +5,20 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
 
 import casadi as ca
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from hoverproof.plant.camera import body_points, pinhole
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.plant.rotors import ROTORS, wrench
+from hoverproof.simulation.record import Recorded
 
 Array = NDArray[np.float64]
+Flight: TypeAlias = Recorded
+"""What `simulate` or `flown` returned. A picture needs no xarray, which takes long to import."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,7 @@ class Scene:
     image_size: tuple[float, float] | None
 
     @classmethod
-    def of(cls, record: xr.Dataset) -> Scene:
+    def of(cls, record: Flight) -> Scene:
         """Read the attributes of a flight, or of runs.
 
         ``mission`` and ``goal_position`` must be there. Of ``conditions`` (JSON, as ``mission``)
@@ -60,8 +62,8 @@ class Scene:
 
         Parameters
         ----------
-        record : Dataset
-            From `simulate`.
+        record : Dataset or Record
+            From `simulate` or `flown`.
         """
         mission = json.loads(record.attrs["mission"])
         conditions = {**mission, **json.loads(record.attrs.get("conditions", "{}"))}
@@ -100,12 +102,12 @@ class Scene:
         return np.stack([pitch, -roll, np.zeros(len(ROTORS))], axis=1)
 
 
-def view_angle(flight: xr.Dataset) -> Array:
+def view_angle(flight: Flight) -> Array:
     """Return the largest angle of a target point off the optical axis, (time,), rad.
 
     Parameters
     ----------
-    flight : Dataset
+    flight : Dataset or Record
         From `simulate`.
     """
     image = flight["image"].values

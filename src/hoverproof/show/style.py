@@ -15,6 +15,8 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 STYLES = ("-", "--", "-.", ":")
 
 DPI = 130
+SVG_DPI = 72
+"""An SVG is in points, whatever is asked for."""
 
 
 def legend_above(axes: Axes, columns: int = 5) -> None:
@@ -59,4 +61,28 @@ def save_figure(figure: Figure, path: Path, dpi: int = DPI) -> None:
     """
     with replacing(path) as beside:
         ending = "svg" if path.suffix.lower() == ".svg" else "png"
+        figure = laid_out(figure, ending, dpi)
         figure.savefig(beside, dpi=dpi, format=ending)
+
+
+def laid_out(figure: Figure, ending: str, dpi: int = DPI) -> Figure:
+    """Put everything in its place, once: `savefig` would draw the whole figure to do so.
+
+    Parameters
+    ----------
+    figure : Figure
+    ending : {"png", "svg"}
+        How it will be saved: letters are measured as they are drawn.
+    dpi : int
+        Number of pixels in an inch of a PNG.
+    """
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        if ending == "svg":
+            from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+            FigureCanvasSVG(figure)
+        figure.set_dpi(SVG_DPI if ending == "svg" else dpi)
+        engine.execute(figure)
+        figure.set_layout_engine(None)
+    return figure

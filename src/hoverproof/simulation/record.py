@@ -8,9 +8,9 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Array = NDArray[np.float64]
+Recorded: TypeAlias = "xr.Dataset | Record"
+"""What a picture is drawn of: values, names of axes and attributes are asked for alike."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,24 @@ class Record:
 
     def __getitem__(self, name: str) -> Column:
         return (self.variables | self.coordinates)[name]
+
+    def until(self, time: float) -> Record:
+        """Return the part up to a time.
+
+        Parameters
+        ----------
+        time : float
+            s.
+        """
+        kept = self["time"].values <= time
+
+        def cut(column: Column) -> Column:
+            timed = column.dims[:1] == ("time",)
+            return replace(column, values=column.values[kept]) if timed else column
+
+        variables = {name: cut(column) for name, column in self.variables.items()}
+        coordinates = {name: cut(column) for name, column in self.coordinates.items()}
+        return replace(self, variables=variables, coordinates=coordinates)
 
     def add(self, name: str, dims: Sequence[str], values: NDArray[Any], **attrs: str) -> None:
         """Add a variable.

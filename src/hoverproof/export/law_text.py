@@ -1,0 +1,160 @@
+"""The law, and the vehicle that flies it in the example, as C statements."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from hoverproof.algebra.graph import fingerprint
+from hoverproof.export.emitter import literals, statements
+from hoverproof.export.flight_law import BODY_SENSORS, FlightLaw
+from hoverproof.export.options import Options
+from hoverproof.export.precision import FLOAT64
+from hoverproof.export.vehicle import rate_function, sense_function
+from hoverproof.mission.sections import Mission
+from hoverproof.plant.rigid_body import BODY_SIZE
+from hoverproof.servo.law import Law
+from hoverproof.servo.loop import LoopNumbers
+
+
+@dataclass(frozen=True)
+class LawText:
+    """The law in C.
+
+    Attributes
+    ----------
+    sha256 : str
+        Of its graph and its exact numbers.
+    coefficients, tuned : dict of str to str
+        Literals of its numbers, by name: those that are constants, and those that follow from gains
+        that may be set.
+    meanings : mapping of str to str
+        The closed form of each number.
+    statements : tuple of str
+        From the input and the excess of thrust to the outputs.
+    of_gains, gap_of_gains : tuple of str
+        From gains to the numbers that follow from them, and to m g less the singular thrust.
+    image_square : str
+        An expression: the sum of the squares of what the camera saw.
+    """
+
+    sha256: str
+    coefficients: Mapping[str, str]
+    tuned: Mapping[str, str]
+    meanings: Mapping[str, str]
+    statements: tuple[str, ...]
+    of_gains: tuple[str, ...]
+    gap_of_gains: tuple[str, ...]
+    image_square: str
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers the law has."""
+        return len(self.coefficients) + len(self.tuned)
+
+
+@dataclass(frozen=True)
+class VehicleText:
+    """The simulated vehicle of the example, in double.
+
+    Attributes
+    ----------
+    rate, sense : tuple of str
+        Statements: the derivative of its state, and what its sensors deliver.
+    start : str
+        Where it starts: numbers of its state, with commas.
+    """
+
+    rate: tuple[str, ...]
+    sense: tuple[str, ...]
+    start: str
+
+
+def law_text(mission: Mission, options: Options, law: FlightLaw) -> LawText:
+    """Write a law in C.
+
+    Parameters
+    ----------
+    mission : Mission
+    options : Options
+    law : FlightLaw
+        Of the mission, for what the camera delivers.
+    """
+    tuned = law.tuned if options.tunable else ()
+    seen = options.seen(len(mission.target.points))
+    inputs = [
+        seen,
+        *([f"in->{v}[{k}]" for k in range(3)] for v in BODY_SENSORS),
+        ["thrust_excess"],
+        [f"params->{c}" if c in tuned else c for c in law.coefficients],
+    ]
+    results = {
+        "thrust_rate": ["out->thrust_rate"],
+        "torque": [f"out->torque[{i}]" for i in range(3)],
+        "rotor": [f"out->rotor[{i}]" for i in range(4)],
+    }
+    numbers = literals(law.coefficients, options.precision)
+    gap = {"hover_gap": f"const {options.precision.c_type} hover_gap"}
+    return LawText(
+        sha256=_law_sha256(law),
+        coefficients={c: v for c, v in numbers.items() if c not in tuned},
+        tuned={c: v for c, v in numbers.items() if c in tuned},
+        meanings=law.meanings,
+        statements=tuple(statements(law.function, inputs, results, options.precision)),
+        of_gains=_from_gains(law, options, {c: f"params->{c}" for c in tuned}),
+        gap_of_gains=_from_gains(law, options, gap),
+        image_square=_sum_of_squares(seen),
+    )
+
+
+def vehicle_text(mission: Mission, options: Options, law: Law) -> VehicleText:
+    """Write the vehicle of the example in C.
+
+    Parameters
+    ----------
+    mission : Mission
+    options : Options
+    law : Law
+    """
+    v, n = mission.vehicle, len(mission.target.points)
+    x = [f"x[{i}]" for i in range(BODY_SIZE)]
+    numbers = [FLOAT64.literal(c) for c in (v.mass, v.gravity, *v.inertia)]
+    torque = [f"torque[{i}]" for i in range(3)]
+    rate = statements(
+        rate_function(),
+        [x, ["thrust"], torque, numbers],
+        {"rate": [f"rate[{i}]" for i in range(BODY_SIZE)]},
+        FLOAT64,
+    )
+    points = [FLOAT64.literal(c) for p in mission.target.points for c in p]
+    fields = {u: [f"in->{u}[{k}]" for k in range(3)] for u in BODY_SENSORS}
+    sensors = sense_function(n, options.sensing, law)
+    sense = statements(sensors, [x, points], {"seen": options.seen(n), **fields}, FLOAT64)
+    if options.precision.name == "float32":
+        sense = [re.sub(r"^(in->.*?) = (.*);$", r"\1 = (float)(\2);", line) for line in sense]
+    start = ", ".join(repr(float(s) + 0.0) for s in LoopNumbers.of(mission).start[:BODY_SIZE])
+    return VehicleText(tuple(rate), tuple(sense), start)
+
+
+def _law_sha256(law: FlightLaw) -> str:
+    exact = {name: str(value) for name, value in law.coefficients.items()}
+    return hashlib.sha256(json.dumps([fingerprint(law.function), exact]).encode()).hexdigest()
+
+
+def _from_gains(law: FlightLaw, options: Options, targets: Mapping[str, str]) -> tuple[str, ...]:
+    """Return the statements that compute some coefficients from the gains."""
+    count = len(law.source.design.gains())
+    fixed = [options.precision.literal(v) for v in law.fixed]
+    inputs = [[f"gains[{i}]" for i in range(count)], fixed]
+    results = {law.of_gains.name_out(0): [targets.get(c) for c in law.coefficients]}
+    return tuple(statements(law.of_gains, inputs, results, options.precision))
+
+
+def _sum_of_squares(names: Sequence[str]) -> str:
+    """Write Σ x², each pair x² + y² as the law has it, so that a compiler computes it once."""
+    pairs = [names[i : i + 2] for i in range(0, len(names), 2)]
+    squares = ["(" + " + ".join(f"({x} * {x})" for x in pair) + ")" for pair in pairs]
+    return " +\n      ".join(squares)

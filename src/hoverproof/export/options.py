@@ -1,0 +1,113 @@
+"""What a user chooses of a firmware package, held to what can be exported."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from hoverproof.errors import InputError
+from hoverproof.export.precision import PRECISIONS, Precision
+from hoverproof.mission.sections import Mission
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a user chooses.
+
+    Attributes
+    ----------
+    precision : Precision
+        Of the numbers on the target.
+    sensing : str
+        What the camera delivers, ``"points"`` or ``"centroid"``.
+    tunable : bool
+        Whether the gains stay parameters.
+    rotor_limits : (low, high)
+        Thrust of one rotor, N.
+    rotor_limits_from : str
+        Where these limits come from, in words.
+    """
+
+    precision: Precision
+    sensing: str
+    tunable: bool
+    rotor_limits: tuple[Fraction, Fraction]
+    rotor_limits_from: str
+
+    @classmethod
+    def of(
+        cls,
+        mission: Mission,
+        *,
+        precision: str,
+        sensing: str,
+        tunable: bool,
+        rotor_limits: tuple[Fraction, Fraction] | None,
+    ) -> Options:
+        """Take the options of a user.
+
+        Parameters
+        ----------
+        mission : Mission
+            Its rotors set the limits, if the user does not.
+        precision, sensing : str
+            To be one of those that there are.
+        tunable : bool
+        rotor_limits : (low, high), optional
+            N.
+
+        Raises
+        ------
+        InputError
+            If one of them cannot be used.
+        """
+        if precision not in PRECISIONS:
+            raise InputError("--precision", "", f"must be float32 or float64, not {precision!r}")
+        if sensing not in ("points", "centroid"):
+            raise InputError("--sensing", "", f"must be points or centroid, not {sensing!r}")
+        limits = _rotor_limits(mission, rotor_limits)
+        origin = _origin_of_limits(mission, given=rotor_limits is not None)
+        return cls(PRECISIONS[precision], sensing, tunable, limits, origin)
+
+    @property
+    def of_points(self) -> bool:
+        """Whether the camera delivers points, and not their centroid."""
+        return self.sensing == "points"
+
+    def seen(self, points: int) -> list[str]:
+        """Return the fields of the input that hold what the camera saw.
+
+        Parameters
+        ----------
+        points : int
+            Number of target points.
+        """
+        if self.of_points:
+            return [f"in->image[{i}][{k}]" for i in range(points) for k in range(2)]
+        return [f"in->centroid[{k}]" for k in range(3)]
+
+
+def _rotor_limits(
+    mission: Mission, limits: tuple[Fraction, Fraction] | None
+) -> tuple[Fraction, Fraction]:
+    weight, rotors = mission.vehicle.weight, mission.rotors
+    low, high = limits or (rotors.min_thrust or Fraction(0), rotors.max_thrust or weight / 2)
+    if not 0 <= low < weight / 4 < high <= weight * 5 / 2:
+        where = ("--rotor-limits", "") if limits else (mission.source, "rotors")
+        raise InputError(
+            *where,
+            f"must hold the share of a rotor in hover, {float(weight / 4):g} N, be at least 0 and "
+            f"at most 2.5 times the weight, not [{float(low):g}, {float(high):g}] N",
+        )
+    return low, high
+
+
+def _origin_of_limits(mission: Mission, *, given: bool) -> str:
+    """Say where the limits of the rotors come from, for who flashes the package."""
+    low, high = mission.rotors.min_thrust, mission.rotors.max_thrust
+    if given:
+        return "given to the export"
+    if high is None:
+        half = "half the weight" if low is None else "half the weight at most"
+        return f"an assumption: {half}; the mission does not say"
+    return "from [rotors] of the mission" + ("" if low is not None else ", which names no lowest")
