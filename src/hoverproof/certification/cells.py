@@ -31,7 +31,7 @@ def most_cells(points: int, cost: int) -> int:
     Parameters
     ----------
     points : int
-        Of the target.
+        Number of target points.
     cost : int
         Of a cell; see `checker.tree_of`.
     """
@@ -44,11 +44,11 @@ def grow_tree(box: Array, holds: Holds, most: int) -> str | None:
     Parameters
     ----------
     box : (d, 2)
-        Low and high ends.
+        Low and high ends, m.
     holds : callable
         Takes cells, (k, d, 2); tells for each whether it holds, (k,).
     most : int
-        Most cells at the end.
+        Largest number of cells at the end.
 
     Returns
     -------

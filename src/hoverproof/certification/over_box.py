@@ -152,7 +152,7 @@ def enclose(mission: Mission, box: Box, most: int | None = None) -> Enclosure | 
     mission : Mission
     box : (3,) of (low, high), world frame, m
     most : int, optional
-        Most cells of the box; by default, and at most, as many as the checker takes.
+        Largest number of cells of the box; by default, and at most, as many as the checker takes.
 
     Returns
     -------

@@ -120,7 +120,7 @@ def enclosures(mission: Mission, box: Box, most: int | None = None) -> Iterator[
     mission : Mission
     box : (3,) of (low, high), world frame, m
     most : int, optional
-        Most cells of the box; by default, and at most, as many as the checker takes.
+        Largest number of cells of the box; by default, and at most, as many as the checker takes.
 
     Raises
     ------
@@ -165,7 +165,7 @@ def halved(mission: Mission, box: Box, bounds: Interval, most: int | None = None
     box : (3,) of (low, high), world frame, m
     bounds : (low, high), 1/m
     most : int, optional
-        Most cells, see `enclosures`.
+        Largest number of cells, see `enclosures`.
 
     Returns
     -------

@@ -58,7 +58,7 @@ def draft(mission: Mission, found: Found, starts: Sequence[Start], share: float)
     starts : sequence of Start
         Sets of states to be inside, beside the hovers about the goal.
     share : float
-        Of the reach of these hovers, what is claimed.
+        Of the reach of these hovers, what is claimed; dimensionless.
 
     Raises
     ------
