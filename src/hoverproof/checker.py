@@ -38,7 +38,7 @@ VERSION = 2
 MAX_BYTES = 1_000_000
 MAX_DIGITS = 80  # of a numerator or denominator
 MAX_POINTS = 64
-MAX_WORK = 1_200_000  # cells times (points + 5) times what one costs, over all trees
+MAX_WORK = 800_000  # cells times (points + 5) times what one costs, over all trees
 MAX_STEPS = 500  # of a motion, times (points + 3)
 MAX_TIME = 60  # s
 
@@ -549,7 +549,7 @@ def read_spread(c: Any, s: Setting | None = None) -> Spread:
     if box is None or c["kind"] == "outside":
         require(tree is None, "a tree belongs to bounds that are shown over a box")
     else:
-        tree, work = tree_of(tree, s.points, 2)
+        tree, work = tree_of(tree, s.points, 5)
         require(work <= MAX_WORK, "a tree is too long")
     return Spread(s, low, high, box, tree)
 
@@ -902,7 +902,7 @@ def read_trees(
     require((trees["barrier"] is None) == (bottom is None), "a tree belongs to a barrier")
     positions, work = tree_of(trees["positions"], s.points, 3)
     barrier, more = (None, 0) if bottom is None else tree_of(trees["barrier"], s.points, 1)
-    starts = [tree_of(text, s.points, 6) for text in trees["starts"]]
+    starts = [tree_of(text, s.points, 4) for text in trees["starts"]]
     require(work + more + sum(w for _, w in starts) <= MAX_WORK, "the trees are too long")
     return positions, barrier, [text for text, _ in starts]
 

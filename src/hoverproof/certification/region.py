@@ -178,7 +178,7 @@ def halved(mission: Mission, box: Box, bounds: Interval, most: int | None = None
         view = View.of(points, cells)
         return largest_below(view, high) & smallest_above(view, low)
 
-    limit = most_cells(len(points), 2)
+    limit = most_cells(len(points), 5)
     return grow_tree(np.array(box, float), hold, min(limit, most or limit))
 
 

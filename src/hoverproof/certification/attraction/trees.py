@@ -123,7 +123,7 @@ class Set:
                 inside |= far
             return np.asarray(inside)
 
-        return grow_tree(whole, hold, most_cells(p.n, 6))
+        return grow_tree(whole, hold, most_cells(p.n, 4))
 
 
 def _widened(points: Array, room: float) -> Array:
