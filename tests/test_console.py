@@ -178,7 +178,8 @@ def test_tab_offers_the_numbers_of_the_mission_to_change():
 @pytest.mark.parametrize(
     ("shell", "check"), [("bash", "bash -n"), ("zsh", "zsh -n"), ("fish", "fish -n")]
 )
-def test_completion_can_be_installed_for_each_shell(shell, check, capsys):
+def test_completion_can_be_installed_for_each_shell(shell, check, capsys, tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))  # whose start-up files it adds to
     status, _, _ = run(capsys, "--install-completion", "--shell", shell, "--output", "script")
     script = Path("script").read_text()
     assert status == 0
@@ -188,7 +189,8 @@ def test_completion_can_be_installed_for_each_shell(shell, check, capsys):
 
 
 @pytest.mark.skipif(not shutil.which("bash"), reason="there is no bash")
-def test_bash_completes_a_command_and_a_preset(capsys):
+def test_bash_completes_a_command_and_a_preset(capsys, tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
     run(capsys, "--install-completion", "--shell", "bash", "--output", "script")
     shell = pexpect.spawn(
         "bash --norc --noprofile",

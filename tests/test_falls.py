@@ -209,7 +209,7 @@ def test_ctrl_c_ends_a_command_at_once_with_one_line_and_nothing_half_written(wo
 
 
 def heard_again():
-    """Let a command hear the signal though these tests run where it is ignored, as in a shell's &."""
+    """Let a command hear the signal though it is ignored here, as it is behind a shell's &."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
