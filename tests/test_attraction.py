@@ -27,6 +27,7 @@ from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.proof import attraction, estimate
 from hoverproof.certification.attraction.search import HoverGrid
 from hoverproof.certification.attraction.starts import Start, State
+from hoverproof.certification.attraction.trees import Set
 from hoverproof.certification.verdict import Proved, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.presets import presets
@@ -338,12 +339,16 @@ def over_five_points(content, q3, hover):
     """Forge a small region for a square with a point in its middle, seen as q3* from a hover."""
     forged = copy.deepcopy(content)
     forged["mission"]["target"]["points"].append(["0", "0", "0"])
+    targets = [[F(c) for c in point] for point in forged["mission"]["target"]["points"]]
     forged["mission"]["goal"] = {"centroid": ["0", "0", q3]}
     forged |= {"goal_position": None, "hover": hover, "weights": ["2/25", "3/200", "2/125"]}
     still = {"sideways": "0", "up": "0", "down": "0"}
     forged["claim"] |= {"level": "1/100", "rate": "1/1000", "barrier_height": None, "reach": still}
     forged["claim"]["starts"], forged["multipliers"] = [], ["27/250", "27/250"]
-    forged["trees"] = {"positions": "0", "barrier": None, "starts": ["0", "0"]}
+    points, place = (np.array(x, float) for x in (targets, [F(c) for c in hover]))
+    region = Set(Potential(points, place, float(F(q3))), None, None, 0.01, 7.0, 0.0, None)
+    halved = region.positions() or "0"  # it has none where no hover sees the goal
+    forged["trees"] = {"positions": halved, "barrier": None, "starts": ["0", "0"]}
     forged["mission_sha256"] = checker.digest(forged["mission"])
     p = checker.read_attraction(forged)
     s, weight = p.s, p.s.weight
@@ -468,7 +473,7 @@ def test_the_states_of_a_set_are_not_all_followed_where_one_is_given_up(tmp_path
     start = Start.hover(*(F(c) for c in mission.start.position))
     box = replace(start, position=((F(1), F(2)), *start.position[1:]), tilt=F(1, 10))
     assert len(list(refutation.worst_states(mission, box))) > 10
-    verdict = refutation.refute(mission, [box], Undecided("", mission))
+    verdict = refutation.refute(mission, [box], Undecided(mission=mission, reason=""))
     assert verdict.status == "undecided"
     assert followed == [refutation.SOON, refutation.LATE]
 

@@ -460,7 +460,7 @@ def test_a_long_list_is_refused_before_it_is_read(proved):
 @pytest.mark.slow
 @pytest.mark.parametrize("share", [Fraction(99, 100), 1 - Fraction(1, 10**9)])
 def test_bounds_that_are_all_but_sharp_are_soon_given_up(share):
-    mission = load("x4-flyer")
+    mission = load("x4-flyer", {"bounds.eigenvalues": '"auto"'})
     over = certify_region(mission, tuple((Fraction(a), Fraction(b)) for a, b in WIDE))
     content, (low, high) = over.certificate.content, over.enclosure.attained
     ends = [Fraction(low) * share, Fraction(high) / share]

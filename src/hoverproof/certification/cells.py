@@ -144,6 +144,11 @@ class View:
         return cls.of(points, np.stack([positions, positions], axis=2))
 
     @property
+    def centroid(self) -> Array:
+        """The q that a level camera sees in the middle of each cell, (k, 3), dimensionless."""
+        return (self.rays / np.maximum(self.distance, 1e-12)[..., None]).sum(axis=1)
+
+    @property
     def depths(self) -> Array:
         """Q in the middle of each cell, (k, 3, 3), 1/m."""
         return self.turns(1 / np.maximum(self.distance, 1e-12) ** 3)

@@ -53,7 +53,7 @@ def start_terms(potential: Potential, add: Array, cells: Array) -> Array:
     corners = cells[:, np.arange(3)[None], ends]
     value = potential.value(corners.reshape(-1, 3)).reshape(-1, 8).max(axis=1)
     change = (view.radius[:, None] / view.apart).sum(axis=1)
-    d1 = potential.centroid(view.center) - [0, 0, potential.q3]
+    d1 = view.centroid - [0, 0, potential.q3]
     level, whole = (np.linalg.norm(d1[:, :k], axis=1) + change for k in (2, 3))
     d2 = whole + add[0] + add[1]
     d3, d4 = d2 + add[2], level + add[3]

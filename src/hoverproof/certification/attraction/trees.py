@@ -62,7 +62,7 @@ class Set:
 
         def hold(cells: Array) -> Told:
             view = View.of(p.points, cells)
-            slope = np.abs(p.centroid(view.center) - [0, 0, p.q3])
+            slope = np.abs(view.centroid - [0, 0, p.q3])
             least = p.value(view.center) - (slope * view.half).sum(axis=1)
             return np.asarray(largest_below(view, self.largest) | (least > high))
 
