@@ -101,8 +101,7 @@ def goal_box(mission: Mission, bounds: Interval, box: Box | None) -> Box:
     low, high = (float(x) for x in bounds)
     for sides in _boxes(mission, goal, exactly=exactly):
         view = View.of(numbers.points.T, np.array([sides], float))
-        seen = (view.rays / view.distance[..., None]).sum(axis=1)
-        off = float(np.linalg.norm(seen - np.array(goal.centroid_midpoint, float)))
+        off = float(np.linalg.norm(view.centroid - np.array(goal.centroid_midpoint, float)))
         holds = exactly or off < 0.9 * low * float(view.half.min()) / 2
         if holds and (largest_below(view, high) & smallest_above(view, low)).all():
             return sides

@@ -146,7 +146,7 @@ class View:
     @property
     def centroid(self) -> Array:
         """The q that a level camera sees in the middle of each cell, (k, 3), dimensionless."""
-        return (self.rays / np.maximum(self.distance, 1e-12)[..., None]).sum(axis=1)
+        return np.asarray((self.rays / np.maximum(self.distance, 1e-12)[..., None]).sum(axis=1))
 
     @property
     def depths(self) -> Array:
