@@ -1,4 +1,4 @@
-"""Short decimals on a chosen side of a number."""
+"""Short numbers on a chosen side of a number: decimals, and multiples of a power of two."""
 
 from __future__ import annotations
 
@@ -30,3 +30,27 @@ def decimal_above(value: float | Fraction, digits: int) -> Fraction:
     digits : int
     """
     return -decimal_below(-value, digits)
+
+
+def binary_below(value: Fraction, bits: int) -> Fraction:
+    """Return the largest multiple of 2^-bits that is not above a value.
+
+    Parameters
+    ----------
+    value : Fraction
+    bits : int
+        Number of binary digits after the point.
+    """
+    return Fraction((value.numerator << bits) // value.denominator, 1 << bits)
+
+
+def binary_above(value: Fraction, bits: int) -> Fraction:
+    """Return the smallest multiple of 2^-bits that is not below a value.
+
+    Parameters
+    ----------
+    value : Fraction
+    bits : int
+        Number of binary digits after the point.
+    """
+    return -binary_below(-value, bits)

@@ -16,6 +16,7 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
+from hoverproof.algebra.decimals import binary_above, binary_below
 from hoverproof.algebra.derived import kept_graph
 from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.surd import sqrt_enclosure
@@ -231,7 +232,7 @@ def pose(
         proves nothing.
     """
     goal = hover_goal(mission)
-    box = tuple((_down(low), _up(high)) for low, high in goal.centroid)
+    box = tuple((binary_below(low, BITS), binary_above(high, BITS)) for low, high in goal.centroid)
 
     def force(thrust: Fraction, q3: Fraction) -> list[Fraction]:
         q = [box[0][0], box[1][0], q3]
@@ -246,7 +247,7 @@ def pose(
     else:
         assert mission.bounds.level is not None
         spread = 2 * mission.bounds.level * (1 / weights[1] + 1 / weights[2])
-        reach = _up(stiffness * sqrt_enclosure(spread)[1])
+        reach = binary_above(stiffness * sqrt_enclosure(spread)[1], BITS)
         low, high = weight - reach, weight + reach
         key = "bounds.level"
     if low <= singular:
@@ -263,16 +264,14 @@ def pose(
         weights=weights,
         centroid=box,
         thrust=(low, high),
-        factor=(_down(force(high, bottom)[2]), _up(force(low, top)[2])),
-        factor_attained=(_up(force(high, top)[2]), _down(force(low, bottom)[2])),
+        factor=(
+            binary_below(force(high, bottom)[2], BITS),
+            binary_above(force(low, top)[2], BITS),
+        ),
+        factor_attained=(
+            binary_above(force(high, top)[2], BITS),
+            binary_below(force(low, bottom)[2], BITS),
+        ),
         eigenvalues=eigenvalue_bounds(mission) if region is None else region.eigenvalues,
         region=region,
     )
-
-
-def _down(value: Fraction) -> Fraction:
-    return Fraction((value.numerator << BITS) // value.denominator, 1 << BITS)
-
-
-def _up(value: Fraction) -> Fraction:
-    return -_down(-value)

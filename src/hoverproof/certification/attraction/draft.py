@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.algebra.decimals import decimal_above, decimal_below
+from hoverproof.algebra.decimals import binary_above, binary_below, decimal_above, decimal_below
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.attraction.inequality import Loop, rate_and_multiplier
 from hoverproof.certification.attraction.potential import Potential
@@ -109,7 +109,7 @@ def _inequality(
 ) -> tuple[dict[str, Any], Fraction, list[Fraction]]:
     """Return the bounds that follow from the level, rounded outward, rate and multipliers."""
     low, high = hover_goal(mission).centroid[2]
-    goal = [_down(low), _up(high)]
+    goal = [binary_below(low, BITS), binary_above(high, BITS)]
     loop, sizes = Loop.of(mission, float(goal[0])), np.array(weights, float)
     ends = loop.factor(force)
     tilt = decimal_above(loop.tilt(force)[2] * (1 + SPARE), 9)
@@ -170,11 +170,3 @@ def _trees(
     if None in trees:
         raise NotShown("a start is not shown to have Λ <= level")
     return {"positions": positions, "barrier": barrier, "starts": trees}
-
-
-def _down(value: Fraction) -> Fraction:
-    return Fraction((value.numerator << BITS) // value.denominator, 1 << BITS)
-
-
-def _up(value: Fraction) -> Fraction:
-    return -_down(-value)
