@@ -228,7 +228,7 @@ class GainRegionSearch:
         found = self._inner(gains).solve(point.z[2:], self._ball(size))
         assert found is not None
         s = found[1]
-        reached = (reach_along(self.potential, d, s.weights, s.level, None) for d in sphere(60))
+        reached = (reach_along(self.potential, d, s.weights, s.level) for d in sphere(60))
         return min(min(reached), 3 * size)
 
     def short(self, point: Point) -> Iterator[Gains]:

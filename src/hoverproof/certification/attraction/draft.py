@@ -134,7 +134,7 @@ def _reach(region: Set, share: float, room: Fraction | None) -> dict[str, Fracti
 
     def reach(*directions: tuple[float, float, float]) -> Fraction:
         least = min(
-            reach_along(region.potential, np.array(d), region.weights, region.level, None)
+            reach_along(region.potential, np.array(d), region.weights, region.level)
             for d in directions
         )
         return decimal_below(least * share, 3)

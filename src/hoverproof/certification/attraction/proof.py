@@ -29,6 +29,7 @@ from hoverproof.certification.attraction.start_terms import added, start_terms
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import Attraction, AttractionVerdict, Reach
 from hoverproof.certification.certificate import Certificate, rejection, seal
+from hoverproof.certification.region import holds_target_point
 from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
@@ -118,7 +119,8 @@ def _search_and_prove(
         wanted = (Start.of(mission),)
     if len(wanted) > MOST_STARTS:
         raise InputError("--start", "", f"at most {MOST_STARTS} starts go into one certificate")
-    _require_clear(mission, potential, wanted)
+    if any(holds_target_point(mission, start.position) for start in wanted):
+        raise InputError(mission.source, "--start", "holds a target point")
     gains = mission.gains
     possible = gains.k3 >= 3 * gains.k1 * gains.k2
     if barrier and not possible:
@@ -291,10 +293,3 @@ def _start_terms(
     if not np.isfinite(rows).all():
         raise InputError("--start", "", "is at a target point, or a hair's breadth from it")
     return np.unique(np.concatenate(rows), axis=0) if rows else np.zeros((0, 4))
-
-
-def _require_clear(mission: Mission, potential: Potential, starts: Sequence[Start]) -> None:
-    for start in starts:
-        for point in mission.target.points:
-            if all(a <= c <= b for c, (a, b) in zip(point, start.position, strict=True)):
-                raise InputError(mission.source, "--start", "holds a target point")

@@ -347,10 +347,8 @@ class HoverGrid:
         return float(reach[by_level].min()) if by_level.any() else LARGEST_RADIUS
 
 
-def reach_along(
-    p: Potential, direction: Array, weights: Array, level: float, bottom: float | None
-) -> float:
-    """Return how far from the goal, m, hovers in a direction are inside without a gap.
+def reach_along(p: Potential, direction: Array, weights: Array, level: float) -> float:
+    """Return how far from the goal, m, hovers in a direction have Λ <= ℓ without a gap.
 
     Parameters
     ----------
@@ -361,14 +359,10 @@ def reach_along(
         a2, a3, a4, m.
     level : float
         ℓ, m.
-    bottom : float or None
-        z of the barrier, m.
     """
     steps = np.geomspace(0.01, LARGEST_RADIUS, 400)
     places = p.goal + steps[:, None] * direction
     inside = p.hover_terms(places) @ [1, *weights] <= level
-    if bottom is not None:
-        inside &= places[:, 2] <= bottom
     first = int(np.argmin(inside)) if not inside.all() else len(steps)
     if first == 0:
         return 0.0
@@ -379,7 +373,6 @@ def reach_along(
         middle = (low + high) / 2
         place = p.goal + middle * direction
         good = (p.hover_terms(place[None]) @ [1, *weights])[0] <= level
-        good &= bottom is None or place[2] <= bottom
         low, high = (middle, high) if good else (low, middle)
     return low
 
