@@ -6,7 +6,7 @@ In floating point, and with a little to spare, as the checker asks the same of e
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -125,10 +125,9 @@ class View:
         cells : (k, 3, 2)
             Low and high ends, m.
         """
-        center, half = cells.mean(axis=2), (cells[..., 1] - cells[..., 0]) / 2
-        rays = points[None] - center[:, None]
-        distance = np.linalg.norm(rays, axis=2)
-        return cls(center, half, np.linalg.norm(half, axis=1), rays, distance)
+        half = (cells[..., 1] - cells[..., 0]) / 2
+        seen = cls.at(points, cells.mean(axis=2))
+        return replace(seen, half=half, radius=np.linalg.norm(half, axis=1))
 
     @classmethod
     def at(cls, points: Array, positions: Array) -> View:
@@ -141,7 +140,9 @@ class View:
         positions : (k, 3)
             World frame, m.
         """
-        return cls.of(points, np.stack([positions, positions], axis=2))
+        rays = points[None] - positions[:, None]
+        distance, none = np.linalg.norm(rays, axis=2), np.zeros_like(positions)
+        return cls(positions, none, none[:, 0], rays, distance)
 
     @property
     def centroid(self) -> Array:

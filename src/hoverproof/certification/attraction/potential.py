@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.certification.cells import View
 from hoverproof.certification.region import eigenvalues
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
@@ -106,8 +107,7 @@ class Potential:
         positions : (k, 3)
             World frame, m.
         """
-        rays = self.points[None] - positions[:, None]
-        return np.asarray((rays / np.linalg.norm(rays, axis=2)[..., None]).sum(axis=1))
+        return View.at(self.points, positions).centroid
 
     def hover_terms(self, positions: Array) -> Array:
         """Return (k, 4): Λ = terms · (1, a2, a3, a4) for a level hover at positions (k, 3).
