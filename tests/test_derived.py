@@ -132,6 +132,7 @@ def test_every_file_that_a_graph_is_derived_from_counts(tmp_path, monkeypatch):
     seen = []
     read = Path.read_bytes
     monkeypatch.setattr(Path, "read_bytes", lambda path: seen.append(path) or read(path))
+    derived._content.cache_clear()
     derived._sources.__wrapped__("hoverproof.simulation.compiled")
     parts = {path.relative_to(derived.HOUSE).as_posix() for path in seen}
     assert {"simulation/loop.c", "servo/controller.py", "plant/camera.py"} <= parts

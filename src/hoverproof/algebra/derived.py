@@ -97,16 +97,22 @@ def _word(argument: object) -> str | None:
 def _sources(module: str) -> str | None:
     """Return a digest of what a module's graphs are derived from; None if it is not to be read."""
     own = Path(sys.modules[module].__file__ or "")
-    digest, found = hashlib.sha256(), set()
     try:
-        for folder in dict.fromkeys([*BELOW, own.parent]):
-            for path in sorted(p for p in folder.rglob("*") if p.suffix in SOURCES):
-                content = path.read_bytes()
-                digest.update(f"{path.relative_to(folder)}\0{len(content)}\0".encode() + content)
-                found.add(path)
+        parts = [_content(folder) for folder in dict.fromkeys([*BELOW, own.parent])]
     except OSError:
         return None
-    return digest.hexdigest() if {own, Path(__file__)} <= found else None
+    found = frozenset().union(*(paths for _, paths in parts))
+    return " ".join(digest for digest, _ in parts) if {own, Path(__file__)} <= found else None
+
+
+@functools.cache
+def _content(folder: Path) -> tuple[str, frozenset[Path]]:
+    """Return a digest of the sources in a folder, and where they are; read once for all makers."""
+    digest, paths = hashlib.sha256(), sorted(p for p in folder.rglob("*") if p.suffix in SOURCES)
+    for path in paths:
+        content = path.read_bytes()
+        digest.update(f"{path.relative_to(folder)}\0{len(content)}\0".encode() + content)
+    return digest.hexdigest(), frozenset(paths)
 
 
 def _read(path: Path) -> str | None:

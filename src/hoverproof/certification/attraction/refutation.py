@@ -237,10 +237,11 @@ def refute(
         elif ending == "goes on" and time < SOON:  # given up: the other states would cost as much
             break
     for time, state in sorted(sinking, key=lambda pair: pair[0])[:1]:
+        model = model_fingerprint(mission)
         reason = "it takes too many steps to follow"
         for steps in step_plans(mission, state, time):
             parts = {"motion": {**asdict(state), "time": sum(steps), "steps": steps}}
-            certificate = seal(mission, "sinking", parts, model_fingerprint(mission))
+            certificate = seal(mission, "sinking", parts, model)
             reason = rejection(certificate)
             if not reason:
                 spent = sum(steps, Fraction(0))
