@@ -26,7 +26,7 @@ from hoverproof.certification.robust import Array, Inequality, Term
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, Interval, hover_goal
-from hoverproof.servo.law import Design
+from hoverproof.servo.law import Design, Errors
 from hoverproof.servo.lyapunov import derive_lyapunov_form, force_function
 
 Rows = list[list[Fraction]]
@@ -79,7 +79,8 @@ def squares(weights: Sequence[Any]) -> list[Any]:
     ----------
     weights : (4,)
     """
-    return [w for w, size in zip(weights, (3, 3, 3, 2), strict=True) for _ in range(size)]
+    sizes = Errors.sizes().values()
+    return [w for w, size in zip(weights, sizes, strict=True) for _ in range(size)]
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,8 @@ What a margin is worth is decided elsewhere, exactly.
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,12 +16,13 @@ from numpy.typing import NDArray
 from hoverproof.algebra.graph import evaluate
 from hoverproof.certification import robust
 from hoverproof.certification.problem import GainProblem, gain_inequality, squares
+from hoverproof.servo.law import Design
 from hoverproof.servo.lyapunov import force_function
 
 Array = NDArray[np.float64]
 Numbers = float | Array
 
-GAINS = ("k1", "k2", "k3", "k4")
+GAINS = Design.chain_gains()
 
 
 @dataclass(frozen=True)
@@ -96,7 +99,11 @@ class Questions:
 
     def design(self) -> list[Any]:
         """Return the numbers in the order of `Design`; inertia and k_yaw do not enter Σ."""
-        return [self.mass, self.gravity, 1.0, 1.0, 1.0, *self.gains, 1.0, *self.centroid]
+        gains = {name: [values] for name, values in zip(GAINS, self.gains, strict=True)}
+        own = {"mass": [self.mass], "gravity": [self.gravity], "goal_centroid": self.centroid}
+        numbers: dict[str, Sequence[Any]] = {**own, **gains}
+        parts = (numbers.get(name, [1.0] * size) for name, size in Design.sizes().items())
+        return list(itertools.chain(*parts))
 
     def thrust_interval(self) -> tuple[Array, Array]:
         """Return the ends of the thrust interval, N, (n,) each."""
