@@ -93,7 +93,7 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Bound
     mission : Mission
     box : (3,) of (low, high), world frame, m
     most : int, optional
-        Most boxes in the branch and bound (see `enclose`).
+        Largest number of cells of the box; see `enclose`.
 
     Returns
     -------
@@ -131,14 +131,12 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Bound
             "direction": spot.direction,
             "bound": spot.bound,
         }
-        broken = Enclosure(box, wanted, (spot.eigenvalue, spot.eigenvalue), None)
-        refutation = accepted(_seal(mission, broken, "outside", outside=point))
+        refutation = accepted(_seal(mission, "outside", box, wanted, None, outside=point))
         if refutation:
             return RefutedBounds(certificate=refutation, outside=spot, **asked)
     tree = halved(mission, box, wanted, most)
     if tree is not None:
-        attained = narrowest.attained if narrowest else (float(wanted[0]), float(wanted[1]))
-        shown = accepted(_seal(mission, Enclosure(box, wanted, attained, tree), "region"))
+        shown = accepted(_seal(mission, "region", box, wanted, tree))
         if shown:
             return ProvedBounds(certificate=shown, **asked)
     return UndecidedBounds(certificate=least, reason=TOO_MANY, **asked)
@@ -170,7 +168,7 @@ def enclose(mission: Mission, box: Box, most: int | None = None) -> Enclosure | 
 
 def _enclose(mission: Mission, box: Box, most: int | None) -> tuple[Enclosure, Certificate] | None:
     for region in enclosures(mission, box, most):
-        shown = accepted(_seal(mission, region, "region"))
+        shown = accepted(_seal(mission, "region", box, region.eigenvalues, region.tree))
         if shown:
             return region, shown
     return None
@@ -191,8 +189,10 @@ def none_proved(mission: Mission) -> InputError:
     )
 
 
-def _seal(mission: Mission, region: Enclosure, kind: str, **parts: object) -> Certificate:
+def _seal(
+    mission: Mission, kind: str, box: Box, bounds: Interval, tree: str | None, **parts: object
+) -> Certificate:
     """Complete a certificate about Q alone: gains and thrust play no part in it."""
-    held = {"box": region.box, "eigenvalues": region.eigenvalues, "tree": region.tree}
+    held = {"box": box, "eigenvalues": bounds, "tree": tree}
     model = fingerprint(level_view(len(mission.target.points)))
     return seal(mission, kind, {"region": held, **parts}, model)

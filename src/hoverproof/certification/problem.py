@@ -189,6 +189,21 @@ class GainProblem:
 ONES = (Fraction(1),) * 4
 
 
+def force_bound(stiffness: Fraction, level: Fraction, w2: Fraction, w3: Fraction) -> Fraction:
+    """Return c √(2ℓ(1/w2 + 1/w3)) from above, N: |F| where ½(w2|δ2|² + w3|δ3|²) <= ℓ.
+
+    Parameters
+    ----------
+    stiffness : Fraction
+        c, N.
+    level : Fraction
+        ℓ, dimensionless or m, as the weights are.
+    w2, w3 : Fraction
+        Weights of δ2 and δ3, exact numbers.
+    """
+    return stiffness * sqrt_enclosure(2 * level * (1 / w2 + 1 / w3))[1]
+
+
 def gain_problem(
     mission: Mission, weights: tuple[Fraction, ...] = ONES, region: Enclosure | None = None
 ) -> GainProblem:
@@ -247,8 +262,7 @@ def pose(
         key = "bounds.thrust"
     else:
         assert mission.bounds.level is not None
-        spread = 2 * mission.bounds.level * (1 / weights[1] + 1 / weights[2])
-        reach = binary_above(stiffness * sqrt_enclosure(spread)[1], BITS)
+        reach = binary_above(force_bound(stiffness, mission.bounds.level, *weights[1:3]), BITS)
         low, high = weight - reach, weight + reach
         key = "bounds.level"
     if low <= singular:

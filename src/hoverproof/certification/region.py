@@ -43,15 +43,14 @@ class Enclosure:
         Proved bounds of every eigenvalue of Q over the box, 1/m.
     attained : (low, high)
         The lowest and the highest eigenvalue found in the box, 1/m: how tight the bounds are.
-    tree : str or None
-        How the box is halved until the bounds are shown over each cell; None of bounds that do not
-        hold.
+    tree : str
+        How the box is halved until the bounds are shown over each cell.
     """
 
     box: Box
     eigenvalues: Interval
     attained: tuple[float, float]
-    tree: str | None
+    tree: str
 
 
 def parse_box(text: str) -> Box:

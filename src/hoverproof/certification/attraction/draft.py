@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import binary_above, binary_below, decimal_above, decimal_below
-from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.attraction.inequality import Loop, rate_and_multiplier
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.search import Found, reach_along
@@ -18,6 +17,7 @@ from hoverproof.certification.attraction.sinking import Sinking
 from hoverproof.certification.attraction.start_terms import added
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.trees import Set
+from hoverproof.certification.problem import force_bound
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 
@@ -32,8 +32,8 @@ class NotShown(Exception):
     """Something does not hold after rounding, or takes more cells than the checker takes."""
 
 
-def force_bound(mission: Mission, weights: Sequence[Fraction], level: Fraction) -> Fraction:
-    """Return the bound c √(2ℓ(1/a2 + 1/a3)) of |F|, N, from above.
+def force_within(mission: Mission, weights: Sequence[Fraction], level: Fraction) -> Fraction:
+    """Return the bound of |F| where Λ is at most a level, N, from above.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def force_bound(mission: Mission, weights: Sequence[Fraction], level: Fraction) 
     """
     gains = mission.gains
     stiffness = gains.k1**2 * gains.k2 / mission.vehicle.mass
-    return stiffness * sqrt_enclosure(2 * level * (1 / weights[0] + 1 / weights[1]))[1]
+    return force_bound(stiffness, level, *weights[:2])
 
 
 def draft(mission: Mission, found: Found, starts: Sequence[Start], share: float) -> dict[str, Any]:
@@ -68,7 +68,7 @@ def draft(mission: Mission, found: Found, starts: Sequence[Start], share: float)
     potential = Potential.of(mission)
     weights = [decimal_below(float(w), 4) for w in found.weights]
     level = decimal_below(found.level, DIGITS)
-    force = force_bound(mission, weights, level)
+    force = force_within(mission, weights, level)
     height = None
     if found.bottom is not None:
         height = mission.height_of_target - Fraction(f"{found.bottom:.6f}")

@@ -11,7 +11,7 @@ import numpy as np
 
 from hoverproof.algebra.decimals import decimal_above
 from hoverproof.algebra.graph import fingerprint
-from hoverproof.certification.attraction.draft import NotShown, draft, force_bound
+from hoverproof.certification.attraction.draft import NotShown, draft, force_within
 from hoverproof.certification.attraction.form import derive_form
 from hoverproof.certification.attraction.inequality import Loop
 from hoverproof.certification.attraction.potential import Potential
@@ -258,7 +258,7 @@ def _verdict(
     mission: Mission, certificate: Certificate, parts: dict[str, Any], starts: Sequence[Start]
 ) -> Attraction:
     claim, hints, weight = parts["claim"], parts["enclosures"], mission.vehicle.weight
-    force = force_bound(mission, parts["weights"], claim["level"])
+    force = force_within(mission, parts["weights"], claim["level"])
     return Attraction(
         mission=mission,
         certificate=certificate,
