@@ -91,9 +91,17 @@ def names_as_imported(app: Any, doctree: Any) -> None:
             node["reftarget"] = f"{thing.__module__}.{thing.__qualname__}"
 
 
+def names_of_fields_lead_nowhere(app: Any, doctree: Any) -> None:
+    """Unlink the name of an attribute in its own docstring: the link would lead to a namesake."""
+    for node in list(doctree.findall(pending_xref)):
+        if node.get("refdomain") == "py" and node["reftype"] == "obj" and node.get("refspecific"):
+            node.replace_self(node.children)
+
+
 def setup(app: Any) -> None:
     """Write the pages that are made from the program before the pages are read."""
     app.connect("builder-inited", lambda app: generate.write(Path(app.srcdir)))
     app.connect("autodoc-process-docstring", bars_are_bars)
     app.connect("autodoc-process-signature", short_signatures)
     app.connect("doctree-read", names_as_imported)
+    app.connect("doctree-read", names_of_fields_lead_nowhere)
