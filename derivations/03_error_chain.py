@@ -17,8 +17,8 @@ from hoverproof.algebra.identity import prove_equal
 from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant import rigid_body
 from hoverproof.plant.rigid_body import E3, skew
-from hoverproof.servo.law import Design, Measurement, measured_rate
-from hoverproof.servo.laws.hamel_mahony import errors
+from hoverproof.servo.law import Design, Measurement
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY as LAW
 
 # %% [markdown]
 # ## What is given
@@ -52,7 +52,7 @@ k1, k2 = design.k1, design.k2
 alpha, U, y = ca.SX.sym("alpha", 3), ca.SX.sym("U"), ca.SX.sym("y", 3)
 
 F = rigid_body.force(T, rho, m, g)
-flow = measured_rate(z, design, angular_acceleration=alpha, thrust_rate=U, depth_flow=y)
+flow = LAW.measured_rate(z, design, angular_acceleration=alpha, thrust_rate=U, depth_flow=y)
 closed = ca.vertcat(
     -ca.cross(Omega, q) - y, -ca.cross(Omega, V) + F / m, -ca.cross(Omega, rho), alpha, U
 )
@@ -71,7 +71,7 @@ print("the motion of the measurements is the table above: proved")
 # $F = -c\,\delta_2$ is the force that is wanted in order to reduce $\delta_2$.
 
 # %%
-e = errors(z, design)
+e = LAW.errors(z, design)
 d1, d2, d3 = e.d1, e.d2, e.d3
 c = design.stiffness
 

@@ -16,8 +16,7 @@ from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant import rigid_body, rotors
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import measured_rate
-from hoverproof.servo.laws.hamel_mahony import errors
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY as LAW
 
 # %% [markdown]
 # ## What is given
@@ -50,7 +49,7 @@ k12 = k1 * k2
 beta = m**2 / (k1**2 * k2 * (k12 + k3))
 pi = ca.SX.eye(3) - E3 @ E3.T
 
-e = errors(z, design)
+e = LAW.errors(z, design)
 d1, d2, d3, d4 = e.d1, e.d2, e.d3, ca.vertcat(e.d4, 0)
 F = rigid_body.force(T, z.gravity_direction, m, design.gravity)
 assert prove_equal(d1, z.centroid - goal)
@@ -80,7 +79,7 @@ print("δ1, δ2, δ3, δ4 as defined: proved")
 
 # %%
 U, alpha, y = ca.SX.sym("U"), ca.SX.sym("alpha", 3), ca.SX.sym("y", 3)
-flow = measured_rate(z, design, angular_acceleration=alpha, thrust_rate=U, depth_flow=y)
+flow = LAW.measured_rate(z, design, angular_acceleration=alpha, thrust_rate=U, depth_flow=y)
 d3_dot, d4_dot = (lie_derivative(d, z.vector(), flow) for d in (d3, d4))
 
 d3_wish = -skew(Omega) @ d3 + y - k12 / m * d2 - k3 / m * d3

@@ -19,8 +19,7 @@ from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant import rigid_body
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import measured_rate
-from hoverproof.servo.laws.hamel_mahony import errors
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY as LAW
 from hoverproof.servo.lyapunov import lyapunov, thrust_factor
 
 # %% [markdown]
@@ -54,7 +53,7 @@ k12 = k1 * k2
 identity = ca.SX.eye(3)
 pi = identity - E3 @ E3.T
 
-e = errors(z, design)
+e = LAW.errors(z, design)
 d1, d2, d3, d4 = e.d1, e.d2, e.d3, ca.vertcat(e.d4, 0)
 F = rigid_body.force(T, z.gravity_direction, m, design.gravity)
 assert prove_equal(d1, z.centroid - goal)
@@ -79,7 +78,7 @@ print("δ1, δ2, δ3, δ4 as defined: proved")
 
 # %%
 Q = ca.tril2symm(ca.SX.sym("Q", ca.Sparsity.lower(3)))
-flow = measured_rate(
+flow = LAW.measured_rate(
     z,
     design,
     angular_acceleration=law.angular_acceleration,

@@ -15,6 +15,7 @@ from hoverproof.algebra.derived import kept_graph, kept_json
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification import gains, problem
 from hoverproof.servo import loop
+from hoverproof.servo.law import Feature
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.simulation import compiled, record, step, timing
 
@@ -140,7 +141,7 @@ def test_every_file_that_a_graph_is_derived_from_counts(tmp_path, monkeypatch):
 
 
 def test_what_is_derived_of_a_law_that_is_not_of_the_house_is_not_kept(folder):
-    other = replace(HAMEL_MAHONY, name="other")
+    other = replace(HAMEL_MAHONY, feature=Feature("other", HAMEL_MAHONY.feature.of))
     assert anew(loop._loop_at_goal, other)
     assert not folder.exists()
 

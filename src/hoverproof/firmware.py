@@ -19,7 +19,7 @@ from hoverproof.export.contents import Standing
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, law_of
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import flight as simulation
 from hoverproof.simulation.cut_short import last_good_step, up_to
@@ -45,7 +45,7 @@ def export_c(
     out: str | Path,
     *,
     allow_uncertified: bool = False,
-    law: Law = HAMEL_MAHONY,
+    law: Law | None = None,
     **options: Any,
 ) -> dict[str, Any]:
     """Certify a mission and write its control firmware, a C99 package, with the certificate.
@@ -57,9 +57,9 @@ def export_c(
         Folder to write to; made if needed.
     allow_uncertified : bool
         Write a package even if the gains are not proved; every file of it then says so.
-    law : Law
-        What the firmware computes; by default the law of the paper, the only one whose gains can be
-        certified.
+    law : Law, optional
+        What the firmware computes; by default the law of the mission; only the gains of the paper's
+        can be certified.
     **options
         precision, sensing, tunable, name, rotor_limits: see
         `hoverproof.export.package.write_package`.
@@ -77,6 +77,7 @@ def export_c(
     InputError
         If an argument cannot be used or the folder cannot be written to.
     """
+    law = law or law_of(mission)
     if law != HAMEL_MAHONY:
         if not allow_uncertified:
             why = f"a certificate is about the paper's law, not about {law.name}"
@@ -97,7 +98,7 @@ def fly_firmware(
     duration: float | None = None,
     step: float | None = None,
     every: int | None = None,
-    law: Law = HAMEL_MAHONY,
+    law: Law | None = None,
 ) -> xr.Dataset:
     """Fly a mission from its start with the exported C as its controller.
 
@@ -117,8 +118,8 @@ def fly_firmware(
     every : int, optional
         Keep every so many steps; by default about 2000 samples are kept; a flight that ends early
         is kept as in `hoverproof.simulate`.
-    law : Law
-        That of the firmware; by default the law of the paper.
+    law : Law, optional
+        That of the firmware; by default the law of the mission.
 
     Returns
     -------
@@ -140,7 +141,7 @@ def flown_firmware(
     timing: Timing,
     firmware: Firmware | None = None,
     *,
-    law: Law = HAMEL_MAHONY,
+    law: Law | None = None,
 ) -> Record:
     """Fly a mission with the exported C: `fly_firmware`, without importing xarray.
 
@@ -149,8 +150,8 @@ def flown_firmware(
     mission, firmware
         See `fly_firmware`, also for what is raised.
     timing : Timing
-    law : Law
-        That of the firmware; by default the law of the paper.
+    law : Law, optional
+        That of the firmware; by default the law of the mission.
     """
     unfit = sorted(set(mission.conditions()) - {"scatter"})
     if unfit:
@@ -217,7 +218,7 @@ def _good(flown: Mapping[str, Any]) -> tuple[Array, bool]:
     return (rows if whole else rows[: max(1, len(rows) - 1)]), whole
 
 
-def _exported(mission: Mission, law: Law) -> Firmware:
+def _exported(mission: Mission, law: Law | None) -> Firmware:
     with tempfile.TemporaryDirectory() as folder:
         export_c(mission, folder, name="firmware", allow_uncertified=True, law=law)
         return Firmware(folder)

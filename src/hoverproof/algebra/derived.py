@@ -27,7 +27,7 @@ Made = TypeVar("Made")
 HOUSE = Path(__file__).parent.parent
 BELOW = tuple(HOUSE / name for name in ("algebra", "plant", "servo"))
 CONSTANTS = "hoverproof.servo."
-"""Modules whose constants may be arguments: their sources are read below."""
+"""Modules whose constants, alone or in a dict, may be arguments: their sources are read below."""
 SOURCES = {".py", ".c", ".h"}
 
 
@@ -90,6 +90,9 @@ def _word(argument: object) -> str | None:
             for constant, value in vars(sys.modules[name]).items():
                 if value is argument:
                     return f"{name}.{constant}"
+                for key, entry in value.items() if isinstance(value, dict) else ():
+                    if entry is argument:
+                        return f"{name}.{constant}[{key!r}]"
     return None
 
 

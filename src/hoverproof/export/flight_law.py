@@ -24,7 +24,7 @@ from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera, rigid_body, rotors
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Design, Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, law_of
 from hoverproof.servo.layout import place
 
 ROTORS = {"arm": 1, "drag_ratio": 1}
@@ -76,7 +76,7 @@ def flight_law(
     *,
     sensing: str = "points",
     tunable: bool = False,
-    law: Law = HAMEL_MAHONY,
+    law: Law | None = None,
 ) -> FlightLaw:
     """Return the law of a mission.
 
@@ -89,15 +89,18 @@ def flight_law(
     tunable : bool
         Keep the five gains as parameters: a coefficient is then left out only if it vanishes
         whatever they are.
-    law : Law
-        By default that of the paper.
+    law : Law, optional
+        By default that of the mission.
 
     Raises
     ------
     AssertionError
         If the graph is not the derived controller, compared in exact arithmetic.
     """
-    points = len(mission.target.points) if sensing == "points" else None
+    law, points = (
+        law or law_of(mission),
+        len(mission.target.points) if sensing == "points" else None,
+    )
     return _flight_law(law, tuple(_design_values(mission, law)), points, tunable)
 
 
@@ -339,7 +342,7 @@ def _scheme(chain: _Chain, numbers: Coefficients, seen: ca.SX) -> dict[str, ca.S
 
     q = seen
     if seen.shape[0] == 2:
-        q = chain.law.feature(camera.centroid(camera.spherical(seen)), seen.shape[1])
+        q = chain.law.feature.seen(camera.spherical(seen))
     goal = quadratic(chain.parts.goal_centroid, [f"goal_{a}" for a in AXES], rate, numbers)
     image_error = q - ca.vertcat(*goal)
     tilt = chain.gravity_direction - rigid_body.E3

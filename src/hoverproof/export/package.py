@@ -22,7 +22,7 @@ from hoverproof.export.targets import TARGETS, titles
 from hoverproof.files import write_text
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, law_of
 from hoverproof.version import __version__
 
 FILES = {
@@ -74,7 +74,7 @@ def write_package(
     tunable: bool = False,
     name: str | None = None,
     rotor_limits: tuple[Fraction, Fraction] | None = None,
-    law: Law = HAMEL_MAHONY,
+    law: Law | None = None,
 ) -> dict[str, Any]:
     """Write the package and return its manifest.
 
@@ -96,8 +96,8 @@ def write_package(
     rotor_limits : (low, high), optional
         Thrust of one rotor, N; by default as the mission's rotors have, else 0 to half the
         weight.
-    law : Law
-        What the firmware computes; by default the law of the paper.
+    law : Law, optional
+        What the firmware computes; by default the law of the mission.
 
     Raises
     ------
@@ -110,6 +110,7 @@ def write_package(
     options = Options.of(
         mission, precision=precision, sensing=sensing, tunable=tunable, rotor_limits=rotor_limits
     )
+    law = law or law_of(mission)
     if standing.certificate is not None:
         own = law == HAMEL_MAHONY
         checker.require(own, f"the certificate is about the paper's law, not about {law.name}")

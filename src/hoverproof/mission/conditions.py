@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, model_validator
 
-from hoverproof.mission.fields import Section, array, quantity, reject, shown
+from hoverproof.mission.fields import Section, array, one_of, quantity, reject, shown
 
 _ZERO = Fraction(0)
 _ZEROS = (_ZERO, _ZERO, _ZERO)
@@ -47,15 +47,6 @@ _BodyRates = Annotated[
     tuple[_BodyRate, _BodyRate, _BodyRate], BeforeValidator(array("p", "q", "r"))
 ]
 _Shares = Annotated[tuple[_Share, _Share, _Share], BeforeValidator(array("I1", "I2", "I3"))]
-
-
-def _one_of(*words: str) -> BeforeValidator:
-    def check(value: object) -> object:
-        if value not in words:
-            raise reject(f"must be {' or '.join(map(repr, words))}, not {shown(value)}")
-        return value
-
-    return BeforeValidator(check)
 
 
 class Sensors(Section):
@@ -97,7 +88,7 @@ class Sensors(Section):
     height: _PositivePixels | None = None
     pixel_noise: _Pixels = _ZERO
     pixel_resolution: _Pixels = _ZERO
-    out_of_view: Annotated[Literal["hold", "abort"], _one_of("hold", "abort")] = "hold"
+    out_of_view: Annotated[Literal["hold", "abort"], one_of("hold", "abort")] = "hold"
     gyro_noise: _BodyRate = _ZERO
     gyro_bias: _BodyRate = _ZERO
     velocity_noise: _Speed = _ZERO
@@ -205,7 +196,7 @@ class Scatter(Section):
         Roll, pitch and yaw of the camera in the body.
     """
 
-    distribution: Annotated[Literal["uniform", "normal"], _one_of("uniform", "normal")] = "uniform"
+    distribution: Annotated[Literal["uniform", "normal"], one_of("uniform", "normal")] = "uniform"
     position: _Lengths = _ZEROS
     velocity: _Speeds = _ZEROS
     rotation: _Angles = _ZEROS

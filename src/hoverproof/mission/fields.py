@@ -105,6 +105,22 @@ def array(*names: str, instead: str = "") -> Callable[[object], object]:
     return check
 
 
+def one_of(*words: str) -> BeforeValidator:
+    """Accept one of some words.
+
+    Parameters
+    ----------
+    *words : str
+    """
+
+    def check(value: object) -> object:
+        if value not in words:
+            raise reject(f"must be {' or '.join(map(repr, words))}, not {shown(value)}")
+        return value
+
+    return BeforeValidator(check)
+
+
 class Section(BaseModel):
     """A section of a mission file: frozen, and no key but those it names."""
 

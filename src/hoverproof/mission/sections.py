@@ -14,6 +14,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 from hoverproof.mission.conditions import ModelError, Rotors, Scatter, Sensors, Wind
 from hoverproof.mission.fields import Section as _Section
 from hoverproof.mission.fields import array as _array
+from hoverproof.mission.fields import one_of as _one_of
 from hoverproof.mission.fields import quantity as _quantity
 from hoverproof.mission.fields import reject as _reject
 from hoverproof.mission.fields import shown as _shown
@@ -78,6 +79,29 @@ class Target(_Section):
         if len(self.points) > 2 and on_one_line(self.points):
             raise _reject("all lie on one line; move at least one of them off it", key="points")
         return self
+
+
+class LawChoice(_Section):
+    """Which law flies: feature, goal and force; by default the paper's.
+
+    Attributes
+    ----------
+    feature : "centroid" or "scaled"
+        The image centroid q of the paper, or q scaled so that a small target keeps its height.
+    goal : "image" or "inertial"
+        Fixed in the image as in the paper, or to the vertical.
+    force : "modelled" or "measured"
+        That of the commanded thrust as in the paper, or that which an accelerometer measures.
+    """
+
+    feature: Annotated[Literal["centroid", "scaled"], _one_of("centroid", "scaled")] = "centroid"
+    goal: Annotated[Literal["image", "inertial"], _one_of("image", "inertial")] = "image"
+    force: Annotated[Literal["modelled", "measured"], _one_of("modelled", "measured")] = "modelled"
+
+    @property
+    def name(self) -> str:
+        """The three choices in a word."""
+        return f"{self.feature}/{self.goal}/{self.force}"
 
 
 class Goal(_Section):
@@ -192,6 +216,7 @@ class Mission(_Section):
     gains: Gains
     bounds: Bounds
     start: Start
+    law: LawChoice = LawChoice()
     sensors: Annotated[Sensors, Field(exclude=True)] = Sensors()
     rotors: Annotated[Rotors, Field(exclude=True)] = Rotors()
     wind: Annotated[Wind, Field(exclude=True)] = Wind()
@@ -232,6 +257,12 @@ class Mission(_Section):
                     f"q3 must be above 0 for a target below the camera, not {_shown(centroid[2])}",
                     key="goal.centroid",
                 )
+            if self.law.goal == "inertial" and any(centroid[:2]):
+                raise _reject(
+                    "must be [0, 0, q3] for law.goal = 'inertial', which is fixed to the vertical, "
+                    f"not [{', '.join(map(_shown, centroid))}]",
+                    key="goal.centroid",
+                )
         start = self.start.position
         if start[2] >= min(z for _, _, z in points):
             raise _reject(
@@ -252,7 +283,8 @@ class Mission(_Section):
 
         Sensors, rotors, wind, model_error and scatter are not in it: see `conditions`.
         """
-        text: dict[str, Any] = _as_text(self.model_dump(exclude_none=True))
+        left_out = {"law"} if self.law == LawChoice() else set()
+        text: dict[str, Any] = _as_text(self.model_dump(exclude_none=True, exclude=left_out))
         return text
 
     def conditions(self) -> dict[str, Any]:

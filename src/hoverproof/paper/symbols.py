@@ -10,8 +10,8 @@ from hoverproof.algebra.linear import lie_derivative
 from hoverproof.paper.notation import Formula, Number, Skew, SquaredNorm, Symbol, Unit, World
 from hoverproof.plant import rigid_body
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design, Measurement, measured_rate
-from hoverproof.servo.laws.hamel_mahony import errors
+from hoverproof.servo.law import Design, Measurement
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.lyapunov import lyapunov, symmetric_matrix, thrust_factor
 
 ONE = Unit()
@@ -86,14 +86,14 @@ def _world(z: Measurement, d: Design, *, alpha: ca.SX, thrust_rate: ca.SX, torqu
     """Return the value of every symbol along the motion with Ω̇ = alpha and Ṫ = thrust_rate."""
     lower = ca.SX.sym("Q", 6)
     depth = symmetric_matrix(lower)
-    flow = measured_rate(
+    flow = HAMEL_MAHONY.measured_rate(
         z,
         d,
         angular_acceleration=alpha,
         thrust_rate=thrust_rate,
         depth_flow=depth @ z.velocity,
     )
-    e = errors(z, d)
+    e = HAMEL_MAHONY.errors(z, d)
     delta = [e.d1, e.d2, e.d3, ca.vertcat(e.d4, 0)]
     energy = lyapunov(e, ca.SX.ones(4))
     square = ca.dot(e.d1, e.d1)

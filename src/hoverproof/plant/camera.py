@@ -70,6 +70,21 @@ def centroid(directions: ca.SX) -> ca.SX:
     return ca.sum2(directions)
 
 
+def spread(directions: ca.SX, centroid: ca.SX) -> ca.SX:
+    """Return n² - |q|² = n Σ|pᵢ - q/n|², (1, 1), without cancellation where the points are near.
+
+    Parameters
+    ----------
+    directions : SX
+        p, (3, n), unit vectors.
+    centroid : SX
+        q, (3, 1), their sum.
+    """
+    n = directions.shape[1]
+    apart = directions - ca.repmat(centroid / n, 1, n)
+    return n * ca.sumsqr(apart)
+
+
 def depth_matrix(points: ca.SX) -> ca.SX:
     """Return Q = Σ (I - pᵢpᵢᵀ)/rᵢ, (3, 3), 1/m (eq. 9).
 

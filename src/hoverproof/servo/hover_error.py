@@ -108,17 +108,23 @@ def rests_as_modelled(law: Law) -> bool:
     ----------
     law : Law
     """
-    return (law.errors, law.feature) == (HAMEL_MAHONY.errors, HAMEL_MAHONY.feature)
+    papers = HAMEL_MAHONY
+    return (law.feature, law.goal, law.force, law.chain) == (
+        papers.feature,
+        papers.goal,
+        papers.force,
+        papers.chain,
+    )
 
 
-def hover_error(mission: Mission, law: Law = HAMEL_MAHONY) -> HoverError:
+def hover_error(mission: Mission, law: Law | None = None) -> HoverError:
     """Return what an error of thrust or mass does to the hover of a mission.
 
     Parameters
     ----------
     mission : Mission
-    law : Law
-        One that `rests_as_modelled`.
+    law : Law, optional
+        One that `rests_as_modelled`; by default that of the mission.
 
     Raises
     ------

@@ -163,115 +163,210 @@ class WantedRates:
     yaw: ca.SX
 
 
-def itself(centroid: ca.SX, points: int) -> ca.SX:
-    """Return the image centroid: the feature of the paper.
+@dataclass(frozen=True)
+class Feature:
+    """What a law makes of the image.
 
-    Parameters
+    Attributes
     ----------
-    centroid : SX
-        q, (3, 1).
-    points : int
-        Number of target points.
+    name : str
+    of : callable
+        (q (3, 1), n² - |q|² (1, 1), number n of target points) ↦ what stands in place of q, (3, 1).
+        It turns with the camera as q does.
     """
-    return centroid
+
+    name: str
+    of: Callable[[ca.SX, ca.SX, int], ca.SX]
+
+    def seen(self, directions: ca.SX) -> ca.SX:
+        """Return the feature of an image, (3, 1), without cancellation for a small target.
+
+        Parameters
+        ----------
+        directions : SX
+            p, (3, n), unit vectors.
+        """
+        q = camera.centroid(directions)
+        return self.of(q, camera.spread(directions, q), directions.shape[1])
+
+    def at(self, centroid: ca.SX, points: int) -> ca.SX:
+        """Return the feature of a centroid, (3, 1).
+
+        Parameters
+        ----------
+        centroid : SX
+            q, (3, 1).
+        points : int
+            Number of target points.
+        """
+        return self.of(centroid, points**2 - ca.dot(centroid, centroid), points)
 
 
-def nothing_more(measured: Measurement, design: Design) -> Measurement:
-    """Return the measurement as it is: the paper's law measures nothing more.
+@dataclass(frozen=True)
+class Goal:
+    """Where the goal of a law is fixed.
 
-    Parameters
+    Attributes
     ----------
-    measured : Measurement
-    design : Design
+    name : str
+    error : callable
+        (Measurement, Design) ↦ δ1, (3, 1).
+    fixed : callable
+        Design ↦ the part of the wanted feature that turns with the image, (3, 1).
     """
-    return measured
+
+    name: str
+    error: Callable[[Any, Any], ca.SX]
+    fixed: Callable[[Any], ca.SX]
 
 
-def measured_rate(
-    measured: Measurement,
-    design: Design,
-    *,
-    angular_acceleration: ca.SX,
-    thrust_rate: ca.SX,
-    depth_flow: ca.SX,
-) -> ca.SX:
-    """Return the time derivative of a measurement's vector, (13, 1).
+@dataclass(frozen=True)
+class Force:
+    """How a law knows the force and the thrust.
 
-    The unknown depths act on what is measured through one vector only, the depth flow ``y = QV``;
-    keeping it as a symbol of its own is what shows that a controller does not use it.
-
-    Parameters
+    Attributes
     ----------
-    measured : Measurement
-    design : Design
-    angular_acceleration : SX
-        Ω̇, (3, 1), rad/s².
-    thrust_rate : SX
-        U, N/s.
-    depth_flow : SX
-        y = QV, (3, 1), 1/s.
+    name : str
+    force : callable
+        (Measurement, Design) ↦ F, (3, 1), body frame, N.
+    thrust : callable
+        (Measurement, Design) ↦ T, (1, 1), N.
+    measurement : type of Measurement
+        The layout of what it measures.
+    ideal : callable
+        (Measurement, Design) ↦ its own measurement: with what ideal sensors deliver besides.
+    rate : callable
+        (Measurement, Design, U in N/s) ↦ the time derivative of what it measures besides, (m, 1).
     """
-    d, z = design, measured
-    force = rigid_body.force(z.thrust, z.gravity_direction, d.mass, d.gravity)
-    return ca.vertcat(
-        camera.centroid_rate(z.centroid, z.rate, depth_flow),
-        rigid_body.acceleration(z.velocity, z.rate, force, d.mass),
-        rigid_body.gravity_direction_rate(z.gravity_direction, z.rate),
-        angular_acceleration,
-        thrust_rate,
-    )
+
+    name: str
+    force: Callable[[Any, Any], ca.SX]
+    thrust: Callable[[Any, Any], ca.SX]
+    measurement: type[Measurement]
+    ideal: Callable[[Measurement, Any], Measurement]
+    rate: Callable[[Any, Any, ca.SX], ca.SX]
 
 
 @dataclass(frozen=True, repr=False)
 class Law:
     """A control law as a value, from which everything is derived; hashable, so graphs are cached.
 
-    What a law chooses stands in its functions: what it makes of the image (`feature`), where its
-    goal is fixed and how it knows the force (`errors`, `lever`), what it asks for (`wanted_rates`).
-
     Attributes
     ----------
-    name : str
-    errors : callable
-        (Measurement, Design) ↦ `Errors`: δ1…δ4.
+    feature : Feature
+        What it makes of the image.
+    goal : Goal
+        Where its goal is fixed.
+    force : Force
+        How it knows the force.
+    chain : callable
+        (Design, image_error=, velocity=, force=, turn=) ↦ `Errors`: δ1…δ4, of SX (3, 1) in
+        1, m/s, N and N/s; the last is what body rates add to the rate of the force error, times c.
     wanted_rates : callable
         (Errors, Measurement, Design, y) ↦ `WantedRates`, y = QV, (3, 1), 1/s.
-    lever : callable
-        (thrust T in N, Design) ↦ D, (1, 1), N: how body rates turn the force error. The controller
-        divides by it, and may be flown where it is positive.
     turning : callable
         Design ↦ the factor of f(T) = turning/(m D), (1, 1), kg²/s², by which the error rates depend
         on the thrust.
     bandwidth : callable
         (mass, gains of the error chain) ↦ attitude bandwidth, rad/s: the damping of the loop of
         δ3 and δ4. Of exact numbers, floats or arrays.
-    measurement : type of Measurement
-        The layout of what it measures.
     design : type of Design
         The layout of what it is made of.
-    feature : callable
-        (q (3, 1), number of target points) ↦ what stands in place of q, (3, 1). It turns with the
-        camera as q does.
-    completed : callable
-        (Measurement, Design) ↦ its own measurement: with what ideal sensors deliver besides.
-    measured_rate : callable
-        As `measured_rate`, for its measurement.
     """
 
-    name: str
-    errors: Callable[[Any, Any], Errors]
+    feature: Feature
+    goal: Goal
+    force: Force
+    chain: Callable[..., Errors]
     wanted_rates: Callable[[Errors, Any, Any, ca.SX], WantedRates]
-    lever: Callable[[ca.SX, Any], ca.SX]
     turning: Callable[[Any], ca.SX]
     bandwidth: Callable[..., Any]
-    measurement: type[Measurement] = Measurement
     design: type[Design] = Design
-    feature: Callable[[ca.SX, int], ca.SX] = itself
-    completed: Callable[[Measurement, Any], Measurement] = nothing_more
-    measured_rate: Callable[..., ca.SX] = measured_rate
+
+    @property
+    def name(self) -> str:
+        """Its choices: feature, goal and force."""
+        return f"{self.feature.name}/{self.goal.name}/{self.force.name}"
 
     def __repr__(self) -> str:
         return f"Law({self.name!r})"
+
+    @property
+    def measurement(self) -> type[Measurement]:
+        """The layout of what it measures."""
+        return self.force.measurement
+
+    def errors(self, measured: Any, design: Any) -> Errors:
+        """Return δ1…δ4 of a measurement.
+
+        Parameters
+        ----------
+        measured : Measurement
+            In the law's own layout.
+        design : Design
+            Likewise.
+        """
+        thrust = self.force.thrust(measured, design)
+        lever = thrust * rigid_body.E3 - design.stiffness * self.goal.fixed(design)
+        return self.chain(
+            design,
+            image_error=self.goal.error(measured, design),
+            velocity=measured.velocity,
+            force=self.force.force(measured, design),
+            turn=rigid_body.skew(lever) @ measured.rate,
+        )
+
+    def lever(self, thrust: ca.SX, design: Any) -> ca.SX:
+        """Return D, (1, 1), N: how body rates turn the force error.
+
+        The controller divides by it, and may be flown where it is positive.
+
+        Parameters
+        ----------
+        thrust : SX
+            T, (1, 1), N.
+        design : Design
+        """
+        lever: ca.SX = thrust - design.stiffness * self.goal.fixed(design)[2]
+        return lever
+
+    def measured_rate(
+        self,
+        measured: Any,
+        design: Any,
+        *,
+        angular_acceleration: ca.SX,
+        thrust_rate: ca.SX,
+        depth_flow: ca.SX,
+    ) -> ca.SX:
+        """Return the time derivative of a measurement's vector, (k, 1).
+
+        The unknown depths act on what is measured through one vector only, the depth flow
+        ``y = QV`` (or JV, of another feature than q); keeping it as a symbol of its own is what
+        shows that a controller does not use it.
+
+        Parameters
+        ----------
+        measured : Measurement
+            In the law's own layout, k numbers.
+        design : Design
+            Likewise.
+        angular_acceleration : SX
+            Ω̇, (3, 1), rad/s².
+        thrust_rate : SX
+            U, N/s.
+        depth_flow : SX
+            y, (3, 1), 1/s.
+        """
+        d, z = design, measured
+        return ca.vertcat(
+            camera.centroid_rate(z.centroid, z.rate, depth_flow),
+            rigid_body.acceleration(z.velocity, z.rate, self.force.force(z, d), d.mass),
+            rigid_body.gravity_direction_rate(z.gravity_direction, z.rate),
+            angular_acceleration,
+            thrust_rate,
+            self.force.rate(z, d, thrust_rate),
+        )
 
     def goal_feature(self, mission: Mission) -> list[Fraction]:
         """Return what stands in place of q* in the design, (3,): exact if it is q* itself.
@@ -285,8 +380,10 @@ class Law:
         InputError
             If no hover sees the goal of the mission.
         """
-        q = hover_goal(mission).centroid_midpoint
-        if self.feature is itself:
+        q, n = hover_goal(mission).centroid_midpoint, len(mission.target.points)
+        symbol = ca.SX.sym("q", 3)
+        seen = self.feature.at(symbol, n)
+        if ca.is_equal(seen, symbol):
             return q
-        seen = self.feature(ca.SX([float(c) for c in q]), len(mission.target.points))
-        return [Fraction(float(c)) for c in ca.vertsplit(ca.evalf(seen))]
+        value = ca.Function("feature", [symbol], [seen])([float(c) for c in q])
+        return [Fraction(float(c)) for c in ca.vertsplit(value)]

@@ -22,7 +22,7 @@ from hoverproof.plant.goal import hover_goal, level_view
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, rotation_matrix, state_rate
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Design, Law, Measurement
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, law_of
 from hoverproof.servo.lyapunov import linearised_loop, lyapunov, thrust_factor
 
 Array = NDArray[np.float64]
@@ -65,15 +65,15 @@ def sense(
     """
     seen = camera.body_points(points, state.position, state.rotation)
     image = camera.pinhole(seen)
-    centroid = camera.centroid(camera.directions(seen) if all_round else camera.spherical(image))
+    directions = camera.directions(seen) if all_round else camera.spherical(image)
     measured = Measurement(
-        centroid=law.feature(centroid, points.shape[1]),
+        centroid=law.feature.seen(directions),
         velocity=state.velocity,
         gravity_direction=state.gravity_direction,
         rate=state.rate,
         thrust=state.thrust,
     )
-    return law.completed(measured, design), image, seen[2, :]
+    return law.force.ideal(measured, design), image, seen[2, :]
 
 
 def command(measured: Measurement, design: Design, law: Law = HAMEL_MAHONY) -> tuple[ca.SX, ca.SX]:
@@ -194,7 +194,7 @@ def readout_function(n: int, law: Law = HAMEL_MAHONY) -> ca.Function:
 def _feature_slope(n: int, law: Law) -> ca.Function:
     """Return q ↦ the slope of the feature of n points, (3,) to (3, 3)."""
     q = ca.SX.sym("q", 3)
-    return ca.Function("feature_slope", [q], [ca.densify(ca.jacobian(law.feature(q, n), q))])
+    return ca.Function("feature_slope", [q], [ca.densify(ca.jacobian(law.feature.at(q, n), q))])
 
 
 @kept_graph
@@ -226,23 +226,24 @@ class LoopNumbers:
     points: Array
     goal: Array
     start: Array
-    law: Law = HAMEL_MAHONY
+    law: Law
 
     @classmethod
-    def of(cls, mission: Mission, law: Law = HAMEL_MAHONY) -> LoopNumbers:
+    def of(cls, mission: Mission, law: Law | None = None) -> LoopNumbers:
         """Round the numbers of a mission.
 
         Parameters
         ----------
         mission : Mission
-        law : Law
+        law : Law, optional
+            By default that of the mission.
 
         Raises
         ------
         InputError
             If no level hover sees the goal of the mission.
         """
-        goal = hover_goal(mission)
+        goal, law = hover_goal(mission), law or law_of(mission)
         start = mission.start
         state = [
             *start.position,
@@ -332,7 +333,7 @@ def slowest_rates(mission: Mission, gains: tuple[Array, ...]) -> Array:
     return _slowest_rates(numbers, numbers.designs(gains))
 
 
-def slowest_rate(mission: Mission, law: Law = HAMEL_MAHONY) -> float:
+def slowest_rate(mission: Mission, law: Law | None = None) -> float:
     """Return the decay rate of the slowest motion with a mission's own gains, 1/s.
 
     Negative if some motion grows.

@@ -18,7 +18,6 @@ from hoverproof.mission.sections import CONDITIONS, Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.plant.rotors import wrench
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.layout import place
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import kernel
@@ -51,7 +50,7 @@ def simulate(
     every: int | None = None,
     seed: int = 0,
     compiler: str | None = None,
-    law: Law = HAMEL_MAHONY,
+    law: Law | None = None,
 ) -> xr.Dataset:
     """Fly a mission from its start.
 
@@ -70,8 +69,8 @@ def simulate(
         ``[scatter]`` is for runs.
     compiler : str, optional
         Command of the C compiler (see `hoverproof.simulation.compiled.runner`).
-    law : Law
-        What flies it; by default the law of the paper.
+    law : Law, optional
+        What flies it; by default the law of the mission.
 
     Returns
     -------
@@ -94,7 +93,7 @@ def flown(
     *,
     seed: int = 0,
     compiler: str | None = None,
-    law: Law = HAMEL_MAHONY,
+    law: Law | None = None,
 ) -> Record:
     """Fly a mission from its start: `simulate`, without the time that it takes to import xarray.
 
@@ -105,8 +104,8 @@ def flown(
     timing : Timing
     seed : int
         A bare number.
-    law : Law
-        What flies it; by default the law of the paper.
+    law : Law, optional
+        What flies it; by default the law of the mission.
     """
     check_seed(seed)
     steps = timing.steps(mission, SAMPLES, sample_bytes(mission), law)
@@ -115,7 +114,7 @@ def flown(
         plan = Plan(mission, step, steps.samples, every, seed, scattered=False, law=law)
         return _fly_as_built(plan, compiler, finer)
     numbers = LoopNumbers.of(mission, law)
-    machine = runner(numbers.target_size, law, compiler=compiler)
+    machine = runner(numbers.target_size, numbers.law, compiler=compiler)
     check_patience(steps.count, step, machine.name)
     begin = time.perf_counter()
     states, good = _run(machine, numbers, step, steps.samples, every)
@@ -192,7 +191,7 @@ def summary(flight: xr.Dataset | Record) -> dict[str, Any]:
 
 
 def without_conditions(
-    mission: Mission, flight: xr.Dataset | Record, law: Law = HAMEL_MAHONY
+    mission: Mission, flight: xr.Dataset | Record, law: Law | None = None
 ) -> dict[str, Any]:
     """Return how far a flight is from the same one without sensors, rotors, wind and errors.
 
@@ -201,7 +200,7 @@ def without_conditions(
     mission : Mission
     flight : Dataset or Record
         Its flight, from `simulate` or `flown`.
-    law : Law
+    law : Law, optional
         What flew it.
 
     Returns

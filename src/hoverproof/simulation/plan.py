@@ -17,7 +17,6 @@ from hoverproof.algebra.graph import fingerprint
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import kernel
 from hoverproof.simulation.realistic import REALISTIC_RECORD, Features, realistic_loop
@@ -103,7 +102,8 @@ class Plan:
         Whether starts and vehicles are drawn from ``[scatter]``.
     version : str
         Of hoverproof, which must be the same wherever a part is flown.
-    law : Law
+    law : Law, optional
+        By default that of the mission.
     """
 
     mission: Mission
@@ -113,7 +113,7 @@ class Plan:
     seed: int = 0
     scattered: bool = True
     version: str = __version__
-    law: Law = HAMEL_MAHONY
+    law: Law | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Travel without what is derived."""
@@ -139,7 +139,7 @@ class Plan:
         """What is compiled."""
         n = self.numbers.target_size
         if self.ideal:
-            return kernel.ideal_loop(n, self.law)
+            return kernel.ideal_loop(n, self.numbers.law)
         s, w = self.mission.sensors, self.mission.wind
         features = Features(
             camera_noise=bool(s.pixel_noise),
@@ -148,7 +148,7 @@ class Plan:
             gusts=bool(w.gust),
             abort=s.out_of_view == "abort",
         )
-        return realistic_loop(n, features, self.law)
+        return realistic_loop(n, features, self.numbers.law)
 
     @cached_property
     def model_sha256(self) -> str:

@@ -259,7 +259,7 @@ def look(
     image = image + around.image_noise * ca.reshape(noise, 2, points.shape[1])
     if rounded:
         image = ca.floor(image / around.image_resolution + 0.5) * around.image_resolution
-    return law.feature(camera.centroid(camera.spherical(image)), points.shape[1]), margin
+    return law.feature.seen(camera.spherical(image)), margin
 
 
 def decide(
@@ -289,7 +289,7 @@ def decide(
         rate=body.rate + around.gyro_bias + around.gyro_noise * noise[0:3],
         thrust=memory["command"],
     )
-    thrust_rate, torque = command(law.completed(measured, design), design, law)
+    thrust_rate, torque = command(law.force.ideal(measured, design), design, law)
     low, high = around.rotor_min, around.rotor_max
     thrust = measured.thrust + around.period * thrust_rate
     thrust = ca.fmin(ca.fmax(thrust, 4 * low), 4 * high)

@@ -19,7 +19,6 @@ from hoverproof.errors import InputError
 from hoverproof.files import locked
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.simulation import kernel
 from hoverproof.simulation.block import fly_block
 from hoverproof.simulation.flight_log import OUTCOMES
@@ -75,7 +74,7 @@ def simulate_batch(
     scheduler: str | None = None,
     resume: bool = False,
     progress: Callable[[int, int], None] | None = None,
-    law: Law = HAMEL_MAHONY,
+    law: Law | None = None,
 ) -> Flown:
     """Fly a mission many times, drawn from its ``[scatter]``, into a netCDF-4 file.
 
@@ -106,8 +105,8 @@ def simulate_batch(
         Go on with a file that was cut short.
     progress : callable, optional
         Told (runs complete, steps of a run) now and then.
-    law : Law
-        What flies it; by default the law of the paper.
+    law : Law, optional
+        What flies it; by default the law of the mission.
 
     Raises
     ------

@@ -13,7 +13,6 @@ from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, slowest_rate
 from hoverproof.simulation.compiled import VIRTUAL_MACHINE
 from hoverproof.simulation.step import guards
@@ -31,7 +30,7 @@ MAX_SLOW_STEPS = 10**6
 MAX_BYTES = 2 * 10**9
 
 
-def flight_step(mission: Mission, step: float | None, law: Law = HAMEL_MAHONY) -> float:
+def flight_step(mission: Mission, step: float | None, law: Law | None = None) -> float:
     """Return the step to fly a mission with, s.
 
     By default it is 0.01 s. It is shorter for a loop whose fastest motion takes less time than
@@ -42,7 +41,8 @@ def flight_step(mission: Mission, step: float | None, law: Law = HAMEL_MAHONY) -
     mission : Mission
     step : float, optional
         A wish, s.
-    law : Law
+    law : Law, optional
+        By default that of the mission.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def _default_step(mission: Mission, fastest: float) -> float:
     return max(s for s in steps if s <= longest)
 
 
-def fastest_rate(mission: Mission, law: Law = HAMEL_MAHONY) -> float:
+def fastest_rate(mission: Mission, law: Law | None = None) -> float:
     """Return the rate of the fastest motion of the linearised loop, at the start or the goal, 1/s.
 
     Zero where the loop cannot be linearised, as without thrust above the singularity.
@@ -89,10 +89,11 @@ def fastest_rate(mission: Mission, law: Law = HAMEL_MAHONY) -> float:
     Parameters
     ----------
     mission : Mission
-    law : Law
+    law : Law, optional
+        By default that of the mission.
     """
     numbers = LoopNumbers.of(mission, law)
-    linearise, rates = _linearised(numbers.target_size, law), [0.0]
+    linearise, rates = _linearised(numbers.target_size, numbers.law), [0.0]
     for state in (numbers.hover, numbers.start):
         slope, margins = (np.array(m) for m in linearise(state, numbers.design, numbers.points))
         if (margins > 0).all() and np.isfinite(slope).all():
@@ -153,7 +154,7 @@ class Timing:
     every: int | None = None
 
     def steps(
-        self, mission: Mission, samples: int, sample_bytes: int, law: Law = HAMEL_MAHONY
+        self, mission: Mission, samples: int, sample_bytes: int, law: Law | None = None
     ) -> Steps:
         """Return the steps of a flight.
 
@@ -164,7 +165,8 @@ class Timing:
             Number of those that are to be kept, about, if `every` is not given.
         sample_bytes : int
             Number of bytes that each takes in memory.
-        law : Law
+        law : Law, optional
+        By default that of the mission.
 
         Raises
         ------
@@ -238,13 +240,14 @@ def _bytes(size: float) -> str:
     return f"{size / 1e6:.3g} MB" if size < 1e9 else f"{size / 1e9:.3g} GB"
 
 
-def default_duration(mission: Mission, law: Law = HAMEL_MAHONY) -> float:
+def default_duration(mission: Mission, law: Law | None = None) -> float:
     """Return seven time constants of the slowest motion near the goal, s, to two digits.
 
     Parameters
     ----------
     mission : Mission
-    law : Law
+    law : Law, optional
+        By default that of the mission.
 
     Raises
     ------

@@ -13,8 +13,8 @@ import casadi as ca
 from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant.rigid_body import E3
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design, Errors, Measurement, measured_rate
-from hoverproof.servo.laws.hamel_mahony import errors
+from hoverproof.servo.law import Design, Errors, Measurement
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.lyapunov import (
     ERROR_SIZE,
     at_origin,
@@ -79,14 +79,14 @@ def axial_loop() -> AxialLoop:
     z, d = law.measured, law.design
     lower = ca.SX.sym("Q", 6)
     Q = symmetric_matrix(lower)
-    rate = measured_rate(
+    rate = HAMEL_MAHONY.measured_rate(
         z,
         d,
         angular_acceleration=law.angular_acceleration,
         thrust_rate=law.thrust_rate,
         depth_flow=Q @ z.velocity,
     )
-    e = errors(z, d)
+    e = HAMEL_MAHONY.errors(z, d)
     axial = [ca.substitute(part, d.goal_centroid[:2], ca.SX.zeros(2)) for part in vars(e).values()]
     f = ca.substitute(thrust_factor(z.thrust, d), d.goal_centroid[:2], ca.SX.zeros(2))
     return AxialLoop(z, d, lower, Q, Errors(*axial), f, z.vector(), rate)

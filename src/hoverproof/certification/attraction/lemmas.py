@@ -22,7 +22,7 @@ from hoverproof.certification.attraction.form import (
 )
 from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.rigid_body import E3
-from hoverproof.servo.laws.hamel_mahony import errors
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.lyapunov import thrust_factor
 
 P = ca.diag(ca.SX([1, 1, 0]))
@@ -356,7 +356,7 @@ def _hover() -> dict[str, bool]:
     d, z = loop.design, loop.measured
     still = ca.vertcat(z.velocity, z.gravity_direction, z.rate[:2], z.thrust)
     level = ca.vertcat(ca.SX.zeros(3), E3, ca.SX.zeros(2), d.mass * d.gravity)
-    e = errors(z, d)
+    e = HAMEL_MAHONY.errors(z, d)
     at = ca.substitute(e.vector(), still, level)
     d1 = loop.axial(z.centroid - d.goal_centroid)
     return {

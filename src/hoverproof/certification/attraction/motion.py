@@ -12,7 +12,7 @@ from hoverproof.certification.attraction.form import half_squares
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.plant.camera import body_points
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
-from hoverproof.servo.laws.hamel_mahony import errors
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers, parameters, sense
 
 Array = NDArray[np.float64]
@@ -34,7 +34,7 @@ def energy_function(n: int) -> ca.Function:
     distance = ca.sqrt(ca.sum1(rays * rays))
     at_goal = ca.sqrt(ca.sum1((points - ca.repmat(goal, 1, n)) ** 2))
     measured, _, _ = sense(body, points, all_round=True)  # a region holds leaning vehicles too
-    e = errors(measured, d)
+    e = HAMEL_MAHONY.errors(measured, d)
     q3 = d.goal_centroid[2]
     W = ca.sum2(distance - at_goal) + q3 * (body.position[2] - goal[2])
     energy = W + half_squares(a, e)

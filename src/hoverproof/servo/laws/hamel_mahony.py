@@ -1,14 +1,23 @@
-"""The law of the paper: centroid, goal fixed in the image, modelled force (eqs. 10-31)."""
+"""The law of the paper (eqs. 10-31), and its kin with another feature, goal or force."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
 
-from hoverproof.plant import rigid_body
-from hoverproof.plant.rigid_body import E3, skew
+from hoverproof.mission.sections import Mission
+from hoverproof.plant.rigid_body import skew
 from hoverproof.servo.law import Design, Errors, Law, Measurement, WantedRates
+from hoverproof.servo.laws.choices import (
+    CENTROID,
+    IMAGE,
+    INERTIAL,
+    MEASURED,
+    MODELLED,
+    SCALED,
+)
 
 
 def horizontal(a: ca.SX) -> ca.SX:
@@ -20,48 +29,6 @@ def horizontal(a: ca.SX) -> ca.SX:
         (3, 1).
     """
     return a[:2]
-
-
-def horizontal_lever(thrust: ca.SX, design: Design) -> ca.SX:
-    """Return sk(T e₃ - c q*), (3, 3), N: how body rates turn the force error.
-
-    Parameters
-    ----------
-    thrust : SX
-        T, (1, 1), N.
-    design : Design
-    """
-    return skew(thrust * E3 - design.stiffness * design.goal_centroid)
-
-
-def lever(thrust: ca.SX, design: Design) -> ca.SX:
-    """Return D = T - c q3*, (1, 1), N: at zero the controller is singular.
-
-    Parameters
-    ----------
-    thrust : SX
-        T, (1, 1), N.
-    design : Design
-    """
-    return thrust - design.singular_thrust
-
-
-def errors(measured: Measurement, design: Design) -> Errors:
-    """Return δ1…δ4 of a measurement (eqs. 10, 17, 18, 25).
-
-    Parameters
-    ----------
-    measured : Measurement
-    design : Design
-    """
-    d, z = design, measured
-    return chain(
-        d,
-        image_error=z.centroid - d.goal_centroid,
-        velocity=z.velocity,
-        force=rigid_body.force(z.thrust, z.gravity_direction, d.mass, d.gravity),
-        turn=horizontal_lever(z.thrust, d) @ z.rate,
-    )
 
 
 def chain(
@@ -140,10 +107,33 @@ def bandwidth(mass: Any, k1: Any, k2: Any, k3: Any, k4: Any) -> Any:
 
 
 HAMEL_MAHONY = Law(
-    name="hamel-mahony",
-    errors=errors,
+    feature=CENTROID,
+    goal=IMAGE,
+    force=MODELLED,
+    chain=chain,
     wanted_rates=wanted_rates,
-    lever=lever,
     turning=turning,
     bandwidth=bandwidth,
 )
+"""The law of the paper."""
+
+LAWS = {
+    (feature.name, goal.name, force.name): replace(
+        HAMEL_MAHONY, feature=feature, goal=goal, force=force
+    )
+    for feature in (CENTROID, SCALED)
+    for goal in (IMAGE, INERTIAL)
+    for force in (MODELLED, MEASURED)
+}
+"""The eight laws of this error chain by their choices; the paper's is one of them."""
+
+
+def law_of(mission: Mission) -> Law:
+    """Return the law that a mission names.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    chosen = mission.law
+    return LAWS[chosen.feature, chosen.goal, chosen.force]
