@@ -31,6 +31,7 @@ from typing import Any, NamedTuple
 Row = Sequence[Fraction]
 Matrix = list[list[Fraction]]
 Interval = tuple[Fraction, Fraction]
+ZERO = Fraction(0)
 Cell = list[tuple[int, int]]  # a box, its ends whole numbers of a unit of length
 
 # What a file may ask for, so that any file is answered within seconds.
@@ -259,15 +260,30 @@ GAINS = ("k1", "k2", "k3", "k4", "k_yaw")
 SECTIONS = ("name", "vehicle", "target", "goal", "gains", "bounds", "start")
 
 
+class Law(NamedTuple):
+    """The choices of a law; the paper's is by default."""
+
+    feature: str = "centroid"  # q, or "scaled": s = q √(n (n + a)/(2 (n² - a²)))/a, a = |q|
+    goal: str = "image"  # δ1 = q - q*, or "inertial": δ1 = q - q3* ρ
+    force: str = "modelled"  # F = -T e3 + m g ρ, or "measured", which is the same in the model
+
+    @property
+    def scaled(self) -> bool:
+        """Whether J = (∂s/∂q) Q stands in place of Q."""
+        return self.feature == "scaled"
+
+
 class Setting(NamedTuple):
-    """What a mission says of vehicle, target and goal; q* is enclosed."""
+    """What a mission says of vehicle, law, target and goal; q* is enclosed."""
 
     name: str
+    law: Law
     m: Fraction  # mass, kg
     gravity: Fraction  # m/s²
     g: dict[str, Fraction]  # k1 kg m/s, k2 1/m, k3 and k4 kg/s
     points: Matrix  # target, world frame, m
     centroid: list[Interval]  # q*
+    fixed: list[Interval]  # what turns with the image of q*, or of s*: all of it, or nothing
     goal: list[Fraction] | None  # position, m; None where q* is given
 
     @property
@@ -292,7 +308,9 @@ class Setting(NamedTuple):
 
 def read_setting(c: Any) -> Setting:
     """Return the numbers of vehicle, gains, target and goal."""
-    mission = keys(c["mission"], SECTIONS, "mission")
+    mission = c["mission"]
+    named = isinstance(mission, dict) and "law" in mission
+    keys(mission, (*SECTIONS, "law") if named else SECTIONS, "mission")
     require(matches(mission["name"], r"[\w.-]{1,64}"), "the mission has no proper name")
     require(c["mission_sha256"] == digest(mission), "the mission is not the one that was hashed")
     plain: dict[str, tuple[int, ...]] = dict.fromkeys(("mass", "arm", "drag_ratio", "gravity"), ())
@@ -319,9 +337,22 @@ def read_setting(c: Any) -> Setting:
         require(c["goal_position"] is None, "a goal by centroid has no position here")
         require(q[2] > 0 and sum(x * x for x in q) < len(points) ** 2, "no hover sees this q*")
         position, centroid = None, [(x, x) for x in q]
-    return Setting(
-        mission["name"], vehicle["mass"], vehicle["gravity"], g, points, centroid, position
-    )
+    law = Law(**keys(mission["law"], Law._fields, "law")) if named else Law()
+    known = (("centroid", "scaled"), ("image", "inertial"), ("modelled", "measured"))
+    require(all(map(operator.contains, known, law)), "there is no such law")
+    fixed = scaled(centroid, len(points)) if law.scaled else centroid
+    if law.goal == "inertial":
+        vertical = all(max(map(abs, ends)) < Fraction(1, 10**9) for ends in centroid[:2])
+        require(vertical, "a goal fixed to the vertical is straight below")
+        fixed = [(Fraction(0), Fraction(0))] * 3
+    weights = vehicle["mass"], vehicle["gravity"]
+    return Setting(mission["name"], law, *weights, g, points, centroid, fixed, position)
+
+
+def of_the_paper(s: Setting) -> Setting:
+    """Return a setting whose law is the paper's."""
+    require(s.law == Law(), "this is shown for the law of the paper alone")
+    return s
 
 
 def read_bounds(bounds: Any) -> None:
@@ -340,7 +371,8 @@ def read_bounds(bounds: Any) -> None:
 # --- the model ----------------------------------------------------------------------------------
 #
 # Errors X = (δ1, δ2, δ3, δ4) ∈ R¹¹, Ω3 = 0, v = δ1 + δ2, P drops the third component,
-# A = q3* I - e3 q*ᵀ, f = f(T), the terms in Ω left out:
+# A = q3* I - e3 q*ᵀ, f = f(T), the terms in Ω left out. With the scaled centroid, J = (∂s/∂q) Q is
+# in place of Q and s* in place of q*; of a goal that is inertial, zero is in place of q* here.
 #
 #     m δ1' = -k1 Q v + k1 f A(δ4 - δ3)
 #     m δ2' =  k1 Q v - k1 k2 δ2 + k1 k2 δ3 - k1 f A(δ4 - δ3)
@@ -367,8 +399,22 @@ def centroid_seen(points: Matrix, position: Row) -> list[Interval]:
     return box
 
 
+def scaled(q: list[Interval], n: int) -> list[Interval]:
+    """Enclose s = q √(n (n + a)/(2 (n² - a²)))/a, a = |q|, for q in a box that is not at zero."""
+    squares = [[max(a, -b, Fraction(0)) ** 2, max(-a, b) ** 2] for a, b in q]
+    low, high = map(total, zip(*squares, strict=True))
+    require(low > 0 and high < n**2, "no hover sees this centroid")
+    a = square_root(low)[0], square_root(high)[1]
+    factors = [
+        n * (n + x) / (2 * (n**2 - square)) for x, square in zip(a, (low, high), strict=True)
+    ]
+    stretch = square_root(factors[0])[0] / a[1], square_root(factors[1])[1] / a[0]
+    products = [[x * y for x in ends for y in stretch] for ends in q]
+    return [outward(min(each), max(each)) for each in products]
+
+
 def factor(s: Setting, thrust: Fraction, q3: Fraction) -> Fraction:
-    """Return f(T) = k1 k2 (k1 k2 + k3)/(m (T - c q3*)), c = k1² k2/m."""
+    """Return f(T) = k1 k2 (k1 k2 + k3)/(m (T - c q3)), c = k1² k2/m, q3 of what is fixed."""
     (k1, k2, k3, _), distance = s.gains, thrust - s.stiffness * q3
     require(distance > 0, "the thrust interval reaches the singularity T = c q3*")
     return k1 * k2 * (k1 * k2 + k3) / (s.m * distance)
@@ -521,11 +567,184 @@ def smallest_above(ball: Ball3, low: Fraction) -> bool:
     return False
 
 
-# --- eigenvalues of Q over a box ----------------------------------------------------------------
+# --- the slope of the scaled centroid ------------------------------------------------------------
+#
+# With C any point, r0 = |C - ξ|, p0 = (C - ξ)/r0, t = 1/r0, ei = Pi - C, di = 2 ei·p0 + t|ei|²,
+# κi = r0/ri = 1/√(1 + t di), λi = -di κi/(1 + 1/κi), the unit vectors are pi = p0 + t wi with
+# wi = λi p0 + κi ei, and (I - pi piᵀ)/ri - (I - p0 p0ᵀ)/r0 = t² Di,
+# Di = λi I - κi (wi piᵀ + p0 wiᵀ) - λi p0 p0ᵀ. Nothing cancels in them. With w̄ their mean,
+# ui = wi - w̄, S = n Σ|ui|² = (n² - a²)/t², a = |q|, q̂ = q/a and N = Σ κi (I - pi piᵀ) = r0 Q,
+#
+#     J = √(n (n + a)/(2 S)) (N/a + q̂ hᵀ),
+#     hᵀ = (1/(2 (n + a)) - 1/a) q̂ᵀN - n Σ uiᵀDi / S.
+#
+# Over a cell each of these is enclosed by a number, a slope and a rest.
+
+BITS = 192  # numbers are multiples of 2^-BITS
+ONE_OF_THEM = 1 << BITS
+
+
+class Tangent(NamedTuple):
+    """What is within `rest` of mid + slope·x for x in [-1, 1]³, the place in a cell."""
+
+    mid: int
+    slope: tuple[int, int, int]
+    rest: int
+
+    @classmethod
+    def constant(cls, c: Fraction) -> "Tangent":
+        """Enclose a number."""
+        return cls(math.floor(c * ONE_OF_THEM), (0, 0, 0), 1)
+
+    def spread(self) -> int:
+        """Bound how far it is from mid."""
+        a, b, c = self.slope
+        return abs(a) + abs(b) + abs(c) + self.rest
+
+    def __add__(self, other: "Tangent") -> "Tangent":  # type: ignore[override]
+        (a, b, c), (x, y, z) = self.slope, other.slope
+        return Tangent(self.mid + other.mid, (a + x, b + y, c + z), self.rest + other.rest)
+
+    def __sub__(self, other: "Tangent") -> "Tangent":
+        (a, b, c), (x, y, z) = self.slope, other.slope
+        return Tangent(self.mid - other.mid, (a - x, b - y, c - z), self.rest + other.rest)
+
+    def __mul__(self, other: "Tangent") -> "Tangent":  # type: ignore[override]
+        (a, b, c), (x, y, z), m, k = self.slope, other.slope, self.mid, other.mid
+        slope = (m * x + k * a) >> BITS, (m * y + k * b) >> BITS, (m * z + k * c) >> BITS
+        rest = abs(m) * other.rest + abs(k) * self.rest + self.spread() * other.spread()
+        return Tangent(m * k >> BITS, slope, (rest >> BITS) + 5)
+
+    def times(self, n: int, d: int = 1) -> "Tangent":
+        """Return it times n/d."""
+        a, b, c = self.slope
+        slope = a * n // d, b * n // d, c * n // d
+        return Tangent(self.mid * n // d, slope, self.rest * abs(n) // d + 5)
+
+    def bent(self, value: int, slope: int, least: int, bend: int) -> "Tangent":
+        """Return a function of it: its value and slope at mid, from which it bends away.
+
+        The function less its tangent line is between `least` and least + bend.
+        """
+        a, b, c = ((slope * x) >> BITS for x in self.slope)
+        rest = (abs(slope) * self.rest >> BITS) + bend // 2 + 8
+        return Tangent(value + least + bend // 2, (a, b, c), rest)
+
+    def inverse(self) -> "Tangent":
+        """Return 1/x of x > 0, which is above its tangent line by at most d²/(m² (m - d))."""
+        m, d = self.mid, self.spread()
+        require(m > d, "a number is not shown to be positive")
+        value = (ONE_OF_THEM**2) // m
+        bend = d * d * ONE_OF_THEM**2 // (m * m * (m - d)) + 1
+        return self.bent(value, -(value * value >> BITS), 0, bend)
+
+    def root(self) -> "Tangent":
+        """Return √x of x > 0, below its tangent line by at most d²/(2√m (√m + √(m - d))²)."""
+        m, d = self.mid, self.spread()
+        require(m > d, "a number is not shown to be positive")
+        value, low = math.isqrt(m << BITS), math.isqrt((m - d) << BITS)
+        bend = d * d * ONE_OF_THEM // (2 * value * (value + low) ** 2 >> BITS) + 1
+        return self.bent(value, ONE_OF_THEM**2 // (2 * value), -bend, bend)
+
+
+Three = list[Tangent]
+NOTHING = Tangent(0, (0, 0, 0), 0)
+
+
+def along(x: Iterable[Tangent], y: Iterable[Tangent]) -> Tangent:
+    """Return xᵀy."""
+    return add_up(a * b for a, b in zip(x, y, strict=True))
+
+
+def add_up(values: Iterable[Tangent]) -> Tangent:
+    """Return a sum."""
+    return sum(values, NOTHING)
+
+
+def place_in(grid: Grid, cell: Cell) -> Three:
+    """Return the positions of a cell."""
+    xi = []
+    for k, (a, b) in enumerate(cell):
+        half = (b - a) * ONE_OF_THEM // (2 * grid.unit)
+        slope = (half * (k == 0), half * (k == 1), half * (k == 2))
+        xi.append(Tangent((a + b) * ONE_OF_THEM // (2 * grid.unit), slope, 2))
+    return xi
+
+
+def slope_of_scaled(points: Matrix, grid: Grid, cell: Cell) -> list[Three] | None:
+    """Enclose J over a cell, (3, 3); None if the target is too near."""
+    try:
+        return scaled_slope(points, place_in(grid, cell))
+    except Rejected:  # a number is not shown to be positive
+        return None
+
+
+def scaled_slope(points: Matrix, xi: Three) -> list[Three]:
+    """Enclose J at the positions of a cell, (3, 3), 1/m."""
+    n, one, axes = len(points), Tangent.constant(Fraction(1)), range(3)
+    C = [total(side) / n for side in zip(*points, strict=True)]
+    ray = [Tangent.constant(c) - x for c, x in zip(C, xi, strict=True)]
+    t = along(ray, ray).root().inverse()
+    p0 = [x * t for x in ray]
+    rays = []
+    for point in points:
+        e = [Tangent.constant(x - c) for x, c in zip(point, C, strict=True)]
+        d = along(e, p0).times(2) + along(e, e) * t
+        far = (one + t * d).root()  # ri/r0
+        near = far.inverse()
+        bend = NOTHING - d * near * (one + far).inverse()
+        w = [bend * p0[k] + near * e[k] for k in axes]
+        rays.append((w, [p0[k] + t * w[k] for k in axes], near, bend))
+    mean = [add_up(w[k] for w, *_ in rays).times(1, n) for k in axes]
+    apart = [[w[k] - mean[k] for k in axes] for w, *_ in rays]
+    S = add_up(along(u, u) for u in apart).times(n)
+    a = (Tangent.constant(Fraction(n * n)) - t * t * S).root()
+    whole, short, less = a + Tangent.constant(Fraction(n)), a.inverse(), S.inverse()
+    q = [(p0[k] + t * mean[k]).times(n) * short for k in axes]
+    N = [[NOTHING] * 3 for _ in axes]
+    falling = [NOTHING] * 3  # Σ uiᵀDi
+    for u, (w, p, near, bend) in zip(apart, rays, strict=True):
+        up, uw = along(u, p0), along(u, w) * near
+        for i in axes:
+            falling[i] += bend * (u[i] - up * p0[i]) - uw * p[i] - up * near * w[i]
+            for j in axes:
+                N[i][j] += (near if i == j else NOTHING) - near * p[i] * p[j]
+    seen = [along(q, column) for column in zip(*N, strict=True)]
+    first = whole.inverse().times(1, 2) - short
+    h = [first * seen[k] - (falling[k] * less).times(n) for k in axes]
+    stretch = (whole * less).times(n, 2).root()
+    return [[stretch * (N[i][j] * short + q[i] * h[j]) for j in axes] for i in axes]
+
+
+def within_ball(J: list[Three] | None, low: Fraction, high: Fraction) -> bool:
+    """Show |J - j I| < ϱ, low = j - ϱ and high = j + ϱ.
+
+    A norm is convex, so the corners of a cell suffice; the rests of J have the norm of their
+    matrix at most.
+    """
+    if J is None:
+        return False
+    j = math.floor((low + high) / 2 * ONE_OF_THEM)
+    rest = math.isqrt(sum(x.rest**2 for row in J for x in row)) + 2
+    room = math.floor((high - low) / 2 * ONE_OF_THEM) - rest
+    for signs in itertools.product((-1, 1), repeat=3):
+        ends = [[x.mid + sum(map(operator.mul, signs, x.slope)) for x in row] for row in J]
+        ends = shifted(ends, 1, -j)
+        columns = list(zip(*ends, strict=True))
+        square = [[sum(map(operator.mul, x, y)) for y in columns] for x in columns]
+        if room <= 0 or not definite(shifted(square, -1, room**2)):
+            return False
+    return True
+
+
+# --- bounds of Q, or of J, over a box -------------------------------------------------------------
 
 
 class Spread(NamedTuple):
-    """What a claim about Q rests on: neither gains nor thrust are in Q."""
+    """What a claim about Q rests on: neither gains nor thrust are in Q.
+
+    About J, low and high are the ends of the ball |J - j I| <= ϱ, j - ϱ and j + ϱ.
+    """
 
     s: Setting
     low: Fraction  # of the eigenvalues, 1/m
@@ -549,7 +768,7 @@ def read_spread(c: Any, s: Setting | None = None) -> Spread:
     if box is None or c["kind"] == "outside":
         require(tree is None, "a tree belongs to bounds that are shown over a box")
     else:
-        tree, work = tree_of(tree, s.points, 5)
+        tree, work = tree_of(tree, s.points, 20 if s.law.scaled else 5)
         require(work <= MAX_WORK, "a tree is too long")
     return Spread(s, low, high, box, tree)
 
@@ -559,23 +778,37 @@ def verify_region(c: Any, p: Spread) -> None:
     if p.box is None or p.tree is None:
         return
     grid = Grid.of(p.s.points)
+    cover(p.tree, grid.cell(p.box), bounds_of(p, grid), "the bounds are not shown to hold")
+
+
+def bounds_of(p: Spread, grid: Grid) -> Callable[[Cell], bool]:
+    """Return what shows the bounds of Q, or of J, over a cell."""
     low, high = p.low / grid.unit, p.high / grid.unit
 
     def hold(cell: Cell) -> bool:
+        if p.s.law.scaled:
+            return within_ball(slope_of_scaled(p.s.points, grid, cell), p.low, p.high)
         ball = grid.around(cell)
         return largest_below(ball, high) and smallest_above(ball, low)
 
-    cover(p.tree, grid.cell(p.box), hold, "the eigenvalue bounds are not shown to hold")
+    return hold
 
 
 def theorem_of_region(c: Any, p: Spread) -> str:
     """Say in words over which box the eigenvalue bounds hold."""
     require(p.box is not None, "a claim about a region has a box")
     sides = " x ".join(f"[{about(a)}, {about(b)}]" for a, b in p.box or [])
+    held = f"the eigenvalues of Q lie between {about(p.low)} and {about(p.high)} 1/m"
+    if p.s.law.scaled:
+        held = f"J = (∂s/∂q) Q, s the scaled centroid, obeys {in_ball(p)}"
     return (
-        f"For the target of the mission {p.s.name} and every position in the box {sides} m, the "
-        f"eigenvalues of Q lie between {about(p.low)} and {about(p.high)} 1/m."
+        f"For the target of the mission {p.s.name} and every position in the box {sides} m, {held}."
     )
+
+
+def in_ball(p: Spread) -> str:
+    """Say in words in which ball J is."""
+    return f"|J - {about((p.low + p.high) / 2)} I| <= {about((p.high - p.low) / 2)} 1/m"
 
 
 def verify_outside(c: Any, p: Spread) -> None:
@@ -584,6 +817,9 @@ def verify_outside(c: Any, p: Spread) -> None:
     position, x = numbers(spot["position"], 3), numbers(spot["direction"], 3)
     inside = all(a <= y <= b for y, (a, b) in zip(position, p.box or (), strict=True))
     require(inside, "the position is not in the box")
+    if p.s.law.scaled:
+        require(beyond_ball(p, position, x), "J there is not shown to be out of the ball")
+        return
     lower = spot["bound"] == "lower"
     xx, value = total(a * a for a in x), Fraction(0)
     for point in p.s.points:  # xᵀQx = Σ (|x|² - (x·pi)²)/ri, rounded against the claim
@@ -596,12 +832,31 @@ def verify_outside(c: Any, p: Spread) -> None:
     require(out, "the eigenvalue of Q there is not shown to be out of bounds")
 
 
+def beyond_ball(p: Spread, position: Row, x: Row) -> bool:
+    """Show |J x - j x| > ϱ|x| at a position."""
+    J = scaled_slope(p.s.points, [Tangent.constant(c) for c in position])
+    j, size = (p.low + p.high) / 2, square_root(total(c * c for c in x))[1]
+    square = Fraction(0)
+    for i, row in enumerate(J):
+        value = (
+            total(Fraction(y.mid, ONE_OF_THEM) * c for y, c in zip(row, x, strict=True)) - j * x[i]
+        )
+        loss = total(
+            Fraction(y.spread(), ONE_OF_THEM) * abs(c) for y, c in zip(row, x, strict=True)
+        )
+        square += max(abs(value) - loss, Fraction(0)) ** 2
+    return square > ((p.high - p.low) / 2 * size) ** 2
+
+
 def theorem_of_outside(c: Any, p: Spread) -> str:
     """Say in words what is refuted."""
     spot = keys(c["outside"], ("position", "direction", "bound"), "outside")
+    position = ", ".join(map(str, numbers(spot["position"], 3)))
+    if p.s.law.scaled:
+        require(spot["bound"] == "ball", "the bound is not the ball")
+        return f"It is not true that {theorem_of_region(c, p)[:-1]}: not at ({position}) m in it."
     require(spot["bound"] in ("lower", "upper"), "the bound is neither lower nor upper")
     side, value = ("smaller", p.low) if spot["bound"] == "lower" else ("larger", p.high)
-    position = ", ".join(map(str, numbers(spot["position"], 3)))
     return (
         f"It is not true that {theorem_of_region(c, p)[:-1]}: at the position ({position}) m in "
         f"that box, Q has an eigenvalue {side} than {about(value)} 1/m."
@@ -645,7 +900,7 @@ def read_gains(c: Any) -> Question:
         require(level > 0, "the level must be positive")
         reach = s.stiffness * square_root(2 * level * (1 / w[1] + 1 / w[2]))[1]
         thrust = [s.weight - reach, s.weight + reach]
-    (low, high), (q_low, q_high) = thrust, s.centroid[2]
+    (low, high), (q_low, q_high) = thrust, s.fixed[2]
     return Question(
         s,
         w,
@@ -670,7 +925,7 @@ def bound(p: Question, f: Fraction, q: Row, tau: Fraction, t: Fraction) -> Form:
 def verify_gains(c: Any, p: Question) -> None:
     """Verify a proof of Σ ≻ margin·W, hence of the decay of L."""
     hints = fields(c["enclosures"], "enclosures", centroid=(3, 2), factor=(2,), goal=(3, 2))
-    for mine, given in zip(p.s.centroid, hints["centroid"], strict=True):
+    for mine, given in zip(p.s.fixed, hints["centroid"], strict=True):
         require(within(mine, given), "the box around q* does not hold q*")
     require(within(p.factor, hints["factor"]), "the interval of f does not hold f(T)")
     require(isinstance(c["vertices"], list) and len(c["vertices"]) == 2, "two vertices are needed")
@@ -700,14 +955,17 @@ def verify_goal(p: Question, box: Matrix) -> None:
     Q ≻ low I, is least. On the largest ball about the middle of the box, of radius r, it is higher
     than in the middle if |q - q*| < low r/2 there.
     """
-    grid, what = Grid.of(p.s.points), "Q at the goal is not shown to be within its bounds"
-    ball, low = grid.around(grid.cell(box)), p.spread.low
-    require(largest_below(ball, p.spread.high / grid.unit), what)
-    require(smallest_above(ball, low / grid.unit), what)
+    grid, J = Grid.of(p.s.points), "J" if p.s.law.scaled else "Q"
+    cell, low = grid.cell(box), p.spread.low
+    inside = bounds_of(p.spread, grid)(cell)
+    require(inside, f"{J} at the goal is not shown to be within its bounds")
     if p.s.goal is not None:
         held = all(a <= x <= b for x, (a, b) in zip(p.s.goal, box, strict=True))
     else:
         seen = centroid_seen(p.s.points, [(a + b) / 2 for a, b in box])
+        if p.s.law.scaled:  # the bounds are not those of Q
+            tried = (p.spread.high / 2**k for k in range(100))
+            low = next((x for x in tried if smallest_above(grid.around(cell), x / grid.unit)), ZERO)
         off = zip(seen, p.s.centroid, strict=True)
         slope = total(max(abs(x - y) for x in ends for y in want) ** 2 for ends, want in off)
         held = slope < (low * min(b - a for a, b in box) / 4) ** 2
@@ -719,16 +977,19 @@ def theorem_of_gains(c: Any, p: Question) -> str:
     claim = fields(c["claim"], "claim", margin=(), decay_rate=())
     margin, rate = about(claim["margin"]), about(claim["decay_rate"])
     weights = ", ".join(map(str, p.w))
-    stays = "Q and T stay in these intervals (which is assumed of Q, not shown for the target)"
+    Q = "J" if p.s.law.scaled else "Q"
+    stays = f"{Q} and T stay in these bounds (which is assumed of {Q}, not shown for the target)"
+    if p.s.law == Law():
+        stays = "Q and T stay in these intervals (which is assumed of Q, not shown for the target)"
     region = ""
     if p.spread.box is not None:
         stays = "the vehicle stays in that box and T in its interval"
         region = theorem_of_region(c, p.spread) + " "
     return (
-        f"For {asked(p)}, the matrix Σ(Q, T) is positive definite: XᵀΣX > {margin} kg/s times "
+        f"For {asked(p)}, the matrix Σ({Q}, T) is positive definite: XᵀΣX > {margin} kg/s times "
         f"Σ wi|δi|² for all X ≠ 0, w = ({weights}). {region}Hence, while {stays} and Ω3 = 0, the "
         f"Lyapunov function L = ½ Σ wi|δi|² falls at least as fast as exp(-r t), r = {rate} 1/s. "
-        "At the goal Q is within this interval."
+        f"At the goal {Q} is within {'that ball' if p.s.law.scaled else 'this interval'}."
     )
 
 
@@ -741,7 +1002,7 @@ def verify_counterexample(c: Any, p: Question) -> None:
     inside = (form - p.spread.low * size).positive(3) and (p.spread.high * size - form).positive(3)
     require(inside, "the eigenvalues of Q are not inside the interval")
     require(within((f, f), p.attained), "no thrust in the interval gives this f")
-    corners = itertools.product(*p.s.centroid)
+    corners = itertools.product(*p.s.fixed)
     worst = max(sigma(p.s, p.w, Q, f, q).value(point["X"]) for q in corners)
     require(worst <= value < 0, "XᵀΣX is not as negative as claimed")
     verify_region(c, p.spread)
@@ -761,10 +1022,13 @@ def asked(p: Question) -> str:
     """Say in words for which vehicle, gains and intervals."""
     q = ", ".join(f"{float((a + b) / 2):.12g}" for a, b in p.s.centroid)
     t, u = p.thrust
+    law = "" if p.s.law == Law() else f"law {'/'.join(p.s.law)}, "
+    every = f"symmetric Q with eigenvalues in [{p.spread.low}, {p.spread.high}] 1/m"
+    if p.s.law.scaled:
+        every = f"3 x 3 matrix J with {in_ball(p.spread)}"
     return (
-        f"the mission {p.s.name} (m = {p.s.m} kg, {p.s.words()}, q* = ({q}) to 12 digits), every "
-        f"symmetric Q with eigenvalues in [{p.spread.low}, {p.spread.high}] 1/m and every thrust "
-        f"T in [{about(t)}, {about(u)}] N"
+        f"the mission {p.s.name} ({law}m = {p.s.m} kg, {p.s.words()}, q* = ({q}) to 12 digits), "
+        f"every {every} and every thrust T in [{about(t)}, {about(u)}] N"
     )
 
 
@@ -829,7 +1093,7 @@ ONE = 1 << 64  # fractions of a cell's bounds are whole multiples of 1/ONE
 
 def read_attraction(c: Any) -> Attraction:
     """Return the numbers of the question, and bounds that follow from the level."""
-    s, claim = read_setting(c), c["claim"]
+    s, claim = of_the_paper(read_setting(c)), c["claim"]
     q3, n = s.centroid[2], len(s.points)
     require(all(end == 0 for ends in s.centroid[:2] for end in ends), "the goal is not axial")
     require(q3[0] > 0 and q3[1] < n, "no hover sees this q3*")
@@ -1141,7 +1405,7 @@ def state_of(start: Start) -> str:
 # Until a motion from Z leaves Z + 2r it is within r + |d| of its start. So if |d| <= 2^-50, it does
 # not leave within the step, hence exists, and ends in c0 + ... + c(p-1) + d.
 
-BITS, ORDER, ACCURACY = 192, 20, 50  # numbers are multiples of 2^-BITS; |d| <= 2^-ACCURACY
+ORDER, ACCURACY = 20, 50  # |d| <= 2^-ACCURACY
 
 
 class Ball(NamedTuple):
@@ -1243,7 +1507,10 @@ STATE = ("position", "velocity", "axis", "turning")
 
 def read_motion(c: Any) -> Motion:
     """Read the start of a motion, for how long it is to be followed, and in which steps."""
-    s, given = read_setting(c), keys(c["motion"], (*STATE, "thrust", "time", "steps"), "motion")
+    s, given = (
+        of_the_paper(read_setting(c)),
+        keys(c["motion"], (*STATE, "thrust", "time", "steps"), "motion"),
+    )
     require(all(end == 0 for ends in s.centroid[:2] for end in ends), "the goal is not axial")
     start = [side for name in STATE for side in numbers(given[name], 3, 2)]
     start.append(numbers(given["thrust"], 2))

@@ -1,4 +1,4 @@
-"""The bounds of the eigenvalues of Q that a verdict rests on: assumed or proved, the goal in them.
+"""The bounds of Q, or of J, that a verdict rests on: assumed or proved, the goal in them.
 
 A verdict about gains is about motions that come to the goal. Bounds that Q does not keep to there
 would make it true of nothing, so they are refused.
@@ -11,9 +11,10 @@ from fractions import Fraction
 
 import numpy as np
 
-from hoverproof.certification.cells import View, largest_below, smallest_above
+from hoverproof.certification.cells import View
+from hoverproof.certification.flow import eigenvalues, flow_of
 from hoverproof.certification.over_box import enclose, none_proved
-from hoverproof.certification.region import Box, Enclosure, default_box, eigenvalues
+from hoverproof.certification.region import Box, Enclosure, box_ends, default_box
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, Interval, hover_goal
@@ -69,15 +70,14 @@ def eigenvalue_bounds(mission: Mission) -> Interval:
 
 
 def eigenvalues_at_goal(mission: Mission) -> tuple[float, float]:
-    """Return the lowest and the highest eigenvalue of Q at the goal, 1/m, in floating point.
+    """Return the narrowest bounds of Q, or of J, at the goal, 1/m, in floating point.
 
     Parameters
     ----------
     mission : Mission
     """
     numbers = LoopNumbers.of(mission)
-    (values,) = eigenvalues(numbers.points.T, numbers.goal[None])
-    return float(values[0]), float(values[2])
+    return flow_of(mission).needed(numbers.points.T, numbers.goal[:, None].repeat(2, axis=1))
 
 
 def goal_box(mission: Mission, bounds: Interval, box: Box | None) -> Box:
@@ -96,20 +96,19 @@ def goal_box(mission: Mission, bounds: Interval, box: Box | None) -> Box:
     InputError
         If Q at the goal is not within the bounds: they say nothing about a motion that comes there.
     """
-    goal, numbers = hover_goal(mission), LoopNumbers.of(mission)
+    goal, numbers, flow = hover_goal(mission), LoopNumbers.of(mission), flow_of(mission)
     exactly = mission.goal.height is not None
     low, high = (float(x) for x in bounds)
     for sides in _boxes(mission, goal, exactly=exactly):
-        view = View.of(numbers.points.T, np.array([sides], float))
+        cell = box_ends(sides)[None]
+        view = View.of(numbers.points.T, cell)
         off = float(np.linalg.norm(view.centroid - np.array(goal.centroid_midpoint, float)))
-        holds = exactly or off < 0.9 * low * float(view.half.min()) / 2
-        if holds and (largest_below(view, high) & smallest_above(view, low)).all():
+        least = float(eigenvalues(numbers.points.T, view.center)[0, 0])
+        holds = exactly or off < 0.4 * least * float(view.half.min()) / 2
+        if holds and flow.hold(numbers.points.T, cell, low, high).all():
             return sides
-    least, most = eigenvalues_at_goal(mission)
-    told = (
-        f"Q at the goal has eigenvalues from {least:.4g} to {most:.4g} 1/m, not within "
-        f"[{low:g}, {high:g}]: a verdict would say nothing about a motion that comes to the goal; "
-    )
+    fault = flow.at(numbers.points.T, numbers.goal, low, high)
+    told = f"{fault}: a verdict would say nothing about a motion that comes to the goal; "
     if box is not None:
         key = "bounds.box" if box == mission.bounds.box else "--box"
         raise InputError(mission.source, key, told + "take a box that holds the goal")
@@ -129,12 +128,12 @@ def _boxes(mission: Mission, goal: HoverGoal, *, exactly: bool) -> list[Box]:
     return boxes
 
 
-_held: dict[tuple[object, Box], Enclosure | None] = {}
+_held: dict[tuple[object, ...], Enclosure | None] = {}
 
 
 def _enclosed(mission: Mission, box: Box) -> Enclosure | None:
     """Enclose once for a target and a box: searches for gains ask again and again."""
-    key = (tuple(mission.target.points), box)
+    key = (tuple(mission.target.points), box, mission.law.feature)
     if key not in _held:
         _held[key] = enclose(mission, box)
     return _held[key]

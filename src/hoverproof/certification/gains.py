@@ -32,6 +32,8 @@ from hoverproof.certification.robust import (
 )
 from hoverproof.certification.verdict import Proved, Refuted, Undecided
 from hoverproof.mission.sections import Mission
+from hoverproof.servo.law import Law
+from hoverproof.servo.laws.hamel_mahony import law_of
 
 WITNESS_BITS = 40
 DIGITS = 10
@@ -293,13 +295,18 @@ def _seal(problem: GainProblem, kind: str, parts: dict[str, Any]) -> Certificate
     tree = problem.region and problem.region.tree
     region = {"box": problem.box, "eigenvalues": problem.eigenvalues, "tree": tree}
     own = {"weights": problem.weights, "region": region, **parts}
-    return seal(problem.mission, kind, own, model_fingerprint())
+    return seal(problem.mission, kind, own, model_fingerprint(law_of(problem.mission)))
 
 
 @kept_json
-def model_fingerprint() -> str:
-    """Return the SHA-256 of the graph of Σ from which the verdict was computed."""
-    return fingerprint(sigma_function())
+def model_fingerprint(law: Law) -> str:
+    """Return the SHA-256 of the graph of Σ from which the verdict was computed.
+
+    Parameters
+    ----------
+    law : Law
+    """
+    return fingerprint(sigma_function(law))
 
 
 def _proved_margin(problem: GainProblem, f: Fraction, tau: Fraction, estimate: float) -> Fraction:

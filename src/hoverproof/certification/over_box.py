@@ -1,4 +1,4 @@
-"""Decide whether a mission's eigenvalue bounds of Q hold for its target over a box of positions."""
+"""Decide whether a mission's bounds of Q, or of J, hold for its target over a box of positions."""
 
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ from hoverproof.certification.verdict import Proved, Refuted, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import Interval, level_view
+from hoverproof.servo.laws.hamel_mahony import law_of
+from hoverproof.servo.loop import level_slope
 
 TOO_MANY = "the bounds were neither proved nor broken over the box within the limit of boxes"
 
@@ -194,5 +196,7 @@ def _seal(
 ) -> Certificate:
     """Complete a certificate about Q alone: gains and thrust play no part in it."""
     held = {"box": box, "eigenvalues": bounds, "tree": tree}
-    model = fingerprint(level_view(len(mission.target.points)))
+    n = len(mission.target.points)
+    view = level_view(n) if mission.law.feature == "centroid" else level_slope(n, law_of(mission))
+    model = fingerprint(view)
     return seal(mission, kind, {"region": held, **parts}, model)

@@ -1,8 +1,9 @@
 """The question that a gain certificate answers, in exact numbers.
 
-Is Σ(Q, f, q*) positive definite for every symmetric Q with eigenvalues in the given interval, every
-thrust in the given interval, and the q* of the goal? Σ is affine in each of f and the components of
-q*, so the corners of a box around them suffice; Q enters through one bilinear form (see `robust`).
+Is Σ(Q, f, q*) positive definite for every symmetric Q with eigenvalues in the given interval (or
+every J in the given ball), every thrust in the given interval, and the q* of the goal? Σ is affine
+in each of f and the components of q*, so the corners of a box around them suffice; Q enters through
+one bilinear form (see `robust`).
 """
 
 from __future__ import annotations
@@ -21,41 +22,58 @@ from hoverproof.algebra.derived import kept_graph
 from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.bounds import eigenvalue_bounds, goal_box, proved_bounds
+from hoverproof.certification.flow import flow_of
 from hoverproof.certification.region import Box, Enclosure
 from hoverproof.certification.robust import Array, Inequality, Term
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, Interval, hover_goal
-from hoverproof.servo.law import Design, Errors
-from hoverproof.servo.lyapunov import derive_lyapunov_form, force_function
+from hoverproof.servo.law import Errors, Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, law_of
+from hoverproof.servo.lyapunov import (
+    derive_error_dynamics,
+    derive_lyapunov_form,
+    force_function,
+)
 
 Rows = list[list[Fraction]]
 BITS = 64
 
 
 @kept_graph
-def sigma_function() -> ca.Function:
-    """Return (design, weights, Q, f) ↦ (Σ, u, v) of the derived closed loop."""
-    return derive_lyapunov_form().function()
+def sigma_function(law: Law = HAMEL_MAHONY) -> ca.Function:
+    """Return (design, weights, Q, f) ↦ (Σ, u, v) of the derived closed loop.
+
+    Parameters
+    ----------
+    law : Law
+    """
+    return derive_lyapunov_form(derive_error_dynamics(law)).function()
 
 
 def gain_inequality(
-    design: Sequence[Any], weights: Sequence[Any], k1: Any, eigenvalues: tuple[Any, Any], f: Any
+    design: Sequence[Any],
+    weights: Sequence[Any],
+    k1: Any,
+    eigenvalues: tuple[Any, Any],
+    f: Any,
+    law: Law = HAMEL_MAHONY,
 ) -> Inequality:
-    """Return Σ ≻ 0 for all Q with bounded eigenvalues in floating point, k questions at once.
+    """Return Σ ≻ 0 for all Q (or J) within bounds in floating point, k questions at once.
 
     Parameters
     ----------
     design : (13,) of (k,) or numbers
-        In the order of `Design`.
+        In the order of the law's design.
     weights : (4,) of (k,) or numbers
         w of L = ½ Σ wᵢ|δᵢ|².
     k1 : (k,) or number
         The gain, kg m/s.
     eigenvalues : (low, high) of (k,) or numbers
-        Of Q, 1/m.
+        Of Q, or the ends of the ball of J, 1/m.
     f : (k,) or number
         f(T), 1/m.
+    law : Law
     """
     low, high = eigenvalues
     middle = (low + high) / 2
@@ -66,7 +84,7 @@ def gain_inequality(
         matrix = np.array([[np.broadcast_to(x, shape) for x in row] for row in rows], float)
         return np.moveaxis(matrix, (0, 1), (-2, -1))
 
-    sigma, u, v = map(stacked, evaluate(sigma_function(), inputs, float))
+    sigma, u, v = map(stacked, evaluate(sigma_function(law), inputs, float))
     first = v.reshape(-1, *v.shape[-2:])[0]
     v = first if (v == first).all() else v  # as it is in parameters
     return Inequality(sigma, (Term(u, v, np.asarray(k1 * (high - low) / 2)),))
@@ -94,7 +112,7 @@ class GainProblem:
     weights : (4,) Fractions
         w of L = ½ Σ wᵢ|δᵢ|².
     centroid : (3,) of (low, high)
-        Box around q*.
+        Box around what of the wanted feature turns with the image: q*, s*, or nothing.
     thrust : (low, high)
         Interval that holds every thrust considered, N.
     factor : (low, high)
@@ -102,7 +120,7 @@ class GainProblem:
     factor_attained : (low, high)
         Interval of values that f(T) does take, 1/m; empty if low > high.
     eigenvalues : (low, high)
-        Interval of the eigenvalues of Q, 1/m.
+        Interval of the eigenvalues of Q, or the ends of the ball of J, 1/m.
     region : Enclosure or None
         Positions over which that interval was proved; None if it is the mission's assumption.
     goal_box : (3,) of (low, high), or None
@@ -140,8 +158,9 @@ class GainProblem:
         q : (3,) corner of the box around q*
         """
         lower = [Q[i][j] for j in range(3) for i in range(j, 3)]
-        inputs = [Design.values(self.mission, q), self.weights, lower, [f]]
-        sigma, u, v = evaluate(sigma_function(), inputs)
+        law = law_of(self.mission)
+        inputs = [law.design.values(self.mission, q), self.weights, lower, [f]]
+        sigma, u, v = evaluate(sigma_function(law), inputs)
         return sigma, u, v
 
     def inequality(self, f: Fraction, weights: Sequence[Any] | None = None) -> Inequality:
@@ -154,11 +173,12 @@ class GainProblem:
             In place of the problem's own.
         """
         q = [(low + high) / 2 for low, high in self.centroid]
-        design = [float(x) for x in Design.values(self.mission, q)]
+        law = law_of(self.mission)
+        design = [float(x) for x in law.design.values(self.mission, q)]
         low, high = (float(x) for x in self.eigenvalues)
         held = [float(w) for w in self.weights] if weights is None else weights
         k1 = float(self.mission.gains.k1)
-        return gain_inequality(design, held, k1, (low, high), float(f))
+        return gain_inequality(design, held, k1, (low, high), float(f), law)
 
     @property
     def origin(self) -> Literal["assumed", "proved"]:
@@ -168,7 +188,9 @@ class GainProblem:
     @property
     def footing(self) -> str:
         """What a verdict rests on, in words."""
-        return "bounds of Q assumed" if self.box is None else "bounds of Q proved over a box"
+        symbol = flow_of(self.mission).symbol
+        how = "assumed" if self.box is None else "proved over a box"
+        return f"bounds of {symbol} {how}"
 
     @property
     def weight_diagonal(self) -> list[Fraction]:
@@ -187,6 +209,41 @@ class GainProblem:
 
 
 ONES = (Fraction(1),) * 4
+
+
+def fixed(mission: Mission, goal: HoverGoal) -> list[Interval]:
+    """Enclose what of the wanted feature turns with the image, (3,): q*, s*, or nothing.
+
+    Parameters
+    ----------
+    mission : Mission
+    goal : HoverGoal
+        Its hover.
+    """
+    if mission.law.goal == "inertial":
+        return [(Fraction(0), Fraction(0))] * 3
+    if mission.law.feature == "centroid":
+        return list(goal.centroid)
+    return scaled_centroid(goal.centroid, len(mission.target.points))
+
+
+def scaled_centroid(q: Sequence[Interval], n: int) -> list[Interval]:
+    """Enclose s = √(n (n + a)/(2 (n² - a²))) q/a, a = |q|, (3,).
+
+    Parameters
+    ----------
+    q : (3,) of (low, high)
+        Small enclosures, |q| < n.
+    n : int
+        Number of target points.
+    """
+    ends = [
+        sum((pick(side[0] ** 2, side[1] ** 2) for side in q), Fraction(0)) for pick in (min, max)
+    ]
+    a = sqrt_enclosure(ends[0])[0], sqrt_enclosure(ends[1])[1]
+    grown = [n * (n + x) / (2 * (n**2 - x**2)) for x in a]
+    low, high = sqrt_enclosure(grown[0])[0] / a[1], sqrt_enclosure(grown[1])[1] / a[0]
+    return [(min(x * low, x * high), max(y * low, y * high)) for x, y in q]
 
 
 def force_bound(stiffness: Fraction, level: Fraction, w2: Fraction, w3: Fraction) -> Fraction:
@@ -247,12 +304,12 @@ def pose(
         If the thrust interval reaches the singularity of the controller, T = c q3*, or if "auto"
         proves nothing.
     """
-    goal = hover_goal(mission)
-    box = tuple((binary_below(low, BITS), binary_above(high, BITS)) for low, high in goal.centroid)
+    goal, law = hover_goal(mission), law_of(mission)
+    box = tuple((binary_below(a, BITS), binary_above(b, BITS)) for a, b in fixed(mission, goal))
 
     def force(thrust: Fraction, q3: Fraction) -> list[Fraction]:
         q = [box[0][0], box[1][0], q3]
-        outputs = evaluate(force_function(), [Design.values(mission, q), [thrust]])
+        outputs = evaluate(force_function(law), [law.design.values(mission, q), [thrust]])
         return [matrix[0][0] for matrix in outputs]
 
     weight = mission.vehicle.weight
@@ -265,12 +322,14 @@ def pose(
         reach = binary_above(force_bound(stiffness, mission.bounds.level, *weights[1:3]), BITS)
         low, high = weight - reach, weight + reach
         key = "bounds.level"
+    symbol = "s" if mission.law.feature == "scaled" else "q"
     if low <= singular:
         raise InputError(
             mission.source,
             key,
             f"lets the thrust sink to {float(low):g} N, but the controller is singular at "
-            f"c q3* = {float(singular):g} N; the thrust must stay above that",
+            f"{f'c {symbol}3* = ' if singular else ''}{float(singular):g} N; the thrust must stay "
+            "above that",
         )
     bottom, top = box[2]
     return GainProblem(

@@ -1,4 +1,4 @@
-"""Eigenvalue bounds of Q over a box of positions, as they are found, in floating point."""
+"""Bounds of Q, or of J, over a box of positions, as they are found, in floating point."""
 
 from __future__ import annotations
 
@@ -11,14 +11,8 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.surd import sqrt_enclosure
-from hoverproof.certification.cells import (
-    Told,
-    View,
-    grow_tree,
-    largest_below,
-    most_cells,
-    smallest_above,
-)
+from hoverproof.certification.cells import Told, grow_tree, most_cells
+from hoverproof.certification.flow import flow_of, samples
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import Interval, hover_goal
@@ -27,22 +21,20 @@ Array = NDArray[np.float64]
 Box = tuple[Interval, ...]
 
 WIDEN = Fraction(1, 10)
-SLACKS = (Fraction(1, 100), Fraction(3, 100), Fraction(1, 10), Fraction(3, 10), Fraction(3, 5))
-GRID = 25
 
 
 @dataclass(frozen=True)
 class Enclosure:
-    """Positions over which the eigenvalues of Q are proved to lie in an interval.
+    """Positions over which the eigenvalues of Q, or J in a ball, are proved to lie in an interval.
 
     Attributes
     ----------
     box : (3,) of (low, high)
         World frame, m.
     eigenvalues : (low, high)
-        Proved bounds of every eigenvalue of Q over the box, 1/m.
+        Proved bounds of every eigenvalue of Q over the box, or the ball [j - ϱ, j + ϱ] of J, 1/m.
     attained : (low, high)
-        The lowest and the highest eigenvalue found in the box, 1/m: how tight the bounds are.
+        The narrowest bounds found in the box, 1/m: how tight those are.
     tree : str
         How the box is halved until the bounds are shown over each cell.
     """
@@ -100,19 +92,8 @@ def default_box(mission: Mission) -> Box:
     )
 
 
-def eigenvalues(points: Array, positions: Array) -> Array:
-    """Return the eigenvalues of Q, ascending, (n, 3), 1/m, in floating point.
-
-    Parameters
-    ----------
-    points : (k, 3), target, world frame, m
-    positions : (n, 3), world frame, m
-    """
-    return np.asarray(np.linalg.eigvalsh(View.at(points, positions).depths), np.float64)
-
-
 def enclosures(mission: Mission, box: Box, most: int | None = None) -> Iterator[Enclosure]:
-    """Yield bounds that seem to hold for every eigenvalue of Q over a box, the narrowest first.
+    """Yield bounds of Q, or of J, that seem to hold over a box, the narrowest first.
 
     Parameters
     ----------
@@ -128,12 +109,13 @@ def enclosures(mission: Mission, box: Box, most: int | None = None) -> Iterator[
     """
     if holds_target_point(mission, box):
         raise _infinite_in(mission, box)
-    low, high = _extremes(mission, box)
-    for slack in SLACKS:
-        bounds = (
-            decimal_below(Fraction(low) * (1 - slack), 3),
-            decimal_above(Fraction(high) * (1 + slack), 3),
-        )
+    flow = flow_of(mission)
+    low, high = flow.needed(_points(mission), box_ends(box))
+    for slack in flow.slacks:
+        wide = flow.widened(low, high, slack)
+        bounds = decimal_below(wide[0], 3), decimal_above(wide[1], 3)
+        if bounds[0] <= 0:
+            return
         tree = halved(mission, box, bounds, most)
         if tree is not None:
             yield Enclosure(box, bounds, (low, high), tree)
@@ -156,7 +138,7 @@ def _infinite_in(mission: Mission, box: Box) -> InputError:
 
 
 def halved(mission: Mission, box: Box, bounds: Interval, most: int | None = None) -> str | None:
-    """Return how to halve a box until the eigenvalues of Q lie within bounds over each cell.
+    """Return how to halve a box until Q, or J, is within bounds over each cell.
 
     Parameters
     ----------
@@ -171,40 +153,46 @@ def halved(mission: Mission, box: Box, bounds: Interval, most: int | None = None
     str or None
         See `grow_tree`; None if it takes more cells, or if they do not hold.
     """
-    points, (low, high) = _points(mission), map(float, bounds)
+    points, (low, high), flow = _points(mission), map(float, bounds), flow_of(mission)
 
     def hold(cells: Array) -> Told:
-        view = View.of(points, cells)
-        return largest_below(view, high) & smallest_above(view, low)
+        return flow.hold(points, cells, low, high)
 
-    limit = most_cells(len(points), 5)
+    limit = most_cells(len(points), flow.cost)
     return grow_tree(np.array(box, float), hold, min(limit, most or limit))
 
 
 @dataclass(frozen=True)
 class Outside:
-    """A position where Q has an eigenvalue out of bounds.
+    """A position where Q has an eigenvalue out of bounds, or J is out of its ball.
 
     Attributes
     ----------
     position : (3,) Fractions
         World frame, m.
     direction : (3,) Fractions
-        A vector x with xᵀQx out of bounds·|x|².
+        A vector x with xᵀQx out of bounds·|x|², or |(J - j I)x| > ϱ|x|.
     bound : str
-        Which bound does not hold, ``"lower"`` or ``"upper"``.
-    eigenvalue : float
-        The eigenvalue there, 1/m.
+        Which bound does not hold, ``"lower"``, ``"upper"`` or ``"ball"``.
+    value : float
+        The eigenvalue, or |J - j I|, there, 1/m.
     """
 
     position: list[Fraction]
     direction: list[Fraction]
     bound: str
-    eigenvalue: float
+    value: float
+
+    @property
+    def words(self) -> str:
+        """What is out of bounds there, in words."""
+        if self.bound == "ball":
+            return "J is out of the ball, its distance from j I"
+        return f"Q has an eigenvalue beyond the {self.bound} of them"
 
 
 def outside(mission: Mission, box: Box, bounds: Interval) -> Iterator[Outside]:
-    """Yield positions in a box where an eigenvalue of Q seems to be out of bounds.
+    """Yield positions in a box where Q, or J, seems to be out of bounds.
 
     Parameters
     ----------
@@ -214,18 +202,11 @@ def outside(mission: Mission, box: Box, bounds: Interval) -> Iterator[Outside]:
     bounds : (low, high)
         1/m.
     """
-    places, points = _samples(box), _points(mission)
-    values = eigenvalues(points, places)
-    for column, index, bound in (
-        (0, int(values[:, 0].argmin()), "lower"),
-        (2, int(values[:, 2].argmax()), "upper"),
-    ):
-        place = [_within(x, side) for x, side in zip(places[index], box, strict=True)]
-        (matrix,) = View.at(points, np.array([place], float)).depths
-        ends, vectors = np.linalg.eigh(matrix)
-        x = [Fraction(float(c)).limit_denominator(10**6) for c in vectors[:, column]]
-        value, (low, high) = float(ends[column]), bounds
-        if value < low if bound == "lower" else value > high:
+    flow, points, (low, high) = flow_of(mission), _points(mission), map(float, bounds)
+    for spot in flow.out(points, samples(box_ends(box)), low, high):
+        place = [_within(x, side) for x, side in zip(spot[0], box, strict=True)]
+        for _, direction, bound, value in flow.out(points, np.array([place], float), low, high):
+            x = [Fraction(float(c)).limit_denominator(10**6) for c in direction]
             yield Outside(place, x, bound, value)
 
 
@@ -234,33 +215,15 @@ def _within(x: float, side: Interval) -> Fraction:
     return min(max(Fraction(float(x)).limit_denominator(10**6), side[0]), side[1])
 
 
-def _extremes(mission: Mission, box: Box) -> tuple[float, float]:
-    """Return the lowest and the highest eigenvalue on a grid that is refined about them twice."""
-    points = _points(mission)
-    places = _samples(box)
-    values = eigenvalues(points, places)
-    found = [float(values[:, 0].min()), float(values[:, 2].max())]
-    centers = [places[values[:, 0].argmin()], places[values[:, 2].argmax()]]
-    size = np.array([float(b - a) for a, b in box]) / (GRID - 1)
-    ends = np.array([[float(a), float(b)] for a, b in box])
-    for _ in range(2):
-        for k, column in ((0, 0), (1, 2)):
-            around = np.clip(centers[k] + size * _unit_grid(), ends[:, 0], ends[:, 1])
-            values = eigenvalues(points, around)[:, column]
-            best = values.argmin() if k == 0 else values.argmax()
-            centers[k], found[k] = around[best], float(values[best])
-        size = size / 6
-    return found[0], found[1]
+def box_ends(box: Box) -> Array:
+    """Return a box in floating point, (3, 2), m.
 
-
-def _unit_grid() -> Array:
-    line = np.linspace(-1, 1, 13)
-    return np.stack(np.meshgrid(line, line, line), axis=-1).reshape(-1, 3)
-
-
-def _samples(box: Box) -> Array:
-    lines = [np.linspace(float(a), float(b), GRID) for a, b in box]
-    return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 3)
+    Parameters
+    ----------
+    box : (3,) of (low, high)
+        m.
+    """
+    return np.array([[float(a), float(b)] for a, b in box])
 
 
 def _points(mission: Mission) -> Array:

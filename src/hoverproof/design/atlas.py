@@ -28,6 +28,7 @@ from hoverproof.design.margins import Questions, margins
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Bounds, Gains, Mission
 from hoverproof.servo.law import Design
+from hoverproof.servo.laws.hamel_mahony import law_of
 from hoverproof.simulation.record import Column, Record
 from hoverproof.spread import spread
 
@@ -318,7 +319,7 @@ def _record(
             "mission": json.dumps(mission.exact()),
             "weights": [float(w) for w in weights],
             "scales": [x.scale, y.scale],
-            "model_sha256": model_fingerprint(),
+            "model_sha256": model_fingerprint(law_of(mission)),
             **{f"{name}_version": version(name) for name in ("hoverproof", "casadi", "numpy")},
         },
     )

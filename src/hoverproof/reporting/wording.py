@@ -158,7 +158,7 @@ def region(found: BoundsVerdict, mission: Mission) -> str:
     if found.status == "refuted":
         spot = found.outside
         return (
-            f"The {spot.bound} of the bounds {bounds} breaks at {place(spot.position)}: Q has an "
-            f"eigenvalue near {short(spot.eigenvalue)} 1/m. The theorem says nothing there."
+            f"The bounds {bounds} break at {place(spot.position)}: {spot.words}, near "
+            f"{short(spot.value)} 1/m. The theorem says nothing there."
         )
     return f"Whether the bounds {bounds} hold all over the box was not decided within the effort."

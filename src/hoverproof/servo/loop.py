@@ -191,10 +191,19 @@ def readout_function(n: int, law: Law = HAMEL_MAHONY) -> ca.Function:
 
 
 @kept_graph
-def _feature_slope(n: int, law: Law) -> ca.Function:
-    """Return q ↦ the slope of the feature of n points, (3,) to (3, 3)."""
-    q = ca.SX.sym("q", 3)
-    return ca.Function("feature_slope", [q], [ca.densify(ca.jacobian(law.feature.at(q, n), q))])
+def level_slope(n: int, law: Law) -> ca.Function:
+    """Return (points (3, n), position (3,)) ↦ what turns V into the rate of the feature, (3, 3).
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    law : Law
+    """
+    points, position, q = ca.SX.sym("points", 3, n), ca.SX.sym("xi", 3), ca.SX.sym("q", 3)
+    seen, Q = level_view(n)(points, position)
+    slope = ca.substitute(ca.jacobian(law.feature.at(q, n), q), q, seen)
+    return ca.Function("level_slope", [points, position], [ca.densify(slope @ Q)])
 
 
 @kept_graph
@@ -284,8 +293,7 @@ class LoopNumbers:
 
     def depth_matrix(self) -> Array:
         """Return what turns V into the rate of the feature at the goal, (3, 3), 1/m: Q for q."""
-        q, Q = level_view(self.target_size)(self.points, self.goal)
-        return np.array(_feature_slope(self.target_size, self.law)(q)) @ np.array(Q)
+        return np.array(level_slope(self.target_size, self.law)(self.points, self.goal))
 
     def measured(self) -> Array:
         """Return what is measured at the start, in the order of the law's measurement."""

@@ -92,10 +92,15 @@ def thrust_factor(thrust: ca.SX, design: Design, law: Law = HAMEL_MAHONY) -> ca.
 
 
 @cache
-def force_function() -> ca.Function:
-    """Return (design, thrust) ↦ (c, c q3*, f(T)) of the paper's law: to N, N and 1/m."""
-    d, thrust = Design.symbols(), ca.SX.sym("T")
-    outputs = [d.stiffness, d.singular_thrust, thrust_factor(thrust, d)]
+def force_function(law: Law = HAMEL_MAHONY) -> ca.Function:
+    """Return (design, thrust) ↦ (c, the singular thrust, f(T)): to N, N and 1/m.
+
+    Parameters
+    ----------
+    law : Law
+    """
+    d, thrust = law.design.symbols(), ca.SX.sym("T")
+    outputs = [d.stiffness, thrust - law.lever(thrust, d), thrust_factor(thrust, d, law)]
     return ca.Function("force", [d.vector(), thrust], outputs)
 
 

@@ -17,7 +17,7 @@ from hoverproof.certification.attraction.motion import energies
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.bounds import eigenvalue_bounds
-from hoverproof.certification.region import eigenvalues
+from hoverproof.certification.flow import eigenvalues
 from hoverproof.design.limits import bandwidth
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.loop import LoopNumbers, slowest_rate

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_below
+from hoverproof.certification.flow import eigenvalues
 from hoverproof.certification.gains import GainsVerdict
-from hoverproof.certification.region import eigenvalues
 from hoverproof.show.scene import Flight, Scene
 
 YAW_RATE_ZERO = 1e-9

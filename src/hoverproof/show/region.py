@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from hoverproof.certification.flow import eigenvalues, flow_of
 from hoverproof.certification.over_box import BoundsVerdict
-from hoverproof.certification.region import Box, eigenvalues
+from hoverproof.certification.region import Box
+from hoverproof.certification.scaled import slopes_at
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.show.style import COLOURS, save_figure
@@ -33,18 +36,26 @@ def region_figure(mission: Mission, found: BoundsVerdict) -> Figure:
     x, z = _window(points, goal, start, found.box)
     grid_x, grid_z = np.meshgrid(np.linspace(*x, CELLS), np.linspace(*z, CELLS))
     places = np.stack([grid_x, np.full_like(grid_x, goal[1]), grid_z], axis=-1).reshape(-1, 3)
-    values = eigenvalues(points, places)
-    lowest, highest = values[:, 0].reshape(grid_x.shape), values[:, 2].reshape(grid_x.shape)
-    inside = (lowest > low) & (highest < high)
+    if mission.law.feature == "scaled":
+        J, j = slopes_at(points, places), (low + high) / 2
+        far = np.linalg.norm(np.nan_to_num(J, nan=1e9) - j * np.eye(3), 2, axis=(1, 2))
+        lines = [((high - low) / 2, far.reshape(grid_x.shape), COLOURS[1], f"|J - {j:g} I|")]
+    else:
+        lowest, _, highest = eigenvalues(points, places).T.reshape(3, *grid_x.shape)
+        lines = [
+            (-low, -lowest, COLOURS[0], "lowest eigenvalue"),
+            (high, highest, COLOURS[1], "highest eigenvalue"),
+        ]
+    inside = np.logical_and.reduce([data < level for level, data, *_ in lines])
 
     figure = Figure(figsize=(7.5, 6.5), layout="constrained")
     axes = figure.subplots()
     axes.contourf(grid_x, grid_z, inside, levels=[0.5, 1.5], colors=["#56B4E9"], alpha=0.45)
-    for level, data, colour in ((low, lowest, COLOURS[0]), (high, highest, COLOURS[1])):
+    for level, data, colour, words in lines:
         if data.min() < level < data.max():
-            axes.contour(grid_x, grid_z, data, levels=[level], colors=[colour], linewidths=1.5)
-            which = "lowest" if data is lowest else "highest"
-            axes.plot([], [], color=colour, label=f"{which} eigenvalue = {level:g} 1/m")
+            look: dict[str, Any] = {"colors": [colour], "linewidths": 1.5, "linestyles": "solid"}
+            axes.contour(grid_x, grid_z, data, levels=[level], **look)
+            axes.plot([], [], color=colour, label=f"{words} = {abs(level):g} 1/m")
     (x0, x1), _, (z0, z1) = [[float(end) for end in side] for side in found.box]
     outline = Rectangle((x0, z0), x1 - x0, z1 - z0, fill=False, linestyle="--", linewidth=1.5)
     outline.set_label("the box of the question")
@@ -52,7 +63,10 @@ def region_figure(mission: Mission, found: BoundsVerdict) -> Figure:
     axes.plot(points[:, 0], points[:, 2], "s", color="black", label="target points")
     axes.plot(goal[0], goal[2], "*", color=COLOURS[2], markersize=13, label="goal")
     axes.plot(start[0], start[2], "o", color=COLOURS[3], label="start (its x and z)")
-    axes.set_title(f"{mission.name}: where the bounds of Q hold (shaded), at y = {goal[1]:g} m")
+    symbol = flow_of(mission).symbol
+    axes.set_title(
+        f"{mission.name}: where the bounds of {symbol} hold (shaded), at y = {goal[1]:g} m"
+    )
     axes.set_xlabel("x (m)")
     axes.set_ylabel("z (m), down")
     axes.set_aspect("equal")

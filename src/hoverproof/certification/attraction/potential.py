@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.cells import View
-from hoverproof.certification.region import eigenvalues
+from hoverproof.certification.flow import eigenvalues
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal

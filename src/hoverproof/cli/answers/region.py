@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from hoverproof.certification.flow import flow_of
 from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import interval, number, numbers, position_text, sides_text
@@ -41,7 +42,7 @@ class RegionAnswer(Answer):
         verdict = self.verdict
         found, broken = verdict.enclosure, verdict.refuted
         yield f"{self.mission}: {verdict.status}"
-        yield f"  bounds {interval(verdict.bounds)} 1/m of the eigenvalues of Q"
+        yield f"  bounds {interval(verdict.bounds)} 1/m of {flow_of(verdict.mission).words}"
         yield f"  for every position in the box {sides_text(verdict.box)} m"
         if found is None:
             yield "  nothing is proved there within the limit of boxes (--boxes)"
@@ -50,7 +51,7 @@ class RegionAnswer(Answer):
             yield f"  found there             {interval(found.attained)} 1/m"
         if broken is not None:
             spot = broken.outside
-            value, place = number(spot.eigenvalue), position_text(spot.position)
+            value, place = number(spot.value), position_text(spot.position)
             yield f"  {spot.bound} bound broken      {value} 1/m at {place}"
             low, high = verdict.bounds if found is None else found.attained
             if spot.bound == "lower" and high > verdict.bounds[1]:
@@ -71,7 +72,7 @@ class RegionAnswer(Answer):
         spot = verdict.refuted and verdict.refuted.outside
         witness = spot and {
             "position": [str(c) for c in spot.position],
-            "eigenvalue": spot.eigenvalue,
+            "value": spot.value,
             "bound": spot.bound,
         }
         return {

@@ -1,0 +1,251 @@
+"""What turns a velocity into the rate of a law's feature: Q of the centroid, J of the scaled one.
+
+Bounds are two numbers, low and high. Those of Q are of its eigenvalues; those of J are the ends of
+a ball, |J - j I| <= ϱ, low = j - ϱ and high = j + ϱ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from hoverproof.certification import scaled
+from hoverproof.certification.cells import Told, View, largest_below, smallest_above
+from hoverproof.mission.sections import Mission
+
+Array = NDArray[np.float64]
+Spot = tuple[Array, Array, str, float]
+GRID, COARSE = 25, 13
+"""Positions to a side of a box that are looked at."""
+
+
+@dataclass(frozen=True)
+class OfQ:
+    """The eigenvalues of Q.
+
+    Attributes
+    ----------
+    symbol : str
+    words : str
+        What is bounded.
+    cost : int
+        Of a cell, a bare number; see `checker.tree_of`.
+    slacks : (k,)
+        By which shares the narrowest bounds found are widened, one after the other.
+    """
+
+    symbol: str = "Q"
+    words: str = "the eigenvalues of Q"
+    cost: int = 5
+    slacks: tuple[str, ...] = ("0.01", "0.03", "0.1", "0.3", "0.6")
+
+    def hold(self, points: Array, cells: Array, low: float, high: float) -> Told:
+        """Tell whether bounds hold over cells, (k,).
+
+        Parameters
+        ----------
+        points : (n, 3)
+            World frame, m.
+        cells : (k, 3, 2)
+            Low and high ends, m.
+        low, high : float
+            1/m.
+        """
+        view = View.of(points, cells)
+        return largest_below(view, high) & smallest_above(view, low)
+
+    def needed(self, points: Array, box: Array) -> tuple[float, float]:
+        """Return the narrowest bounds that are found over a box, 1/m.
+
+        Parameters
+        ----------
+        points : (n, 3)
+            World frame, m.
+        box : (3, 2)
+            Low and high ends, m.
+        """
+        places = samples(box)
+        values = eigenvalues(points, places)
+        found = [float(values[:, 0].min()), float(values[:, 2].max())]
+        centers = [places[values[:, 0].argmin()], places[values[:, 2].argmax()]]
+        size = np.ptp(box, axis=1) / (GRID - 1)
+        for _ in range(2):
+            for k, column in ((0, 0), (1, 2)):
+                around = np.clip(centers[k] + size * _unit_grid(), box[:, 0], box[:, 1])
+                values = eigenvalues(points, around)[:, column]
+                best = values.argmin() if k == 0 else values.argmax()
+                centers[k], found[k] = around[best], float(values[best])
+            size = size / 6
+        return found[0], found[1]
+
+    def widened(self, low: float, high: float, slack: str) -> tuple[Fraction, Fraction]:
+        """Return wider bounds, 1/m.
+
+        Parameters
+        ----------
+        low, high : float
+            1/m.
+        slack : str
+            A share, as an exact decimal.
+        """
+        return Fraction(low) * (1 - Fraction(slack)), Fraction(high) * (1 + Fraction(slack))
+
+    def at(self, points: Array, position: Array, low: float, high: float) -> str:
+        """Say that bounds do not hold at a position.
+
+        Parameters
+        ----------
+        points : (n, 3)
+            World frame, m.
+        position : (3,)
+            World frame, m.
+        low, high : float
+            1/m.
+        """
+        least, _, most = eigenvalues(points, position[None])[0]
+        return (
+            f"Q at the goal has eigenvalues from {least:.4g} to {most:.4g} 1/m, not within "
+            f"[{low:g}, {high:g}]"
+        )
+
+    def out(self, points: Array, positions: Array, low: float, high: float) -> Iterator[Spot]:
+        """Yield where bounds are farthest from holding: position, direction, bound and value.
+
+        Parameters
+        ----------
+        points : (n, 3)
+            World frame, m.
+        positions : (k, 3)
+            World frame, m.
+        low, high : float
+            1/m.
+        """
+        values, vectors = np.linalg.eigh(View.at(points, positions).depths)
+        for column, bound in ((0, "lower"), (2, "upper")):
+            at = int(values[:, 0].argmin() if column == 0 else values[:, 2].argmax())
+            value = float(values[at, column])
+            if value < low if bound == "lower" else value > high:
+                yield positions[at], vectors[at, :, column], bound, value
+
+
+@dataclass(frozen=True)
+class OfJ:
+    """A ball about a multiple of I that holds J, with the methods of `OfQ`."""
+
+    symbol: str = "J"
+    words: str = "the ball [j - ϱ, j + ϱ] of J"
+    cost: int = 20
+    slacks: tuple[str, ...] = ("0.1", "0.25", "0.5", "1")
+
+    def hold(self, points: Array, cells: Array, low: float, high: float) -> Told:
+        """See `OfQ.hold`.
+
+        Parameters
+        ----------
+        points, cells, low, high
+            See `OfQ.hold`.
+        """
+        return scaled.within_ball(points, cells, low, high)
+
+    def needed(self, points: Array, box: Array) -> tuple[float, float]:
+        """See `OfQ.needed`: on a grid.
+
+        Parameters
+        ----------
+        points, box
+            See `OfQ.needed`.
+        """
+        J = scaled.slopes_at(points, samples(box, COARSE))
+
+        def reach(j: float, J: Array = J) -> float:
+            return float(np.linalg.norm(J - j * np.eye(3), 2, axis=(1, 2)).max())
+
+        size = float(np.trace(J, axis1=1, axis2=2).max())  # of a sum of three slopes
+        found = minimize_scalar(
+            reach, bounds=(0, size), method="bounded", options={"xatol": 1e-6 * size}
+        )
+        return float(found.x - found.fun), float(found.x + found.fun)
+
+    def widened(self, low: float, high: float, slack: str) -> tuple[Fraction, Fraction]:
+        """See `OfQ.widened`: the ball, about its middle.
+
+        Parameters
+        ----------
+        low, high, slack
+            See `OfQ.widened`.
+        """
+        j, reach = Fraction(low + high) / 2, Fraction(high - low) / 2 * (1 + Fraction(slack))
+        return j - reach, j + reach
+
+    def at(self, points: Array, position: Array, low: float, high: float) -> str:
+        """See `OfQ.at`.
+
+        Parameters
+        ----------
+        points, position, low, high
+            See `OfQ.at`.
+        """
+        j, reach = (low + high) / 2, (high - low) / 2
+        far = np.linalg.norm(scaled.slopes_at(points, position[None])[0] - j * np.eye(3), 2)
+        return f"J at the goal is {far:.4g} 1/m from {j:g} I, not within {reach:g}"
+
+    def out(self, points: Array, positions: Array, low: float, high: float) -> Iterator[Spot]:
+        """See `OfQ.out`.
+
+        Parameters
+        ----------
+        points, positions, low, high
+            See `OfQ.out`.
+        """
+        J = scaled.slopes_at(points, positions) - (low + high) / 2 * np.eye(3)
+        norms = np.linalg.norm(J, 2, axis=(1, 2))
+        at = int(norms.argmax())
+        if norms[at] > (high - low) / 2:
+            yield positions[at], np.linalg.svd(J[at])[2][0], "ball", float(norms[at])
+
+
+Flow = OfQ | OfJ
+
+
+def flow_of(mission: Mission) -> Flow:
+    """Return what the bounds of a mission are about.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    return OfJ() if mission.law.feature == "scaled" else OfQ()
+
+
+def eigenvalues(points: Array, positions: Array) -> Array:
+    """Return the eigenvalues of Q, ascending, (n, 3), 1/m, in floating point.
+
+    Parameters
+    ----------
+    points : (k, 3), target, world frame, m
+    positions : (n, 3), world frame, m
+    """
+    return np.asarray(np.linalg.eigvalsh(View.at(points, positions).depths), np.float64)
+
+
+def samples(box: Array, count: int = GRID) -> Array:
+    """Return a grid of positions in a box, (count³, 3), m.
+
+    Parameters
+    ----------
+    box : (3, 2)
+        Low and high ends, m.
+    count : int
+        Number to a side.
+    """
+    lines = [np.linspace(a, b, count) for a, b in box]
+    return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def _unit_grid() -> Array:
+    return samples(np.array([[-1.0, 1.0]] * 3), 13)
