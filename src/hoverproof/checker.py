@@ -1011,9 +1011,11 @@ def verify_counterexample(c: Any, p: Question) -> None:
 def theorem_of_counterexample(c: Any, p: Question) -> str:
     """Say in words what is refuted."""
     point = keys(c["counterexample"], ("Q", "f", "X", "value"), "counterexample")
+    Q = "J, which stands as Q," if p.s.law.scaled else "Q"
     return (
-        f"It is not true that, for {asked(p)}, the matrix Σ(Q, T) is positive definite: for the "
-        f"given rational Q and X, and the thrust with f(T) = {about(number(point['f']))} 1/m, "
+        f"It is not true that, for {asked(p)}, the matrix Σ({Q[0]}, T) is positive definite: for "
+        f"the given rational {Q} and X, and the thrust with "
+        f"f(T) = {about(number(point['f']))} 1/m, "
         f"XᵀΣX <= {about(number(point['value']))} < 0."
     )
 

@@ -21,7 +21,7 @@ from hoverproof.algebra.graph import fingerprint
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rotors import ROTORS
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, name_of
 from hoverproof.servo.loop import LoopNumbers, readout_function
 from hoverproof.simulation.numbers import euler_angles
 from hoverproof.simulation.step import step_function
@@ -172,6 +172,8 @@ def flight_record(
     read = _columns(readout_function(n, numbers.law), mission, numbers, states)
     rotation = states[:, 6:15].reshape(-1, 3, 3).transpose(0, 2, 1)
     body, world, point = ("time", "body_axis"), ("time", "axis"), ("time", "point", "image_axis")
+    paper = numbers.law.feature == HAMEL_MAHONY.feature
+    seen = "image centroid q" if paper else f"feature in place of q: {numbers.law.feature.name}"
     tilt = np.arctan2(np.hypot(rotation[:, 2, 0], rotation[:, 2, 1]), rotation[:, 2, 2])
     variables: dict[str, tuple[Any, Array, str, str]] = {
         "position": (world, states[:, 0:3], "m", "position ξ, world frame, z down"),
@@ -189,7 +191,7 @@ def flight_record(
         "torque": (body, read["torque"], "N m", "torque Γ, body frame"),
         "rotor_thrust": (("time", "rotor"), read["rotor_thrusts"], "N", "thrust of each rotor"),
         "image": (point, read["image"].reshape(-1, n, 2), "1", "pinhole image, focal length 1"),
-        "centroid": (body, read["centroid"], "1", "image centroid q"),
+        "centroid": (body, read["centroid"], "1", seen),
         "delta1": (body, read["delta1"], "1", "image error δ1"),
         "delta2": (body, read["delta2"], "1", "velocity error δ2"),
         "delta3": (body, read["delta3"], "1", "force error δ3"),
@@ -222,6 +224,7 @@ def flight_record(
             "goal_position": numbers.goal,
             "goal_centroid": numbers.goal_centroid,
             "mission": json.dumps(mission.exact()),
+            "law": name_of(numbers.law),
             "model_sha256": model_fingerprint(n, numbers.law),
             "hoverproof_version": __version__,
             "casadi_version": version("casadi"),
