@@ -276,7 +276,7 @@ def shown_exactly(target, box, low, high):
         return largest_below(view, float(high)) & smallest_above(view, float(low))
 
     tree = grow_tree(np.array(box, float), hold, 300)
-    setting = checker.Setting("", F(1), F(1), {}, target, [], None)
+    setting = checker.Setting("", checker.Law(), F(1), F(1), {}, target, [], [], None)
     try:
         checker.verify_region(None, checker.Spread(setting, low, high, box, tree or "0"))
     except checker.Rejected:

@@ -29,12 +29,16 @@ if TYPE_CHECKING:
     from hoverproof.mission.reading import load as load
     from hoverproof.paper.ledger import derive as derive
     from hoverproof.reporting.document import report as report
+    from hoverproof.servo.law import Law as Law
+    from hoverproof.servo.laws.hamel_mahony import LAWS as LAWS
     from hoverproof.simulation.flight import simulate as simulate
     from hoverproof.simulation.runs import simulate_batch as simulate_batch
 
 _HOMES = {
     "Firmware": ("hoverproof.export.binding", "Firmware"),
     "InputError": ("hoverproof.errors", "InputError"),
+    "LAWS": ("hoverproof.servo.laws.hamel_mahony", "LAWS"),
+    "Law": ("hoverproof.servo.law", "Law"),
     "Start": ("hoverproof.certification.attraction.starts", "Start"),
     "atlas": ("hoverproof.design.atlas", "atlas"),
     "attraction": ("hoverproof.certification.attraction.proof", "attraction"),
@@ -53,8 +57,10 @@ _HOMES = {
 }
 
 __all__ = [
+    "LAWS",
     "Firmware",
     "InputError",
+    "Law",
     "Start",
     "__version__",
     "atlas",

@@ -84,12 +84,17 @@ class Target(_Section):
 class LawChoice(_Section):
     """Which law flies: feature, goal and force; by default the paper's.
 
+    Bounds, gains and certificates are about the law of the mission. A theorem about regions of
+    attraction is there for the paper's law alone: centroid, image and modelled.
+
     Attributes
     ----------
     feature : "centroid" or "scaled"
-        The image centroid q of the paper, or q scaled so that a small target keeps its height.
+        The image centroid q of the paper, or q scaled so that a small target keeps its height; then
+        bounds.eigenvalues are the ends [j - ϱ, j + ϱ] of a ball about j I that holds J, the slope
+        of the scaled centroid, in the place of Q.
     goal : "image" or "inertial"
-        Fixed in the image as in the paper, or to the vertical.
+        Fixed in the image as in the paper, or to the vertical, which a centroid [0, 0, q3] needs.
     force : "modelled" or "measured"
         That of the commanded thrust as in the paper, or that which an accelerometer measures.
     """
