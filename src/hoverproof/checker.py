@@ -277,14 +277,14 @@ class Setting(NamedTuple):
     """What a mission says of vehicle, law, target and goal; q* is enclosed."""
 
     name: str
-    law: Law
     m: Fraction  # mass, kg
     gravity: Fraction  # m/s²
     g: dict[str, Fraction]  # k1 kg m/s, k2 1/m, k3 and k4 kg/s
     points: Matrix  # target, world frame, m
     centroid: list[Interval]  # q*
-    fixed: list[Interval]  # what turns with the image of q*, or of s*: all of it, or nothing
     goal: list[Fraction] | None  # position, m; None where q* is given
+    fixed: Sequence[Interval] = ()  # what turns with the image of q*, or s*: all of it, or nothing
+    law: Law = Law()
 
     @property
     def gains(self) -> list[Fraction]:
@@ -345,8 +345,8 @@ def read_setting(c: Any) -> Setting:
         vertical = all(max(map(abs, ends)) < Fraction(1, 10**9) for ends in centroid[:2])
         require(vertical, "a goal fixed to the vertical is straight below")
         fixed = [(Fraction(0), Fraction(0))] * 3
-    weights = vehicle["mass"], vehicle["gravity"]
-    return Setting(mission["name"], law, *weights, g, points, centroid, fixed, position)
+    numbers_of = vehicle["mass"], vehicle["gravity"]
+    return Setting(mission["name"], *numbers_of, g, points, centroid, position, fixed, law)
 
 
 def of_the_paper(s: Setting) -> Setting:
