@@ -272,6 +272,8 @@ class Law:
         δ3 and δ4. Of exact numbers, floats or arrays.
     design : type of Design
         The layout of what it is made of.
+    variant : str
+        What tells it from another law of the same choices.
     """
 
     feature: Feature
@@ -282,11 +284,13 @@ class Law:
     turning: Callable[[Any], ca.SX]
     bandwidth: Callable[..., Any]
     design: type[Design] = Design
+    variant: str = ""
 
     @property
     def name(self) -> str:
-        """Its choices: feature, goal and force."""
-        return f"{self.feature.name}/{self.goal.name}/{self.force.name}"
+        """Its choices: feature, goal and force, and its variant."""
+        choices = f"{self.feature.name}/{self.goal.name}/{self.force.name}"
+        return f"{choices} ({self.variant})" if self.variant else choices
 
     def __repr__(self) -> str:
         return f"Law({self.name!r})"
