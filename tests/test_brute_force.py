@@ -152,7 +152,8 @@ def brute_force(mission, rng, starts=8):
     best = min(value for value, _ in found)
     for value, lowest in found:
         if value <= best + abs(best) / 10:
-            options = {"xatol": 1e-8, "fatol": 1e-16, "initial_simplex": 0.05 * SIMPLEX}
+            near = {"xatol": 1e-5, "fatol": 1e-11 * abs(best)}  # it is flat there
+            options = near | {"initial_simplex": 0.05 * SIMPLEX}
             best = min(best, minimize(lowest, [0, 0], method="Nelder-Mead", options=options).fun)
     return best, size
 

@@ -248,7 +248,10 @@ def pose(
         proves nothing.
     """
     goal = hover_goal(mission)
-    box = tuple((binary_below(low, BITS), binary_above(high, BITS)) for low, high in goal.centroid)
+    box = tuple(
+        (low, high) if low == high else (binary_below(low, BITS), binary_above(high, BITS))
+        for low, high in goal.centroid
+    )
 
     def force(thrust: Fraction, q3: Fraction) -> list[Fraction]:
         q = [box[0][0], box[1][0], q3]
