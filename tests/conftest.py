@@ -7,11 +7,16 @@ from hypothesis import HealthCheck, settings
 
 from hoverproof.mission.reading import load
 from hoverproof.mission.sections import Mission
+from sharing import share
 
 BUSY = [HealthCheck.too_slow]  # a busy machine is no failure
 settings.register_profile("desk", suppress_health_check=BUSY)
 settings.register_profile("ci", derandomize=True, suppress_health_check=BUSY)  # the same each time
 settings.load_profile("ci" if os.environ.get("CI") else "desk")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    share()  # before pytest-xdist starts its processes
 
 
 @pytest.fixture(scope="session")
