@@ -15,6 +15,18 @@ settings.register_profile("ci", derandomize=True, suppress_health_check=BUSY)  #
 settings.load_profile("ci" if os.environ.get("CI") else "desk")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--whole", action="store_true", help="random trials at their full number: make trials"
+    )
+
+
+@pytest.fixture(scope="session")
+def whole(request: pytest.FixtureRequest) -> bool:
+    """Whether random trials are to run at their full number."""
+    return bool(request.config.getoption("whole"))
+
+
 def pytest_configure(config: pytest.Config) -> None:
     share()  # before pytest-xdist starts its processes
 
