@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import re
 import shutil
 import subprocess
@@ -15,6 +16,7 @@ import pytest
 import hoverproof
 from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
+from sharing import kept
 
 TARGET = Path(__file__).parent / "target"
 FLAGS = ("-std=c99", "-O2", "-fno-math-errno", "-ffp-contract=off")
@@ -62,9 +64,21 @@ class Package:
         return [f"-I{self.folder}", f"-I{self.folder / 'example'}"]
 
 
-def export(folder, mission="x4-flyer", overrides=None, **options):
+def export_anew(folder, mission="x4-flyer", overrides=None, **options):
     loaded = load(mission, overrides or {})
     return Package(folder, hoverproof.export_c(loaded, folder, **options))
+
+
+def export(folder, mission="x4-flyer", overrides=None, **options):
+    """Export a package, or copy the one that another test has exported with the same options."""
+
+    def make(begun):
+        made = export_anew(begun / "package", mission, overrides, **options)
+        (begun / "manifest").write_bytes(pickle.dumps(made.manifest))
+
+    place = kept(("package", mission, overrides or {}, sorted(options.items())), make)
+    shutil.copytree(place / "package", folder, dirs_exist_ok=True)
+    return Package(folder, pickle.loads((place / "manifest").read_bytes()))
 
 
 @dataclass(frozen=True)

@@ -142,9 +142,12 @@ def test_the_certified_rate_of_a_random_mission_is_one_that_its_loop_has():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("objective", ["decay", "settling", "region"])
-@pytest.mark.parametrize("change", [{}, AUTO])
+@pytest.mark.parametrize(
+    ("objective", "change"),
+    [("decay", {}), ("decay", AUTO), ("settling", {}), ("settling", AUTO), ("region", AUTO)],
+)
 def test_tuned_gains_settle(objective, change):
+    """Those for a region with assumed bounds are looked at in `tests/test_region_gains.py`."""
     tuned = tune(load("x4-flyer", change), objective=objective)
     assert tuned.status == "tuned"
     assert tuned.slowest_rate > 0

@@ -57,6 +57,17 @@ def hover_goal(mission: Mission) -> HoverGoal:
     InputError
         If no hover above the target sees the wanted centroid.
     """
+    key = (tuple(mission.target.points), mission.goal.height, mission.goal.centroid)
+    if key not in _held:
+        _held[key] = _found(mission)
+    return _held[key]
+
+
+_held: dict[object, HoverGoal] = {}
+"""Hovers by target and goal: one verdict asks several times, and a search for gains again."""
+
+
+def _found(mission: Mission) -> HoverGoal:
     points = mission.target.points
     n = len(points)
     middle = [sum((p[i] for p in points), Fraction(0)) / n for i in range(3)]
@@ -182,7 +193,9 @@ def _solve(
         return float(np.linalg.norm(points - xi, axis=1).sum() + wanted @ xi)
 
     xi, seen = np.array([float(c) for c in start]), np.full(3, np.nan)
-    for _ in range(200):
+    visited: set[bytes] = set()  # once rounding is all that is left, it goes round in a circle
+    while len(visited) < 200 and xi.tobytes() not in visited:
+        visited.add(xi.tobytes())
         q, Q = (np.array(m) for m in look(points.T, xi))
         seen, step = q[:, 0], np.zeros(3)
         if not (np.isfinite(seen).all() and np.isfinite(Q).all()):
