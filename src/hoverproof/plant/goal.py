@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import casadi as ca
@@ -137,8 +137,8 @@ def hover_at_height(
 
 
 def centroid_seen(
-    points: list[tuple[Fraction, Fraction, Fraction]], position: tuple[Fraction, ...]
-) -> list[Surd]:
+    points: Sequence[tuple[Fraction, Fraction, Fraction]], position: tuple[Fraction, ...]
+) -> tuple[Surd, ...]:
     """Return the image centroid of a level camera, exactly, (3,).
 
     Parameters
@@ -146,10 +146,17 @@ def centroid_seen(
     points : (n, 3), world frame, m
     position : (3,), world frame, m
     """
+    return _centroid_seen(tuple(points), position)
+
+
+@lru_cache(maxsize=64)  # a command asks for the goal of its mission many times
+def _centroid_seen(
+    points: tuple[tuple[Fraction, ...], ...], position: tuple[Fraction, ...]
+) -> tuple[Surd, ...]:
     arguments = [[c for p in points for c in p], position]
     look = level_view(len(points)).factory("centroid", ["points", "xi"], ["q"])
     (q,) = evaluate(look, [[Surd.of(c) for c in a] for a in arguments], Surd.of)
-    return [row[0] for row in q]
+    return tuple(row[0] for row in q)
 
 
 @cache
@@ -173,7 +180,7 @@ def level_view(n: int) -> ca.Function:
     )
 
 
-def _goal(position: tuple[Fraction, ...], seen: list[Surd]) -> HoverGoal:
+def _goal(position: tuple[Fraction, ...], seen: Sequence[Surd]) -> HoverGoal:
     return HoverGoal(position, tuple(q.enclosure() for q in seen))
 
 
