@@ -76,12 +76,16 @@ def test_the_error_rates_of_the_uncertain_vehicle(law):
 
 
 @each_law
-def test_what_the_controller_knows_is_off_by_the_errors_of_feature_and_force(law):
+def test_what_the_controller_knows_is_off_by_what_it_measures_wrongly(law):
     loop = derive_uncertain_loop(law)
-    n, b = loop.doubt.feature, loop.doubt.force
-    own = law.errors(loop.known, loop.design)
-    e = loop.errors
-    right = ca.vertcat(e.d1 + n, e.d2 - n, e.d3 - n + b, e.d4 - (n - b)[:2])
+    n, b, known, body, d = loop.doubt.feature, loop.doubt.force, loop.known, loop.body, loop.design
+    own, e = law.errors(known, d), loop.errors
+    speed = d.slowness * (known.velocity - body.velocity)
+    seen = known.centroid - body.centroid
+    if law.goal.name == "inertial":
+        seen -= d.goal_centroid[2] * (known.gravity_direction - body.gravity_direction)
+    assert prove_equal(n, seen - speed)
+    right = ca.vertcat(e.d1 + n + speed, e.d2 - n, e.d3 - n + b, e.d4 - (n - b)[:2])
     assert prove_equal(own.vector(), right)
 
 
@@ -131,20 +135,22 @@ def true_flow(loop):
 
 
 @pytest.mark.parametrize("goal", ["image", "inertial"])
-def test_an_exact_accelerometer_leaves_no_force_error_in_any_steady_wind(goal):
-    """b = 0, ψ = (ς - 1)(p1 - p2), p3 = (Ω × wind)₃/D_c, χ = 1 + wind₃/D_c."""
+def test_an_exact_accelerometer_leaves_the_force_right_in_any_steady_wind(goal):
+    """b = 0, ψ = (ς - 1)(p1 - p2), p3 = (Ω × wind)₃/D_c, χ = 1 + wind₃/D_c, the vertical known."""
     law = MEASURED[goal]
     loop = derive_uncertain_loop(law)
     d, known, doubt, motion = loop.design, loop.known, loop.doubt, loop.motion
     felt = (loop.wind - loop.body.thrust * E3) / d.mass
+    wrong = ca.vertcat(known.specific_force, known.gravity_direction)
+    right = ca.vertcat(felt, loop.body.gravity_direction)
 
     def at(expression):
-        return ca.substitute(expression, known.specific_force, felt)
+        return ca.substitute(expression, wrong, right)
 
     lever = at(law.lever(law.force.thrust(known, d), d))
     state, flow = true_flow(loop)
     taken = at(loop.thrust_rate) + lever * at(motion.crosswind)
-    flow = ca.substitute(flow, known.specific_force, felt)
+    flow = at(flow)
     drift = (lie_derivative(lever, state, flow) - taken) / lever
     p1, p2 = at(motion.sinking), at(motion.sinking_by_error)
     assert prove_zero(at(doubt.force))
@@ -156,10 +162,11 @@ def test_an_exact_accelerometer_leaves_no_force_error_in_any_steady_wind(goal):
 
 @pytest.mark.parametrize("goal", ["image", "inertial"])
 def test_a_modelled_force_is_wrong_by_thrust_and_wind(goal):
-    """b = ((T̃ - T_c) e₃ - wind)/c, and ψ = p3 = 0 as the thrust is its own integral."""
+    """b = ((T̃ - T_c) e₃ - wind)/c, and p3 = 0; the vertical is known."""
     loop = derive_uncertain_loop(LAWS["scaled", goal, "modelled"])
     off = (loop.body.thrust - loop.known.thrust) * E3 - loop.wind
-    assert prove_equal(loop.doubt.force, off / loop.design.stiffness)
+    level = loop.known.gravity_direction, loop.body.gravity_direction
+    assert prove_equal(ca.substitute(loop.doubt.force, *level), off / loop.design.stiffness)
     assert prove_zero(loop.motion.crosswind)
 
 
@@ -266,8 +273,8 @@ def test_the_spread_is_what_the_centroid_lacks(n):
 class Flying:
     """A rigid body in numpy, of another mass, thrust and inertia than modelled, in steady wind.
 
-    Its feature is seen with an error that is steady in body axes. It takes from the package only
-    the controller, as numbers in and numbers out.
+    Feature, velocity and vertical are measured with errors that are steady in body axes. It takes
+    from the package only the controller, as numbers in and numbers out.
     """
 
     points = np.array([[0.4, 0.5, 0.1], [-0.5, 0.4, 0], [-0.4, -0.5, 0.2], [0.5, -0.6, 0]]).T
@@ -275,7 +282,8 @@ class Flying:
     inertia, yaw_gain, s3 = np.array([0.02, 0.025, 0.04]), 0.03, 1.3
     true_mass, true_inertia = 1.8, np.array([0.026, 0.021, 0.05])
     thrust_gain, wind = 0.85, np.array([0.7, -0.4, 0.5])
-    missed = np.array([0.03, -0.02, 0.05])
+    missed, drift = np.array([0.03, -0.02, 0.05]), np.array([-0.04, 0.02, 0.03])
+    lean = np.array([0.02, 0.03, -0.01])
 
     def __init__(self, law):
         self.law, self.controller = law, derive_controller(law).function()
@@ -315,7 +323,8 @@ class Flying:
 
     def commanded(self, x):
         """Return U and Γ."""
-        own = [self.seen(x)[0] + self.missed, x[3:6], x[12:15], x[15:18], [x[18]]]
+        own = [self.seen(x)[0] + self.missed, x[3:6] + self.drift, x[12:15] + self.lean]
+        own += [x[15:18], [x[18]]]
         if self.law.force.name == "measured":
             own.append(self.felt(x))
         thrust_rate, torque = self.controller(np.concatenate(own), self.design)
@@ -368,11 +377,13 @@ class Flying:
         p1, p12 = self.c * self.kappa * X[8] / lever, thrust_rate / lever
         off = (gain - 1) * x[18] * np.array([0, 0, 1]) - aside
         gamma, gyroscopic = inertia_doubt(self.inertia, self.true_inertia, np)
+        n = self.missed - self.mass / self.gains[0] * self.drift
+        n -= 0 if self.fixed else self.s3 * self.lean
+        b = self.mass * self.gravity * self.lean + (0 if measured else off)
         doubt = [
             [gain, (gain * x[18] - self.c * self.fixed) / lever],
             [(gain - 1) * p12 if measured else 0.0],
-            *(gamma.T.ravel(), gyroscopic.T.ravel(), self.missed),
-            np.zeros(3) if measured else off / self.c,
+            *(gamma.T.ravel(), gyroscopic.T.ravel(), n, b / self.c),
         ]
         crosswind = np.cross(x[15:18], aside)[2] / lever if measured else 0.0
         quickness = self.c * self.kappa / lever

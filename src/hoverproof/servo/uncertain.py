@@ -1,8 +1,8 @@
 """The errors of a vehicle that is not the modelled one, under the controller of a law.
 
-Mass, thrust, inertia, wind, what the controller sees and what it takes for the force may all be
-wrong. The errors are those of the true vehicle, the controller has its own knowledge of them, and
-the goal is straight below. All that is unknown stands in `Doubt`.
+Mass, thrust, inertia and wind may be wrong, and all that is measured but the body rates. The
+errors are those of the true vehicle, the controller has its own knowledge of them, and the goal is
+straight below. All that is unknown stands in `Doubt`.
 """
 
 from __future__ import annotations
@@ -41,7 +41,8 @@ class Doubt(Packed):
     gyroscopic : SX
         G, (4, 1), likewise: and Ω₃ G e₃ × Ω besides, where moments of inertia are wrong.
     feature : SX
-        n, (3, 1): the feature that is used less the present one, body axes.
+        n, (3, 1), body axes: the image error δ1 that is used less the present one, less m/k1 times
+        the same of the velocity.
     force : SX
         b, (3, 1): the force that is used less the true one, over c, body axes.
     """
@@ -164,12 +165,12 @@ class UncertainLoop:
     wind : SX
         Symbols of the steady force of the wind, body axes, times m over the true mass, (3, 1), N.
     known : Measurement
-        What the controller has in their place.
+        What the controller has in their place: symbols, but for the same Ω.
     errors : Errors
         δ1 to δ4.
     motion : Motion
     doubt : Doubt
-        ς, ψ, γ, G and n are symbols; χ and b follow.
+        ς, ψ, γ and G are symbols; χ, n and b follow.
     thrust_rate : SX
         U, (1, 1), N/s.
     rate : SX
@@ -201,13 +202,7 @@ def derive_uncertain_loop(law: Law = HAMEL_MAHONY) -> UncertainLoop:
     design = law.design.symbols()
     design = replace(design, goal_centroid=design.goal_centroid[2] * E3)
     body, wind, doubt = Measurement.symbols(), ca.SX.sym("wind", 3), Doubt.symbols()
-    known = replace(
-        law.measurement.symbols(),
-        centroid=body.centroid + doubt.feature,
-        velocity=body.velocity,
-        gravity_direction=body.gravity_direction,
-        rate=body.rate,
-    )
+    known = replace(law.measurement.symbols(), rate=body.rate)
     thrust_rate, command, model_drift = _commanded(derive_controller(law), known, design)
 
     force = wind + rigid_body.force(
@@ -240,6 +235,7 @@ def derive_uncertain_loop(law: Law = HAMEL_MAHONY) -> UncertainLoop:
     doubt = replace(
         doubt,
         lever_ratio=law.lever(body.thrust, design) / lever,
+        feature=errors.d2 - law.errors(known, design).d2,
         force=(law.force.force(known, design) - force) / design.stiffness,
     )
     quickness = design.stiffness * kappa(design) / lever
