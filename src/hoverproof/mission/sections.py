@@ -202,7 +202,7 @@ class Start(_Section):
 
 
 class Mission(_Section):
-    """A vehicle, a camera target, a goal and gains, with the bounds assumed and the start.
+    """A vehicle, a camera target, a goal and gains, with the bounds assumed, the start and the law.
 
     All numbers are `fractions.Fraction`. Made by `load`; `source` says from where. The name is also
     that of the files that commands write. The sections `sensors`, `rotors`, `wind`, `model_error`
