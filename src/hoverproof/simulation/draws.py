@@ -78,6 +78,20 @@ def memory_and_parameters(plan: Plan, runs: NDArray[np.int64]) -> tuple[Array, A
     return memory, np.hstack([design, held])
 
 
+def lag_shares(time_constant: float, step: float) -> tuple[float, float]:
+    """Return what share a first-order low-pass keeps over a step, and takes of the newest value.
+
+    Parameters
+    ----------
+    time_constant, step : float
+        s; without a time constant it takes the newest value alone.
+    """
+    if not time_constant:
+        return 0.0, 1.0
+    taken = -math.expm1(-step / time_constant)
+    return 1 - taken, 1 - taken * time_constant / step
+
+
 def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) -> dict[str, Array]:
     """Return the numbers of all that may surround runs, (count, size) each."""
     m, count = plan.mission, len(runs)
@@ -93,7 +107,7 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
     inertia = np.array([float(i) for i in vehicle.inertia])
     inertia_error = np.array([float(e) for e in wrong.inertia]) + drawn["inertia"]
     strength = 1 + float(wrong.thrust) + drawn["thrust"]
-    felt_late, felt_new = _lag_shares(float(s.accelerometer_time_constant), plan.step)
+    felt_late, felt_new = lag_shares(float(s.accelerometer_time_constant), plan.step)
     values: dict[str, Any] = {
         "mass": float(vehicle.mass) * (1 + float(wrong.mass) + drawn["mass"][:, 0]),
         "inertia": inertia * (1 + inertia_error),
@@ -134,14 +148,6 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
         name: np.broadcast_to(np.reshape(values[name], (-1, size)), (count, size))
         for name, size in FurtherSurroundings.sizes().items()
     }
-
-
-def _lag_shares(time_constant: float, step: float) -> tuple[float, float]:
-    """Return what a low-pass keeps over a step, and what it takes of the newest value."""
-    if not time_constant:
-        return 0.0, 1.0
-    taken = -math.expm1(-step / time_constant)
-    return 1 - taken, 1 - taken * time_constant / step
 
 
 def _scatter(plan: Plan, runs: NDArray[np.int64]) -> dict[str, Array]:
