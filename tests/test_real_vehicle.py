@@ -201,18 +201,34 @@ def test_what_is_recorded_is_the_acceleration_that_the_velocity_shows(vehicle):
     assert flight["delta3"].values[1:-1] == pytest.approx(d3, rel=1e-9, abs=1e-9)
     squares = sum((flight[f"delta{i}"].values ** 2).sum(axis=1) for i in (1, 2, 3, 4))
     assert flight["lyapunov"].values == pytest.approx(squares / 2, rel=1e-9)
+    plan = Plan(mission, 0.001, 2000, 1, scattered=False)
+    level = fly_raw(plan, 0, 1)[0][0][:, place(plan.record, "lyapunov")]
+    assert level[:, 0] == pytest.approx(squares / 2, rel=1e-9)
+
+
+def test_what_it_divides_by_is_made_of_the_thrust_that_it_measures(vehicle):
+    """The margin that ends a flight is T - c s3* of T = 0.5 kg times what is felt."""
+    mission = vehicle(IMAGE, {"start.position": "[0, 0, -1.2]", **ERRORS})
+    plan, memory, _ = at_start(mission)
+    _, params = memory_and_parameters(plan, np.arange(1))
+    after = plan.loop.functions["control"](ca.vertcat(*memory.values()), params[0], np.zeros(12))
+    margin = float(after[place(plan.features.layout(plan.numbers.law), "thrust_margin")])
+    stiffness = 0.0566**2 * 22 / 0.5
+    assert margin == pytest.approx(0.5 * 9.81 * 0.85 / 1.15 - stiffness * WANTED, rel=1e-6)
 
 
 def test_its_low_pass_answers_a_step_and_a_ramp_as_a_first_order_lag_does(vehicle):
     change = {"sensors": "{control_rate = 250, accelerometer_time_constant = 0.02}"}
     still = {"start.position": "[0, 0, -1.2]"}
-    plan, memory, _ = at_start(vehicle(LAW, change, still), accelerometer=ca.DM.zeros(3))
+    asked = ca.DM.ones(4) * 1.2 * 0.5 * 9.81 / 4  # which rotors without a lag give at once
+    begin = {"accelerometer": ca.DM.zeros(3), "rotor_commands": asked}
+    plan, memory, _ = at_start(vehicle(LAW, change, still), **begin)
     _, params = memory_and_parameters(plan, np.arange(1))
     now, move = ca.vertcat(*memory.values()), plan.loop.functions["move"]
     place_of_it = place(plan.features.layout(plan.numbers.law), "accelerometer")
     for step in range(1, 40):
         now = move(now, params[0], plan.numbers.points, np.zeros(3))
-        told = -9.81 * (1 - np.exp(-step * 0.002 / 0.02))
+        told = -1.2 * 9.81 * (1 - np.exp(-step * 0.002 / 0.02))
         assert np.array(now[place_of_it]).ravel() == pytest.approx([0, 0, told], abs=1e-9)
     for late in (0.003, 0.2):
         kept, newest = lag_shares(late, 0.01)
