@@ -75,7 +75,8 @@ def documented(thing):
     if inspect.isclass(thing) and issubclass(thing, BaseModel):  # a line names all keys, with units
         return {key: text for key in thing.model_fields if re.search(rf"\b{key}\b", text)}
     doc = docstring_parser.parse(text, docstring_parser.DocstringStyle.NUMPYDOC)
-    entries = {}
+    bases = thing.__bases__ if dataclasses.is_dataclass(thing) else ()
+    entries = {k: v for b in bases if dataclasses.is_dataclass(b) for k, v in documented(b).items()}
     for entry in doc.params:
         for name in entry.arg_name.split(","):
             text = f"{entry.type_name or ''} {entry.description or ''}"

@@ -316,4 +316,4 @@ def _as_text(value: Any) -> Any:
         return {key: _as_text(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
         return [_as_text(entry) for entry in value]
-    return str(value)
+    return str(value).lower() if isinstance(value, bool) else str(value)

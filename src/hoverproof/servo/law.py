@@ -237,6 +237,9 @@ class Force:
         (Measurement, Design) ↦ its own measurement: with what ideal sensors deliver besides.
     rate : callable
         (Measurement, Design, U in N/s) ↦ the time derivative of what it measures besides, (m, 1).
+    sensed : callable, optional
+        (Measurement, a in m/s², (3, 1), body frame) ↦ its own measurement, with that reading of an
+        accelerometer; None if it needs none.
     """
 
     name: str
@@ -245,6 +248,7 @@ class Force:
     measurement: type[Measurement]
     ideal: Callable[[Measurement, Any], Measurement]
     rate: Callable[[Any, Any, ca.SX], ca.SX]
+    sensed: Callable[[Measurement, ca.SX], Measurement] | None = None
 
 
 @dataclass(frozen=True, repr=False)
