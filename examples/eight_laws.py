@@ -99,7 +99,8 @@ for law, *both in zip(LAWS, ideal, real, strict=True):
     print(f"{'/'.join(law):28} {told[0]:>20}   {told[1]}")
 
 # %% [markdown]
-# A time is when the vehicle comes within 10 % of its distance at the start, for good.
+# A time is when the vehicle comes within 10 % of its distance at the start, for good. In the figure,
+# × is where a flight ends on the target.
 #
 # - **Modelled force**: all four are on the target within seconds. Nothing in the law integrates, so
 #   a force that is not as modelled is answered by an error of position, here more than the height.
@@ -114,15 +115,16 @@ for axes, flown, title in zip(panels, (ideal, real), titles, strict=True):
     for law, flight in zip(LAWS, flown, strict=True):
         apart = flight["position"].values - flight.attrs["goal_position"]
         feature, goal, force = law
+        colour = COLOURS[2 * (goal == "inertial") + (feature == "scaled")]
         axes.semilogy(
             flight["time"].values,
             np.maximum(np.linalg.norm(apart, axis=1), 1e-4),
-            color=COLOURS[
-                {"centroid": 0, "scaled": 1}[feature] + {"image": 0, "inertial": 2}[goal]
-            ],
+            color=colour,
             linestyle={"modelled": "--", "measured": "-"}[force],
             label="/".join(law),
         )
+        if flight.attrs["outcome"] != "flown":
+            axes.plot(flight["time"][-1], np.linalg.norm(apart[-1]), "x", color=colour)
     axes.set(title=title, xlabel="time (s)", ylim=(1e-4, 3))
     axes.grid(alpha=0.3)
 panels[0].set_ylabel("distance from the goal (m)")

@@ -135,7 +135,13 @@ class OfQ:
 
 @dataclass(frozen=True)
 class OfJ:
-    """A ball about a multiple of I that holds J, with the methods of `OfQ`."""
+    """A ball about a multiple of I that holds J, with the methods of `OfQ`.
+
+    Attributes
+    ----------
+    symbol, words, cost, slacks
+        See `OfQ`.
+    """
 
     symbol: str = "J"
     words: str = "the ball [j - ϱ, j + ϱ] of J"
@@ -147,8 +153,12 @@ class OfJ:
 
         Parameters
         ----------
-        points, cells, low, high
-            See `OfQ.hold`.
+        points : (n, 3)
+            World frame, m.
+        cells : (k, 3, 2)
+            Low and high ends, m.
+        low, high : float
+            1/m.
         """
         return scaled.within_ball(points, cells, low, high)
 
@@ -157,8 +167,10 @@ class OfJ:
 
         Parameters
         ----------
-        points, box
-            See `OfQ.needed`.
+        points : (n, 3)
+            World frame, m.
+        box : (3, 2)
+            Low and high ends, m.
         """
         J = scaled.slopes_at(points, samples(box, COARSE))
 
@@ -176,8 +188,10 @@ class OfJ:
 
         Parameters
         ----------
-        low, high, slack
-            See `OfQ.widened`.
+        low, high : float
+            1/m.
+        slack : str
+            A share, as an exact decimal.
         """
         j, reach = Fraction(low + high) / 2, Fraction(high - low) / 2 * (1 + Fraction(slack))
         return j - reach, j + reach
@@ -187,8 +201,12 @@ class OfJ:
 
         Parameters
         ----------
-        points, position, low, high
-            See `OfQ.at`.
+        points : (n, 3)
+            World frame, m.
+        position : (3,)
+            World frame, m.
+        low, high : float
+            1/m.
         """
         j, reach = (low + high) / 2, (high - low) / 2
         far = np.linalg.norm(scaled.slopes_at(points, position[None])[0] - j * np.eye(3), 2)
@@ -199,8 +217,12 @@ class OfJ:
 
         Parameters
         ----------
-        points, positions, low, high
-            See `OfQ.out`.
+        points : (n, 3)
+            World frame, m.
+        positions : (k, 3)
+            World frame, m.
+        low, high : float
+            1/m.
         """
         J = scaled.slopes_at(points, positions) - (low + high) / 2 * np.eye(3)
         norms = np.linalg.norm(J, 2, axis=(1, 2))
