@@ -99,8 +99,8 @@ for law, *both in zip(LAWS, ideal, real, strict=True):
     print(f"{'/'.join(law):28} {told[0]:>20}   {told[1]}")
 
 # %% [markdown]
-# A time is when the vehicle comes within 10 % of its distance at the start, for good. In the figure,
-# × is where a flight ends on the target.
+# A time is when the vehicle comes within 10 % of its distance at the start, for good. In the
+# figure, × is where a flight ends on the target.
 #
 # - **Modelled force**: all four are on the target within seconds. Nothing in the law integrates, so
 #   a force that is not as modelled is answered by an error of position, here more than the height.

@@ -139,8 +139,10 @@ class OfJ:
 
     Attributes
     ----------
-    symbol, words, cost, slacks
+    symbol, words, slacks
         See `OfQ`.
+    cost : int
+        Of a cell, a bare number.
     """
 
     symbol: str = "J"
