@@ -150,7 +150,7 @@ def _check(certificate: Mapping[str, Any], mission: Mission) -> tuple[Fraction, 
     checker.require(certificate["kind"] == "gains", "this is no certificate of gains")
     same = certificate["mission"] == mission.exact()
     checker.require(same, "the certificate is about another mission")
-    low, high = checker.read_gains(certificate).thrust
+    low, high = checker.claim_of(certificate).thrust
     return low, high
 
 
