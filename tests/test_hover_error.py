@@ -13,7 +13,7 @@ from hoverproof import cli
 from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_at_height, hover_goal
 from hoverproof.plant.rigid_body import RigidBodyState, state_rate
-from hoverproof.reporting.tables import hover_error_table
+from hoverproof.reporting.tables import hover_error_tables
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.hover_error import hover_error
 from hoverproof.servo.law import Design
@@ -153,7 +153,7 @@ def test_tune_and_the_firmware_say_what_an_error_does(tmp_path, capsys):
 
 
 def test_the_report_says_what_an_error_does():
-    table = hover_error_table(load(CRAZYFLIE))
+    (table,) = hover_error_tables(load(CRAZYFLIE))
     assert ("hover, 1 % more thrust", "none: it leaves (1 % lighter: none)") in table.rows
 
 

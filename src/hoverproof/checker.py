@@ -981,10 +981,10 @@ class Counterexample(Sigma):
 
     def words(self) -> str:
         """Say what is refuted."""
-        p, Q = self.c.counterexample, "J" if self.scaled else "Q"
+        p, Q = self.c.counterexample, "J, which stands as Q," if self.scaled else "Q"
         return (
-            f"It is not true that, for {self.asked()}, the matrix Σ({Q}, T) is positive definite: "
-            f"for the given rational {Q} and X, and the thrust with f(T) = {about(p.f)} 1/m, XᵀΣX "
+            f"It is not true that, for {self.asked()}, the matrix Σ({Q[0]}, T) is positive "
+            f"definite: for the given rational {Q} and X, and the thrust with f(T) = {about(p.f)} 1/m, XᵀΣX "
             f"<= {about(p.value)} < 0."
         )
 

@@ -19,7 +19,7 @@ from hoverproof.export.contents import Standing
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, law_of
+from hoverproof.servo.laws.hamel_mahony import choices_of, law_of, name_of
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import flight as simulation
 from hoverproof.simulation.cut_short import last_good_step, up_to
@@ -58,8 +58,8 @@ def export_c(
     allow_uncertified : bool
         Write a package even if the gains are not proved; every file of it then says so.
     law : Law, optional
-        What the firmware computes; by default the law of the mission; only the gains of the paper's
-        can be certified.
+        What the firmware computes; by default the law of the mission, which alone a certificate of
+        the mission is about.
     **options
         precision, sensing, tunable, name, rotor_limits: see
         `hoverproof.export.package.write_package`.
@@ -77,10 +77,10 @@ def export_c(
     InputError
         If an argument cannot be used or the folder cannot be written to.
     """
-    law = law or law_of(mission)
-    if law != HAMEL_MAHONY:
+    own = law_of(mission)
+    if law is not None and law != own:
         if not allow_uncertified:
-            why = f"a certificate is about the paper's law, not about {law.name}"
+            why = f"its certificate is about its law, {own.name}, not about {name_of(law)}"
             raise NotCertified(mission.name, "undecided", why)
         return write_package(mission, out, Standing(pose(mission).thrust), law=law, **options)
     verdict = certify(mission)
@@ -170,6 +170,8 @@ def flown_firmware(
         firmware = _exported(mission, law)
     elif firmware.manifest["mission"] != mission.exact():
         raise InputError(mission.source, "", f"is not the mission of the firmware {firmware.name}")
+    elif firmware.manifest["law"] != choices_of(law or law_of(mission)):
+        raise InputError(mission.source, "law", f"is not the law of the firmware {firmware.name}")
     vehicle = firmware
 
     def fly(samples: int, every: int) -> tuple[Array, bool]:

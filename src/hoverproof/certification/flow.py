@@ -6,9 +6,10 @@ a ball, |J - j I| <= ϱ, low = j - ϱ and high = j + ϱ.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,12 @@ from hoverproof.mission.sections import Mission
 
 Array = NDArray[np.float64]
 Spot = tuple[Array, Array, str, float]
+Write = Callable[[Any], str]
+"""How a number is written."""
 GRID, COARSE = 25, 13
 """Positions to a side of a box that are looked at."""
+BEYOND = 1e9
+"""1/m, in place of what is no number."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +38,12 @@ class OfQ:
     symbol : str
     words : str
         What is bounded.
+    named : str
+        The same in short.
+    bounds : str
+        What is proved or assumed of it.
+    every : str
+        For what a claim holds, before `within`.
     cost : int
         Of a cell, a bare number; see `checker.tree_of`.
     slacks : (k,)
@@ -41,8 +52,38 @@ class OfQ:
 
     symbol: str = "Q"
     words: str = "the eigenvalues of Q"
+    named: str = "the eigenvalues of Q"
+    bounds: str = "bounds of the eigenvalues"
+    every: str = "every symmetric Q with eigenvalues in"
     cost: int = 5
     slacks: tuple[str, ...] = ("0.01", "0.03", "0.1", "0.3", "0.6")
+
+    def within(self, ends: Sequence[Any], write: Write) -> str:
+        """Write bounds, without what is bounded.
+
+        Parameters
+        ----------
+        ends : (low, high)
+            1/m.
+        write : callable
+            How a number is written.
+        """
+        return f"[{write(ends[0])}, {write(ends[1])}] 1/m"
+
+    def kept(self, points: Array, positions: Array, low: float, high: float) -> Told:
+        """Tell whether bounds hold at positions, (k,), in floating point.
+
+        Parameters
+        ----------
+        points : (n, 3)
+            World frame, m.
+        positions : (k, 3)
+            World frame, m.
+        low, high : float
+            1/m.
+        """
+        values = eigenvalues(points, positions)
+        return np.asarray((values[:, 0] >= low) & (values[:, 2] <= high))
 
     def hold(self, points: Array, cells: Array, low: float, high: float) -> Told:
         """Tell whether bounds hold over cells, (k,).
@@ -147,8 +188,49 @@ class OfJ:
 
     symbol: str = "J"
     words: str = "the ball [j - ϱ, j + ϱ] of J"
+    named: str = "J"
+    bounds: str = "ball"
+    every: str = "every 3 x 3 matrix J with"
     cost: int = 20
     slacks: tuple[str, ...] = ("0.1", "0.25", "0.5", "1")
+
+    def within(self, ends: Sequence[Any], write: Write) -> str:
+        """See `OfQ.within`: |J - j I| <= ϱ.
+
+        Parameters
+        ----------
+        ends, write
+            See `OfQ.within`.
+        """
+        low, high = ends
+        return f"|J - {write((low + high) / 2)} I| <= {write((high - low) / 2)} 1/m"
+
+    def kept(self, points: Array, positions: Array, low: float, high: float) -> Told:
+        """See `OfQ.kept`.
+
+        Parameters
+        ----------
+        points, positions, low, high
+            See `OfQ.kept`.
+        """
+        far = self.far(points, positions, (low + high) / 2)
+        return np.asarray(far <= (high - low) / 2)
+
+    @staticmethod
+    def far(points: Array, positions: Array, j: float) -> Array:
+        """Return |J - j I| at positions, (k,), 1/m; `BEYOND` where J is not a number.
+
+        Parameters
+        ----------
+        points : (n, 3)
+            World frame, m.
+        positions : (k, 3)
+            World frame, m.
+        j : float
+            1/m.
+        """
+        J = np.nan_to_num(scaled.slopes_at(points, positions), nan=BEYOND)
+        return np.asarray(np.linalg.norm(J - j * np.eye(3), 2, axis=(1, 2)))
 
     def hold(self, points: Array, cells: Array, low: float, high: float) -> Told:
         """See `OfQ.hold`.
@@ -211,7 +293,7 @@ class OfJ:
             1/m.
         """
         j, reach = (low + high) / 2, (high - low) / 2
-        far = np.linalg.norm(scaled.slopes_at(points, position[None])[0] - j * np.eye(3), 2)
+        (far,) = self.far(points, position[None], j)
         return f"J at the goal is {far:.4g} 1/m from {j:g} I, not within {reach:g}"
 
     def out(self, points: Array, positions: Array, low: float, high: float) -> Iterator[Spot]:
@@ -226,11 +308,12 @@ class OfJ:
         low, high : float
             1/m.
         """
-        J = scaled.slopes_at(points, positions) - (low + high) / 2 * np.eye(3)
-        norms = np.linalg.norm(J, 2, axis=(1, 2))
-        at = int(norms.argmax())
-        if norms[at] > (high - low) / 2:
-            yield positions[at], np.linalg.svd(J[at])[2][0], "ball", float(norms[at])
+        j = (low + high) / 2
+        far = self.far(points, positions, j)
+        at = int(far.argmax())
+        if far[at] > (high - low) / 2:
+            (J,) = scaled.slopes_at(points, positions[at][None])
+            yield positions[at], np.linalg.svd(J - j * np.eye(3))[2][0], "ball", float(far[at])
 
 
 Flow = OfQ | OfJ

@@ -22,7 +22,7 @@ from hoverproof.algebra.derived import kept_graph
 from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.bounds import eigenvalue_bounds, goal_box, proved_bounds
-from hoverproof.certification.flow import flow_of
+from hoverproof.certification.flow import Flow, flow_of
 from hoverproof.certification.region import Box, Enclosure
 from hoverproof.certification.robust import Array, Inequality, Term
 from hoverproof.errors import InputError
@@ -186,11 +186,15 @@ class GainProblem:
         return "assumed" if self.box is None else "proved"
 
     @property
+    def flow(self) -> Flow:
+        """What the interval of the eigenvalues is about."""
+        return flow_of(self.mission)
+
+    @property
     def footing(self) -> str:
         """What a verdict rests on, in words."""
-        symbol = flow_of(self.mission).symbol
         how = "assumed" if self.box is None else "proved over a box"
-        return f"bounds of {symbol} {how}"
+        return f"bounds of {self.flow.symbol} {how}"
 
     @property
     def weight_diagonal(self) -> list[Fraction]:

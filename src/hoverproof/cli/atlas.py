@@ -105,12 +105,12 @@ def atlas(
 
 
 def _draw(mission: Mission, drawn: xr.Dataset, x: Axis, y: Axis, show: str, picture: Path) -> None:
-    """Draw a map, with the conditions of the printed theorem."""
+    """Draw a map, with the conditions of the printed theorem if it is about the mission's law."""
     from hoverproof.design.atlas import cell_values
     from hoverproof.paper.conditions import where_met
     from hoverproof.show.atlas import save_atlas_figure
 
-    met = where_met(mission, cell_values(mission, x, y))
+    met = where_met(mission, cell_values(mission, x, y)) if mission.law.is_papers else None
     save_atlas_figure(mission, drawn, show, met, picture)
 
 

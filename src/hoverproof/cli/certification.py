@@ -67,7 +67,7 @@ def certify(
     Example: `hoverproof certify x4-flyer --over-box --weights search --json`
     """
     from hoverproof.cli.answers.certify import CertifyAnswer
-    from hoverproof.paper.conditions import printed_demands
+    from hoverproof.paper.conditions import demands_of
     from hoverproof.plausibility import slow_motion
 
     loaded = load_mission(mission, set_)
@@ -83,7 +83,7 @@ def certify(
     strange = list(slow_motion(loaded)) if verdict.status == "proved" else []
     for finding in strange:
         warn_of(loaded, finding)
-    demands = printed_demands(loaded, verdict.problem.eigenvalues)
+    demands = demands_of(loaded, verdict.problem.eigenvalues)
     answer = CertifyAnswer(verdict, path, demands, weights is not None, strange)
     return tell(answer, json_, loaded)
 
@@ -106,8 +106,9 @@ def _over_box(
 
     region = enclose(mission, box_sides(mission, box), boxes)
     if region is None:
-        reason = "the eigenvalues of Q over the box were not enclosed within the limit of boxes"
         problem = gain_problem(mission)
+        named = problem.flow.named
+        reason = f"{named} over the box: not enclosed within the limit of boxes"
         return UndecidedGains(mission=mission, reason=reason, problem=problem, margin_above=None)
     return decide(mission, weights=parse_weights(mission, weights, region), region=region)
 

@@ -164,7 +164,7 @@ def cell_margins(
 ) -> Array:
     """Return the worst eigenvalue of each cell, kg/s, (n,), in floating point.
 
-    NaN where no question is posed, as where Q at the goal is not within the bounds.
+    NaN where no question is posed, as where Q (or J) at the goal is not within the bounds.
 
     Parameters
     ----------
@@ -310,13 +310,16 @@ def _record(
         },
         {
             a.name: Column(
-                (a.name,), a.values, {"units": a.quantity.unit, "long_name": a.quantity.words}
+                (a.name,),
+                a.values,
+                {"units": a.quantity.unit, "long_name": a.quantity.told(mission)},
             )
             for a in (x, y)
         },
         attrs={
             "title": f"atlas of {mission.name}",
             "mission": json.dumps(mission.exact()),
+            "law": mission.law.name,
             "weights": [float(w) for w in weights],
             "scales": [x.scale, y.scale],
             "model_sha256": model_fingerprint(law_of(mission)),

@@ -43,6 +43,17 @@ class Quantity:
     words: str
     scale: Scale = "log"
 
+    def told(self, mission: Mission) -> str:
+        """Return what it is in a mission, where bounds may be of J in place of Q.
+
+        Parameters
+        ----------
+        mission : Mission
+        """
+        if self.key == "bounds.eigenvalues" and mission.law.feature == "scaled":
+            return f"{('j - ϱ', 'j + ϱ')[self.end or 0]}, an end of the ball of J"
+        return self.words
+
     def value(self, mission: Mission) -> Fraction | None:
         """Return what a mission has; None if it has another kind of bound.
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
+from hoverproof.certification.flow import flow_of
 from hoverproof.design.gain_search import COARSE, GainSearch
 from hoverproof.mission.sections import Gains
 
@@ -56,12 +57,14 @@ def margin_words(search: GainSearch, value: float) -> str:
     value : float
         Their rate, 1/s, not above 0.
     """
-    low, high = (float(x) for x in search.questions.eigenvalues)
+    flow = flow_of(search.command.mission)
+    held = flow.within([float(x) for x in search.questions.eigenvalues], "{:g}".format)
+    bounded = f"{flow.words} in {held}" if flow.symbol == "Q" else held
     margin = value * search.questions.mass / 2
     return (
         f"no gains are certified within a bandwidth of {search.limits.fastest:g} rad/s: the best "
         f"margin found is {margin:.3g} kg/s (floating point), short of 0 by {-margin:.3g}; what "
-        f"binds are the bounds: eigenvalues of Q in [{low:g}, {high:g}] 1/m, and the thrust"
+        f"binds are the bounds: {bounded.removeprefix('the ')}, and the thrust"
     )
 
 

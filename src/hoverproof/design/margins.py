@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from hoverproof.algebra.graph import evaluate
 from hoverproof.certification import robust
 from hoverproof.certification.problem import GainProblem, gain_inequality, squares
-from hoverproof.servo.law import Design
+from hoverproof.servo.law import Design, Law
+from hoverproof.servo.laws.hamel_mahony import law_of
 from hoverproof.servo.lyapunov import force_function
 
 Array = NDArray[np.float64]
@@ -27,18 +28,19 @@ GAINS = Design.chain_gains()
 
 @dataclass(frozen=True)
 class Questions:
-    """Many gain problems for one vehicle and goal, n of them; scalars stand for all.
+    """Many gain problems for one vehicle, law and goal, n of them; scalars stand for all.
 
     Attributes
     ----------
+    law : Law
     mass, gravity : float
         kg and m/s².
     centroid : (3,)
-        q*.
+        q*, or what of the wanted feature turns with the image.
     gains : (4,) of (n,)
         k1 kg m/s, k2 1/m, k3 and k4 kg/s.
     eigenvalues : (low, high) of (n,)
-        Interval of the eigenvalues of Q, 1/m.
+        Interval of the eigenvalues of Q, or the ends of the ball of J, 1/m.
     thrust : (low, high) of (n,), or None
         Interval of the thrust, N.
     level : (n,), or None
@@ -47,6 +49,7 @@ class Questions:
         w of L = ½ Σ wᵢ|δᵢ|².
     """
 
+    law: Law
     mass: float
     gravity: float
     centroid: tuple[float, ...]
@@ -66,6 +69,7 @@ class Questions:
         """
         mission, bounds = problem.mission, problem.mission.bounds
         return cls(
+            law=law_of(mission),
             mass=float(mission.vehicle.mass),
             gravity=float(mission.vehicle.gravity),
             centroid=tuple(float(low + high) / 2 for low, high in problem.centroid),
@@ -122,7 +126,7 @@ class Questions:
 def _force(questions: Questions, thrust: Numbers) -> list[Array]:
     """Return c, the singular thrust c q3*, and f(T), (n,) each."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        outputs = evaluate(force_function(), [questions.design(), [thrust]], float)
+        outputs = evaluate(force_function(questions.law), [questions.design(), [thrust]], float)
     return [np.asarray(matrix[0][0], float) for matrix in outputs]
 
 
@@ -176,7 +180,7 @@ def margins(questions: Questions, floor: float = -np.inf) -> Array:
     for thrust in one.thrust_interval() if good.any() else ():
         f = factor_of(one, thrust)
         low, high = one.eigenvalues
-        corner = gain_inequality(one.design(), one.weights, one.gains[0], (low, high), f)
+        corner = gain_inequality(one.design(), one.weights, one.gains[0], (low, high), f, one.law)
         values = np.minimum(values, robust.margins(corner.scaled(weights), floor)[0])
     worst[good] = values
     return worst

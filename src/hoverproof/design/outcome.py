@@ -11,7 +11,8 @@ from hoverproof.certification.gains import ProvedGains
 from hoverproof.design.gain_search import Objective
 from hoverproof.design.limits import Use, bandwidth
 from hoverproof.mission.sections import Mission
-from hoverproof.servo.hover_error import HoverError, hover_error
+from hoverproof.servo.hover_error import HoverError, hover_error, rests_as_modelled
+from hoverproof.servo.laws.hamel_mahony import law_of
 
 
 class _OfMission:
@@ -25,9 +26,10 @@ class _OfMission:
         return bandwidth(self.mission)
 
     @property
-    def hover_error(self) -> HoverError:
-        """What an error of thrust or mass does to the hover."""
-        return hover_error(self.mission)
+    def hover_error(self) -> HoverError | None:
+        """What an error of thrust or mass does to the hover; None where its law does not say."""
+        known = rests_as_modelled(law_of(self.mission))
+        return hover_error(self.mission) if known else None
 
 
 @dataclass(frozen=True)

@@ -300,9 +300,10 @@ def _short_of(best: Tuned, limits: Limits, at_least: float, command: FirstComman
     search = GainSearch(questions, limits, command, "decay")
     needed = needed_bandwidth(search, best.mission.gains, rate, at_least)
     binding = [f"{u.name} {u.value:.4g} of {u.limit:.4g} {u.unit}" for u in best.uses if u.binds]
-    words = ", ".join(binding) if binding else "the bounds of Q and of the thrust alone"
+    bounds = f"the bounds of {best.verdict.problem.flow.symbol} and of the thrust"
+    words = ", ".join(binding) if binding else f"{bounds} alone"
     if needed is None:
-        more = "no bandwidth would do (floating point): the bounds of Q and of the thrust bind"
+        more = f"no bandwidth would do (floating point): {bounds} bind"
     else:
         more = f"a bandwidth of about {needed:.3g} rad/s would do"
     reason = (

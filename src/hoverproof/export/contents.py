@@ -19,6 +19,7 @@ from hoverproof.mission.sections import Mission
 from hoverproof.plant.rotors import ROTORS
 from hoverproof.servo.hover_error import hover_error, rests_as_modelled
 from hoverproof.servo.law import Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, name_of
 from hoverproof.version import __version__
 
 
@@ -237,7 +238,7 @@ def contents(
         mission=mission,
         options=options,
         evidence=evidence,
-        origin=_origin(mission, evidence, text),
+        origin=_origin(mission, evidence, text, law.source),
         design=_design(mission, law.source),
         limits=limits,
         law=text,
@@ -269,10 +270,11 @@ def _evidence(standing: Standing) -> Evidence:
     return Evidence(True, sha, claim, statement, "certified", bounds)
 
 
-def _origin(mission: Mission, evidence: Evidence, law: LawText) -> Origin:
-    made = f"Made by hoverproof {__version__} from the mission {mission.name}. Do not edit."
+def _origin(mission: Mission, evidence: Evidence, text: LawText, law: Law) -> Origin:
+    flies = "" if law == HAMEL_MAHONY else f", law {name_of(law)}"
+    made = f"Made by hoverproof {__version__} from the mission {mission.name}{flies}. Do not edit."
     in_c = (
-        f"mission {mission.name}; certificate SHA-256 {evidence.sha256}; law SHA-256 {law.sha256}"
+        f"mission {mission.name}; certificate SHA-256 {evidence.sha256}; law SHA-256 {text.sha256}"
     )
     return Origin(
         text=made if evidence.certified else f"{made} UNCERTIFIED.",

@@ -20,9 +20,9 @@ from hoverproof.export.names import package_name
 from hoverproof.export.options import Options
 from hoverproof.export.targets import TARGETS, titles
 from hoverproof.files import write_text
-from hoverproof.mission.sections import Mission
+from hoverproof.mission.sections import LawChoice, Mission
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, law_of
+from hoverproof.servo.laws.hamel_mahony import choices_of, law_of, name_of
 from hoverproof.version import __version__
 
 FILES = {
@@ -112,8 +112,9 @@ def write_package(
     )
     law = law or law_of(mission)
     if standing.certificate is not None:
-        own = law == HAMEL_MAHONY
-        checker.require(own, f"the certificate is about the paper's law, not about {law.name}")
+        own = law_of(mission)
+        about = f"a certificate of {mission.name} is about {own.name}, not about {name_of(law)}"
+        checker.require(law == own, about)
         standing = replace(standing, thrust=_check(standing.certificate, mission))
     flown = flight_law(mission, sensing=sensing, tunable=tunable, law=law)
     filled = contents(mission, standing, flown, package_name(name, mission.name), options)
@@ -121,7 +122,7 @@ def write_package(
     if standing.certificate is not None:
         sealed = json.dumps(dict(standing.certificate), indent=2, ensure_ascii=False) + "\n"
         texts[f"{filled.name}.cert.json"] = sealed
-    manifest = _manifest(filled, texts)
+    manifest = _manifest(filled, texts, law)
     texts["manifest.json"] = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
     _write(out, texts)
     return manifest
@@ -148,6 +149,9 @@ def _check(certificate: Mapping[str, Any], mission: Mission) -> tuple[Fraction, 
     """Check a certificate and return the interval of thrusts that it is about, N."""
     checker.check(certificate)
     checker.require(certificate["kind"] == "gains", "this is no certificate of gains")
+    theirs = LawChoice(**certificate["mission"].get("law", {})).name
+    about = f"the certificate is about the law {theirs}, not about {mission.law.name}"
+    checker.require(theirs == mission.law.name, about)
     same = certificate["mission"] == mission.exact()
     checker.require(same, "the certificate is about another mission")
     low, high = checker.claim_of(certificate).thrust
@@ -186,13 +190,14 @@ def _rendered(filled: Contents) -> dict[str, str]:
     }
 
 
-def _manifest(filled: Contents, texts: Mapping[str, str]) -> dict[str, Any]:
+def _manifest(filled: Contents, texts: Mapping[str, str], law: Law) -> dict[str, Any]:
     options, limits, evidence = filled.options, filled.limits, filled.evidence
     return {
         "format": "hoverproof firmware",
         "version": 1,
         "name": filled.name,
         "mission": filled.mission.exact(),
+        "law": choices_of(law),
         "certified": evidence.certified,
         "eigenvalue_bounds": evidence.eigenvalue_bounds,
         "certificate_sha256": evidence.sha256 if evidence.certified else None,

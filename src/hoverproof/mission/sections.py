@@ -103,6 +103,11 @@ class LawChoice(_Section):
         """The three choices in a word."""
         return f"{self.feature}/{self.goal}/{self.force}"
 
+    @property
+    def is_papers(self) -> bool:
+        """Whether it is the law of the paper."""
+        return self == LawChoice()
+
 
 class Goal(_Section):
     """Where to hover: height m above the target, or the wanted image centroid."""
@@ -274,6 +279,11 @@ class Mission(_Section):
         return self
 
     @property
+    def title(self) -> str:
+        """Its name, with its law where that is not the paper's."""
+        return self.name if self.law.is_papers else f"{self.name} ({self.law.name})"
+
+    @property
     def height_of_target(self) -> Fraction:
         """Mean z of the target points, m, world frame (down)."""
         return sum((z for _, _, z in self.target.points), Fraction(0)) / len(self.target.points)
@@ -283,7 +293,7 @@ class Mission(_Section):
 
         Sensors, rotors, wind, model_error and scatter are not in it: see `conditions`.
         """
-        left_out = {"law"} if self.law == LawChoice() else set()
+        left_out = {"law"} if self.law.is_papers else set()
         text: dict[str, Any] = _as_text(self.model_dump(exclude_none=True, exclude=left_out))
         return text
 

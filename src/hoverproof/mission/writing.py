@@ -91,7 +91,7 @@ def _value(value: Any) -> str:
     """Write exact strings, in any nesting, as decimals; a word stays a word."""
     if isinstance(value, list):
         return f"[{', '.join(map(_value, value))}]"
-    return f'"{value}"' if value == "auto" else decimal(Fraction(value))
+    return f'"{value}"' if value.isalpha() else decimal(Fraction(value))
 
 
 def decimal(value: Fraction) -> str:

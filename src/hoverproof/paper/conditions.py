@@ -57,6 +57,23 @@ class Demand:
         return f"{self.name} {sign} {self.limit:.3g} ({self.value:.3g}: {met})"
 
 
+def demands_of(mission: Mission, eigenvalues: Interval) -> list[Demand] | None:
+    """Return the conditions of the printed theorem; None for a law that it is not about.
+
+    Parameters
+    ----------
+    mission : Mission
+    eigenvalues : (low, high)
+        Bounds of the eigenvalues of Q, 1/m.
+
+    Raises
+    ------
+    InputError
+        If the goal of the mission cannot be seen.
+    """
+    return printed_demands(mission, eigenvalues) if mission.law.is_papers else None
+
+
 def printed_demands(mission: Mission, eigenvalues: Interval) -> list[Demand]:
     """Return the conditions of the printed theorem (on k1…k4, and eq. 33) for a mission.
 

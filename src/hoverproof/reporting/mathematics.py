@@ -49,6 +49,7 @@ def claim(
     thrust: tuple[Fraction, Fraction],
     margin: Fraction,
     rate: Fraction,
+    symbol: str = "Q",
 ) -> list[str]:
     """Return theorem 1 with its numbers, as LaTeX, a line each (see `proofs/README.md`).
 
@@ -60,10 +61,12 @@ def claim(
         Σ ⪰ margin I, kg/s.
     rate : Fraction
         Of the decay of L, 1/s.
+    symbol : str
+        "Q", or "J" if the bounds are the ends of its ball.
     """
     return [
-        *question(eigenvalues, thrust),
-        r"\Longrightarrow\quad X^T \Sigma(Q, T)\, X \ge \mu \left|X\right|^2",
+        *question(eigenvalues, thrust, symbol),
+        rf"\Longrightarrow\quad X^T \Sigma({symbol}, T)\, X \ge \mu \left|X\right|^2",
         rf"\mu = {decimal(margin)}\ \mathrm{{kg/s}}",
         r"\Longrightarrow\quad \mathcal{L}(t) \le \mathcal{L}(0)\, e^{-r t}",
         rf"r = \frac{{2 \mu}}{{m}} \ge {decimal(decimal_below(rate, 8))}\ \mathrm{{s}}^{{-1}}",
@@ -71,7 +74,7 @@ def claim(
 
 
 def question(
-    eigenvalues: tuple[Fraction, Fraction], thrust: tuple[Fraction, Fraction]
+    eigenvalues: tuple[Fraction, Fraction], thrust: tuple[Fraction, Fraction], symbol: str = "Q"
 ) -> list[str]:
     """Return what a theorem on gains supposes, as LaTeX, a line each.
 
@@ -81,16 +84,32 @@ def question(
     ----------
     eigenvalues, thrust : (low, high)
         1/m, and N.
+    symbol : str
+        "Q", or "J" if the bounds are the ends of its ball.
     """
     (a, b), (low, high) = map(_inward, (eigenvalues, thrust))
+    bounds = rf"{a}\ \mathrm{{m}}^{{-1}}\, I \preceq Q = Q^T \preceq {b}\ \mathrm{{m}}^{{-1}}\, I"
+    if symbol == "J":
+        least, most = eigenvalues
+        middle = (least + most) / 2
+        j = middle if _is_short(middle) else decimal_below(middle, 8)
+        _, reach = _inward((Fraction(0), min(most - j, j - least)))
+        bounds = (
+            rf"\left|J - {decimal(j)}\ \mathrm{{m}}^{{-1}}\, I\right| "
+            rf"\le {reach}\ \mathrm{{m}}^{{-1}}"
+        )
     return [
-        rf"{a}\ \mathrm{{m}}^{{-1}}\, I \preceq Q = Q^T \preceq {b}\ \mathrm{{m}}^{{-1}}\, I",
+        bounds,
         rf"{low}\ \mathrm{{N}} \le T \le {high}\ \mathrm{{N}}",
     ]
 
 
 def counterexample(
-    Q: Sequence[Sequence[Fraction]], f: Fraction, X: Sequence[Fraction], value: Fraction
+    Q: Sequence[Sequence[Fraction]],
+    f: Fraction,
+    X: Sequence[Fraction],
+    value: Fraction,
+    symbol: str = "Q",
 ) -> list[str]:
     """Return a refutation, as LaTeX, a line each.
 
@@ -104,14 +123,16 @@ def counterexample(
         Dimensionless.
     value : Fraction
         XᵀΣX is no larger, kg/s.
+    symbol : str
+        "Q", or "J" if it stands for that.
     """
     rows = r" \\ ".join(" & ".join(map(fraction, row)) for row in Q)
     entries = r",\ ".join(map(fraction, X))
     return [
-        rf"Q = \begin{{pmatrix}} {rows} \end{{pmatrix}}\ \mathrm{{m}}^{{-1}}",
+        rf"{symbol} = \begin{{pmatrix}} {rows} \end{{pmatrix}}\ \mathrm{{m}}^{{-1}}",
         rf"f(T) = {fraction(f)}\ \mathrm{{m}}^{{-1}}",
         rf"X = \left({entries}\right)^T",
-        rf"X^T \Sigma(Q, T)\, X \le {decimal(value)}\ \mathrm{{kg/s}} < 0",
+        rf"X^T \Sigma({symbol}, T)\, X \le {decimal(value)}\ \mathrm{{kg/s}} < 0",
     ]
 
 

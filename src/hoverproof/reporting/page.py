@@ -108,7 +108,7 @@ def context(parts: Parts, origin: Origin) -> dict[str, Any]:
         "parts": parts,
         "verdict": parts.verdict,
         "version": __version__,
-        "contents": CONTENTS,
+        "contents": [(anchor, wording.heading(words, parts)) for anchor, words in CONTENTS],
         "css": _asset("report.css"),
         "js": _asset("player.js"),
         "headline": wording.headline(parts),
@@ -119,9 +119,8 @@ def context(parts: Parts, origin: Origin) -> dict[str, Any]:
         "sinks_file": files.get("sinks"),
         "files": list(files.values()),
         "rounding_steps": STEPS,
-        "not_claimed": wording.NOT_REFUTED
-        if parts.verdict.status == "refuted"
-        else wording.NOT_CLAIMED,
+        "not_claimed": wording.not_said(parts),
+        "law_words": wording.law(parts.mission),
         **vars(origin),
         **_theorem(parts),
         **_tables(parts),
@@ -133,22 +132,26 @@ def context(parts: Parts, origin: Origin) -> dict[str, Any]:
 def _theorem(parts: Parts) -> dict[str, Any]:
     verdict, problem = parts.verdict, parts.verdict.problem
     told: dict[str, Any] = {"claim": None, "counterexample": None}
-    told["theorem_words"] = wording.THEOREM[parts.verdict.status]
-    told["question"] = mathematics.question(problem.eigenvalues, problem.thrust)
+    symbol = problem.flow.symbol
+    told["symbol"] = symbol
+    told["theorem_words"] = wording.theorem(parts)
+    told["inside_words"] = wording.inside_words(parts)
+    told["question"] = mathematics.question(problem.eigenvalues, problem.thrust, symbol)
     told["statement"] = verdict.statement
     if verdict.status == "proved":
         told["claim"] = mathematics.claim(
-            problem.eigenvalues, problem.thrust, verdict.margin, verdict.decay_rate
+            problem.eigenvalues, problem.thrust, verdict.margin, verdict.decay_rate, symbol
         )
     if verdict.status == "refuted":
         told["counterexample"] = mathematics.counterexample(
-            verdict.Q, verdict.f, verdict.X, verdict.value
+            verdict.Q, verdict.f, verdict.X, verdict.value, symbol
         )
     judged = {} if isinstance(parts.ledger, Missing) else {j.id: j for j in parts.ledger}
+    papers = judged if parts.mission.law.is_papers else {}  # the ledger is about no other law
     told["meanings"] = [
-        (id, words, judged[id].derived.latex()) for id, words in mathematics.IMPLIED if judged
+        (id, words, papers[id].derived.latex()) for id, words in mathematics.IMPLIED if papers
     ]
-    told["ledger_reasons"] = [(id, judged[id].reason) for id in ("conditions", "theorem") if judged]
+    told["ledger_reasons"] = [(id, papers[id].reason) for id in ("conditions", "theorem") if papers]
     told["conditions_words"] = wording.conditions(parts)
     if (attracted := _attraction(parts)) is not None:
         told["not_covered"] = not_covered(attracted)
@@ -168,7 +171,7 @@ def _tables(parts: Parts) -> dict[str, Any]:
     told: dict[str, Any] = {
         "tables": [
             *tables.mission_tables(parts.mission, goal.centroid_midpoint),
-            tables.hover_error_table(parts.mission),
+            *tables.hover_error_tables(parts.mission),
             *tables.strange_tables(parts.mission),
         ],
         "margins": tables.margins_table(parts.verdict),
@@ -176,6 +179,7 @@ def _tables(parts: Parts) -> dict[str, Any]:
     }
     if isinstance(parts.atlas, Map):
         told["atlas_words"] = wording.atlas(parts.atlas)
+    told["supposed_words"] = wording.supposed(parts)
     if not isinstance(parts.region, Missing):
         told["region_table"] = tables.region_table(parts.region)
         told["region_words"] = wording.region(parts.region, parts.mission)

@@ -22,7 +22,7 @@ from hoverproof.export.contents import Standing
 from hoverproof.export.cost import Footprint, Rounding, footprint, rounding
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.mission.sections import Mission
-from hoverproof.paper.conditions import Demand, printed_demands, where_met
+from hoverproof.paper.conditions import Demand, demands_of, where_met
 from hoverproof.paper.judge import Judgement
 from hoverproof.paper.ledger import derive_once
 from hoverproof.servo.loop import slowest_rate
@@ -68,12 +68,12 @@ class Map:
     ----------
     data : Record
         Of `hoverproof.atlas`.
-    printed : (m, n)
-        Where the conditions of the printed theorem are met.
+    printed : (m, n), or None
+        Where the conditions of the printed theorem are met, if it is about the law.
     """
 
     data: Record
-    printed: np.ndarray
+    printed: np.ndarray | None
 
 
 @dataclass(frozen=True)
@@ -148,8 +148,8 @@ class Parts:
     mission : Mission
     verdict
         What `hoverproof.certify` returned.
-    demands : list of Demand
-        Conditions of the printed theorem.
+    demands : list of Demand, or None
+        Conditions of the printed theorem, if it is about the law.
     atlas : Map or Missing
     region : ProvedBounds, RefutedBounds, UndecidedBounds or Missing
     attraction : Attracted or Missing
@@ -160,7 +160,7 @@ class Parts:
 
     mission: Mission
     verdict: GainsVerdict
-    demands: Sequence[Demand]
+    demands: Sequence[Demand] | None
     atlas: Map | Missing
     region: BoundsVerdict | Missing
     attraction: Attracted | Missing
@@ -201,7 +201,7 @@ def gather(
     return Parts(
         mission=mission,
         verdict=verdict,
-        demands=printed_demands(mission, verdict.problem.eigenvalues),
+        demands=demands_of(mission, verdict.problem.eigenvalues),
         atlas=part("atlas", "atlas", lambda: _map(mission)),
         region=part(
             "region", "eigenvalue region", lambda: certify_region(mission, default_box(mission))
@@ -251,7 +251,8 @@ def sentence(words: str) -> str:
 def _map(mission: Mission) -> Map:
     x, y = (axis(mission, name, cells=MAP_CELLS) for name in MAP_AXES)
     data = chart(mission, x, y, processes=1)
-    return Map(data, where_met(mission, cell_values(mission, x, y)))
+    papers = mission.law.is_papers
+    return Map(data, where_met(mission, cell_values(mission, x, y)) if papers else None)
 
 
 def _fly(mission: Mission, verdict: GainsVerdict, runs: int | None) -> Flown:

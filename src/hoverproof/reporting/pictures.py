@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
 from hoverproof.certification.attraction.verdict import Attraction
+from hoverproof.certification.flow import flow_of
 from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.mission.sections import Mission
 from hoverproof.reporting.parts import Flown, Map
@@ -144,7 +145,7 @@ def map_picture(mission: Mission, found: Map) -> Picture:
 
 
 def region_picture(mission: Mission, found: BoundsVerdict) -> Picture:
-    """Draw where the eigenvalue bounds of Q hold.
+    """Draw where the bounds of Q, or of J, hold.
 
     Parameters
     ----------
@@ -154,8 +155,8 @@ def region_picture(mission: Mission, found: BoundsVerdict) -> Picture:
     return picture(
         "region",
         lambda: _narrow(region_figure(mission, found), 4.9, columns=2),
-        "Cross-section of the positions in which the eigenvalues of Q keep to their bounds, with "
-        "target, goal, start and the box of the question.",
+        f"Cross-section of the positions in which the bounds of {flow_of(mission).symbol} hold, "
+        "with target, goal, start and the box of the question.",
         "Vertical cross-section through the goal. The shading is computed in floating point; what "
         "is said of the box is proved in exact arithmetic.",
     )

@@ -11,13 +11,15 @@ import numpy as np
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.bounds import eigenvalue_bounds
+from hoverproof.certification.flow import flow_of
 from hoverproof.certification.gains import GainsVerdict
 from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.mission.sections import Mission
 from hoverproof.plausibility import warnings
 from hoverproof.reporting.parts import Firmware, Flown, Missing
-from hoverproof.servo.hover_error import hover_error
+from hoverproof.servo.hover_error import hover_error, rests_as_modelled
 from hoverproof.servo.law import Design
+from hoverproof.servo.laws.hamel_mahony import law_of
 
 DIGITS = 4
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -99,6 +101,27 @@ def inside(ends: Sequence[Fraction]) -> str:
     return f"{at_most(ends[0], 6)} to {at_least(ends[1], 6)}"
 
 
+def bounded(mission: Mission, bounds: Sequence[float | Fraction], rounding: str = "") -> str:
+    """Write bounds of Q, or of J.
+
+    Parameters
+    ----------
+    mission : Mission
+    bounds : (low, high)
+        1/m.
+    rounding : "inward", "outward" or ""
+    """
+    low, high = (Fraction(end) for end in bounds)
+    if flow_of(mission).symbol == "Q":
+        if rounding == "outward":
+            return f"{at_least(low)} to {at_most(high)} 1/m"
+        return f"{(inside if rounding else interval)((low, high))} 1/m"
+    middle = Fraction(f"{float(low + high) / 2:.6g}")
+    least, most = sorted((high - middle, middle - low))
+    reach = {"inward": at_least(least, 6), "outward": at_most(most)}.get(rounding)
+    return f"|J − {short(middle, 6)} I| ≤ {reach or short(most, 6)} 1/m"
+
+
 def place(position: Sequence[float | Fraction]) -> str:
     """Write a position.
 
@@ -130,6 +153,8 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
         if bounds.thrust is not None
         else ("level of L, assumed", short(bounds.level or 0))
     )
+    named = flow_of(mission).named.removeprefix("the ")
+    law = "centroid/image/modelled, the paper's" if mission.law.is_papers else mission.law.name
     tables = [
         Table(
             "Vehicle",
@@ -143,10 +168,13 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
             ],
         ),
         Table(
-            "Gains",
+            "Law and gains",
             [
-                (name, f"{short(getattr(mission.gains, name))} {unit}")
-                for name, unit in Design.gains().items()
+                ("law", law),
+                *(
+                    (name, f"{short(getattr(mission.gains, name))} {unit}")
+                    for name, unit in Design.gains().items()
+                ),
             ],
         ),
         Table(
@@ -162,7 +190,7 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
         Table(
             "In flight",
             [
-                (f"eigenvalues of Q, {origin}", f"{interval(eigenvalue_bounds(mission))} 1/m"),
+                (f"{named}, {origin}", bounded(mission, eigenvalue_bounds(mission))),
                 assumed,
             ],
         ),
@@ -177,15 +205,18 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
     return tables
 
 
-def hover_error_table(mission: Mission) -> Table:
-    """Return what an error of thrust or mass does to the hover.
+def hover_error_tables(mission: Mission) -> list[Table]:
+    """Return what an error of thrust or mass does to the hover, where that is known of the law.
 
     Parameters
     ----------
     mission : Mission
     """
     title = "What an error of thrust or mass does to the height above the target at rest"
-    return Table(title, hover_error(mission).rows())
+    rows = hover_error(mission).rows() if rests_as_modelled(law_of(mission)) else []
+    if mission.law.force == "measured":
+        rows = [("none", "the law measures its force, which is zero at rest")]
+    return [Table(title, rows)] if rows else []
 
 
 def strange_tables(mission: Mission) -> list[Table]:
@@ -246,24 +277,26 @@ def margins_table(verdict: GainsVerdict) -> Table:
         ]
     else:
         rows = [("bounds", "none were found")]
-    return Table("Worst eigenvalue of Σ over all Q and T that are allowed", rows)
+    symbol = verdict.problem.flow.symbol
+    return Table(f"Worst eigenvalue of Σ over all {symbol} and T that are allowed", rows)
 
 
 def region_table(found: BoundsVerdict) -> Table:
-    """Return the bounds of the eigenvalues of Q over a box.
+    """Return the bounds of Q, or of J, over a box.
 
     Parameters
     ----------
     found : ProvedBounds, RefutedBounds or UndecidedBounds
     """
+    named = flow_of(found.mission).named
     rows = [
         (f"box, {axis}", f"{interval(side)} m") for axis, side in zip("xyz", found.box, strict=True)
     ]
     if found.enclosure is not None:
-        low, high = found.enclosure.eigenvalues
-        rows.append(("eigenvalues of Q there, proved", f"{at_least(low)} to {at_most(high)} 1/m"))
-        rows.append(("found there", f"{interval(found.enclosure.attained)} 1/m"))
-    return Table("The box and the eigenvalues of Q in it", rows)
+        proved = bounded(found.mission, found.enclosure.eigenvalues, "outward")
+        rows.append((f"{named.removeprefix('the ')} there, proved", proved))
+        rows.append(("found there", bounded(found.mission, found.enclosure.attained)))
+    return Table(f"The box and {named} in it", rows)
 
 
 def attraction_table(region: Attraction) -> Table:

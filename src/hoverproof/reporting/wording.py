@@ -2,40 +2,153 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.mission.sections import Mission
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts
-from hoverproof.reporting.tables import at_least, at_most, inside, interval, place, short
+from hoverproof.reporting.tables import at_least, at_most, bounded, inside, place, short
 
-NOT_REFUTED = (
-    "That the vehicle falls: for a Q and a thrust within the assumed bounds this function L grows, "
-    "and so its guarantee is gone. A flight may settle all the same, and the region of attraction, "
-    "where one is proved below, rests on another function.",
-    "That the Q of the counterexample belongs to this target: it lies within the bounds of its "
-    "eigenvalues, which is all that was assumed.",
-)
-NOT_CLAIMED = (
-    "That Q and the thrust stay within their bounds: the theorem holds while they do. The sections "
-    "on the eigenvalue region and the region of attraction look at that.",
+ALWAYS_BEYOND = (
     "Anything about a vehicle that turns about its vertical axis: Ω3 = 0 is supposed, which the "
     "controller keeps if it holds at the start.",
     "Anything about sampling, noise, delay, limits of the rotors, wind, or errors of the model.",
 )
-THEOREM = {
-    "proved": "Let Q, the matrix of the unknown depths, and the thrust T be anything within the "
-    "bounds below. Then Σ is positive definite, with a margin; so while they keep to these bounds, "
-    "the Lyapunov function falls exponentially.",
-    "refuted": "There are a matrix Q and a thrust T within the bounds, and errors X, for which "
-    "XᵀΣX is negative: there the Lyapunov function grows.",
-    "undecided": "",
-}
+OF_J = (
+    "J turns a velocity into the rate of the scaled centroid, so it holds the unknown depths; I is "
+    "the unit matrix."
+)
 FLIGHT = (
     "A simulation of the closed loop from the start of the mission, with the camera in it. It "
     "illustrates; it proves nothing."
 )
+
+
+def law(mission: Mission) -> str:
+    """Say which law a report is about; nothing for the paper's.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    told = {
+        "scaled": "the centroid scaled by the size of the target",
+        "centroid": "the centroid of the image",
+        "image": "a goal fixed in the image",
+        "inertial": "a goal fixed to the vertical",
+        "modelled": "a force that is modelled",
+        "measured": "a force that is measured",
+    }
+    choice = mission.law
+    if choice.is_papers:
+        return ""
+    words = ", ".join(told[one] for one in (choice.feature, choice.goal, choice.force))
+    return f"Law {choice.name}: {words}. It is not the paper's law."
+
+
+def heading(words: str, parts: Parts) -> str:
+    """Return the heading of a section, as it is for this mission.
+
+    Parameters
+    ----------
+    words : str
+        As it is for the paper's law.
+    parts : Parts
+    """
+    of_q = parts.verdict.problem.flow.symbol == "Q"
+    return words if of_q else words.replace("Eigenvalue region", "Where the ball holds J")
+
+
+def not_said(parts: Parts) -> Sequence[str]:
+    """Return what the verdict does not say.
+
+    Parameters
+    ----------
+    parts : Parts
+    """
+    symbol, papers = parts.verdict.problem.flow.symbol, parts.mission.law.is_papers
+    if parts.verdict.status == "refuted":
+        rests = (
+            ", and the region of attraction, where one is proved below, rests on another function"
+            if papers
+            else ""
+        )
+        within = (
+            "within the bounds of its eigenvalues, which is" if symbol == "Q" else "in the ball,"
+        )
+        return (
+            f"That the vehicle falls: for a {symbol} and a thrust within the assumed bounds this "
+            f"function L grows, and so its guarantee is gone. A flight may settle all the same"
+            f"{rests}.",
+            f"That the {symbol} of the counterexample belongs to this target: it lies {within} all "
+            "that was assumed.",
+        )
+    look = (
+        "The sections on the eigenvalue region and the region of attraction look at that."
+        if papers
+        else "The section on where they hold looks at that."
+    )
+    return (
+        f"That {symbol} and the thrust stay within their bounds: the theorem holds while they do. "
+        f"{look}",
+        *ALWAYS_BEYOND,
+    )
+
+
+def theorem(parts: Parts) -> str:
+    """Say what the theorem says, before its formulas.
+
+    Parameters
+    ----------
+    parts : Parts
+    """
+    of_q = parts.verdict.problem.flow.symbol == "Q"
+    if parts.verdict.status == "proved":
+        what = "Q, the matrix of the unknown depths," if of_q else "a 3 x 3 matrix J"
+        return (
+            f"Let {what} and the thrust T be anything within the bounds below. Then Σ is positive "
+            "definite, with a margin; so while they keep to these bounds, the Lyapunov function "
+            f"falls exponentially.{'' if of_q else f' {OF_J}'}"
+        )
+    if parts.verdict.status == "refuted":
+        symbol = "Q" if of_q else "J"
+        return (
+            f"There are a matrix {symbol} and a thrust T within the bounds, and errors X, for "
+            "which XᵀΣX is negative: there the Lyapunov function grows."
+            f"{'' if of_q else f' {OF_J}'}"
+        )
+    return ""
+
+
+def inside_words(parts: Parts) -> str:
+    """Say where the matrix of a counterexample lies.
+
+    Parameters
+    ----------
+    parts : Parts
+    """
+    of_q = parts.verdict.problem.flow.symbol == "Q"
+    where = "The eigenvalues of this Q lie inside the interval" if of_q else "This J is in the ball"
+    return (
+        f"{where}, and a thrust inside its interval has this f(T). Along the error X the Lyapunov "
+        "function grows."
+    )
+
+
+def supposed(parts: Parts) -> str:
+    """Say what the theorem supposes that depends on where the vehicle is.
+
+    Parameters
+    ----------
+    parts : Parts
+    """
+    flow = parts.verdict.problem.flow
+    keep = "the eigenvalues of Q keep to their bounds" if flow.symbol == "Q" else "J is in its ball"
+    return (
+        f"The theorem supposes that {keep}. {flow.symbol} depends on where the vehicle is; here it "
+        "is decided for the real target, over a box of positions around start and goal."
+    )
 
 
 def headline(parts: Parts) -> str:
@@ -46,20 +159,25 @@ def headline(parts: Parts) -> str:
     parts : Parts
     """
     problem, verdict = parts.verdict.problem, parts.verdict
+    symbol = problem.flow.symbol
+    every = (
+        "every symmetric Q with eigenvalues from" if symbol == "Q" else "every 3 x 3 matrix J with"
+    )
     question = (
-        f"every symmetric Q with eigenvalues from {inside(problem.eigenvalues)} 1/m "
+        f"{every} {bounded(parts.mission, problem.eigenvalues, 'inward')} "
         f"({problem.footing}) and every "
         f"thrust from {inside(problem.thrust)} N"
     )
     if verdict.status == "proved":
         return (
-            f"The gains work for {question}: Σ(Q, T) is positive definite there, and the Lyapunov "
-            f"function falls at least as fast as exp(−{at_least(verdict.decay_rate)} t), t in s."
+            f"The gains work for {question}: Σ({symbol}, T) is positive definite there, and the "
+            f"Lyapunov function falls at least as fast as exp(−{at_least(verdict.decay_rate)} t), "
+            "t in s."
         )
     if verdict.status == "refuted":
         return (
-            f"The gains do not work for {question}: at an exact counterexample Σ(Q, T) has an "
-            f"eigenvalue of {at_most(verdict.margin_above)} kg/s or less."
+            f"The gains do not work for {question}: at an exact counterexample Σ({symbol}, T) has "
+            f"an eigenvalue of {at_most(verdict.margin_above)} kg/s or less."
         )
     return f"Whether the gains work for {question} was not decided."
 
@@ -106,6 +224,10 @@ def conditions(parts: Parts) -> str:
     ----------
     parts : Parts
     """
+    if parts.demands is None:
+        return (
+            "The conditions of the printed theorem are about the paper's law, not about this one."
+        )
     met = "meets all of them" if all(d.met for d in parts.demands) else "does not meet all of them"
     verdict = "undecided" if parts.verdict.status == "undecided" else f"{parts.verdict.status} here"
     return (
@@ -152,7 +274,7 @@ def region(found: BoundsVerdict, mission: Mission) -> str:
     found : ProvedBounds, RefutedBounds or UndecidedBounds
     mission : Mission
     """
-    bounds = f"{interval(found.bounds)} 1/m"
+    bounds = bounded(mission, found.bounds)
     if found.status == "proved":
         return f"The bounds of the mission, {bounds}, hold at every position in the box."
     if found.status == "refuted":

@@ -1,12 +1,16 @@
 """Where the vehicle hovers if its thrust or its mass is not the modelled one.
 
-The law believes in the force F = -T e3 + m g ρ and integrates nothing. At rest the true force is
-zero, so a vehicle whose weight over its thrust is `load` times the modelled one rests, level, at
-T = m g load: the law takes it to be pulled by F = m g (1 - load) e3. Its rates U and Γ vanish where
-δ3 = F/c + δ2 is zero with V = 0, that is at q = q* + F/c. So q3 is another one, and with it the
-height. No hover sees a q3 at or below that of the plane of the highest target point, or one that
-makes |q| as large as the number of points: there the vehicle reaches the target, or leaves. On its
-way to a hover near the target it may swing through it before that, so these are the last errors.
+A law that models its force believes in F = -T e3 + m g ρ and integrates nothing. At rest the true
+force is zero, so a vehicle whose weight over its thrust is `load` times the modelled one rests,
+level, at T = m g load: the law takes it to be pulled by F = m g (1 - load) e3. Its rates U and Γ
+vanish where δ3 = F/c + δ2 is zero with V = 0, that is at q = q* + F/c. So q3 is another one, and
+with it the height. No hover sees a q3 at or below that of the plane of the highest target point, or
+one that makes |q| as large as the number of points: there the vehicle reaches the target, or
+leaves. On its way to a hover near the target it may swing through it before that, so these are the
+last errors.
+
+A law that measures its force finds it to be zero at rest, and so rests at its goal whatever thrust
+and mass are; of one with another feature than the centroid nothing is said here.
 """
 
 from __future__ import annotations
@@ -22,6 +26,7 @@ from scipy.optimize import brentq
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, hover_at_height, hover_goal
 from hoverproof.servo.law import Design, Law
+from hoverproof.servo.laws.choices import IMAGE, INERTIAL
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers
 
@@ -102,19 +107,17 @@ class HoverError:
 
 
 def rests_as_modelled(law: Law) -> bool:
-    """Tell whether what is said here holds for a law: its errors are the paper's, of the centroid.
+    """Tell whether a law errs as is said here: of the centroid, with a force that is modelled.
+
+    At rest the vehicle is level, so it is the same where its goal is fixed.
 
     Parameters
     ----------
     law : Law
     """
     papers = HAMEL_MAHONY
-    return (law.feature, law.goal, law.force, law.chain) == (
-        papers.feature,
-        papers.goal,
-        papers.force,
-        papers.chain,
-    )
+    own = (law.feature, law.force, law.chain)
+    return own == (papers.feature, papers.force, papers.chain) and law.goal in (IMAGE, INERTIAL)
 
 
 def hover_error(mission: Mission, law: Law | None = None) -> HoverError:

@@ -183,7 +183,7 @@ class Stage:
             dot.set_data(*self.image[k : k + 1, i].T)
         digits = 1 if self.times[-1] >= SECONDS_TO_TENTHS else 2
         width = len(f"{self.times[-1]:.{digits}f}")
-        self.clock.set_text(f"{self.scene.name}   t = {time:{width}.{digits}f} s   {self.pace}")
+        self.clock.set_text(f"{self.scene.title}   t = {time:{width}.{digits}f} s   {self.pace}")
 
     def _set_space(self, axes: Axes3D) -> None:
         scene, grey = self.scene, {"color": "grey", "linewidth": 0.7}

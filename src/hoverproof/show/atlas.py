@@ -48,7 +48,7 @@ def pareto_figure(mission: Mission, points: Sequence[tuple[float, Tuned]]) -> Fi
         axes.plot(
             own, float(before), "*", color=COLOURS[1], markersize=13, label="own gains, proved"
         )
-    axes.set_title(f"{mission.name}: what a decay rate costs")
+    axes.set_title(f"{mission.title}: what a decay rate costs")
     axes.set_xlabel("attitude bandwidth (k1 k2 + k3 + k4)/m (rad/s)")
     axes.set_ylabel("certified decay rate of L (1/s)")
     axes.grid(alpha=0.3, which="both")
@@ -74,7 +74,7 @@ def save_pareto_figure(mission: Mission, points: Sequence[tuple[float, Tuned]], 
 
 
 def atlas_figure(
-    mission: Mission, atlas: Recorded, what: str, printed: NDArray[np.bool_]
+    mission: Mission, atlas: Recorded, what: str, printed: NDArray[np.bool_] | None
 ) -> Figure:
     """Draw an atlas: colours where certified, the boundary, and the mission's own point.
 
@@ -85,19 +85,19 @@ def atlas_figure(
         From `hoverproof.atlas`.
     what : str
         "margin" or "decay_rate".
-    printed : (m, n)
-        Where, along y and x, the conditions of the printed theorem are met.
+    printed : (m, n), or None
+        Where, along y and x, the conditions of the printed theorem are met, if it is about the law.
     """
     figure = Figure(figsize=(7.8, 6.8), layout="constrained")
     axes = figure.subplots()
     handles = draw_atlas(axes, mission, atlas, what, printed)
-    axes.set_title(f"{mission.name}: what is certified")
+    axes.set_title(f"{mission.title}: what is certified")
     figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure
 
 
 def draw_atlas(
-    axes: Axes, mission: Mission, atlas: Recorded, what: str, printed: NDArray[np.bool_]
+    axes: Axes, mission: Mission, atlas: Recorded, what: str, printed: NDArray[np.bool_] | None
 ) -> list[Artist]:
     """Draw an atlas on axes, with a bar for its colours, and return what belongs in the legend.
 
@@ -106,7 +106,7 @@ def draw_atlas(
     axes : Axes
     mission, atlas, what
         See `atlas_figure`.
-    printed : (m, n)
+    printed : (m, n), or None
         See `atlas_figure`.
     """
     y, x = (str(name) for name in atlas["margin"].dims)
@@ -135,20 +135,8 @@ def draw_atlas(
     handles += _boundary(axes, atlas, x, y, scales)
     axes.set_xlim(*_edges(across, scales[0])[[0, -1]])
     axes.set_ylim(*_edges(along, scales[1])[[0, -1]])
-    label = "conditions of the printed theorem"
-    if printed.all() or not printed.any():
-        where = "everywhere" if printed.all() else "nowhere"
-        handles.append(Patch(facecolor="none", label=f"{label}: met {where} here"))
-    else:
-        area = axes.contourf(
-            across, along, printed, levels=[0.5, 1.5], colors="none", hatches=["//"]
-        )
-        area.set_edgecolor(COLOURS[3])
-        area.set_linewidth(0)
-        axes.contour(across, along, printed, levels=[0.5], colors=[COLOURS[3]], linewidths=1.5)
-        handles.append(
-            Patch(facecolor="none", edgecolor=COLOURS[3], hatch="//", label=f"{label} (k1…k4) met")
-        )
+    if printed is not None:
+        handles.append(_printed_area(axes, across, along, printed))
     own = [QUANTITIES[name].value(mission) for name in (x, y)]
     inside = [
         v is not None and values[0] <= float(v) <= values[-1]
@@ -166,8 +154,21 @@ def draw_atlas(
         )
     for set_label, name in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
         unit = QUANTITIES[name].unit
-        set_label(f"{QUANTITIES[name].words}{'' if unit == '1' else f' ({unit})'}")
+        set_label(f"{QUANTITIES[name].told(mission)}{'' if unit == '1' else f' ({unit})'}")
     return handles
+
+
+def _printed_area(axes: Axes, across: Array, along: Array, printed: NDArray[np.bool_]) -> Artist:
+    """Hatch where the conditions of the printed theorem are met; return it for the legend."""
+    label = "conditions of the printed theorem"
+    if printed.all() or not printed.any():
+        where = "everywhere" if printed.all() else "nowhere"
+        return Patch(facecolor="none", label=f"{label}: met {where} here")
+    area = axes.contourf(across, along, printed, levels=[0.5, 1.5], colors="none", hatches=["//"])
+    area.set_edgecolor(COLOURS[3])
+    area.set_linewidth(0)
+    axes.contour(across, along, printed, levels=[0.5], colors=[COLOURS[3]], linewidths=1.5)
+    return Patch(facecolor="none", edgecolor=COLOURS[3], hatch="//", label=f"{label} (k1…k4) met")
 
 
 def _boundary(axes: Axes, atlas: Recorded, x: str, y: str, scales: list[str]) -> list[Artist]:
@@ -200,7 +201,7 @@ def _edges(values: Array, scale: str) -> Array:
 
 
 def save_atlas_figure(
-    mission: Mission, atlas: Recorded, what: str, printed: NDArray[np.bool_], path: Path
+    mission: Mission, atlas: Recorded, what: str, printed: NDArray[np.bool_] | None, path: Path
 ) -> None:
     """Write the map as PNG or SVG.
 
@@ -208,7 +209,7 @@ def save_atlas_figure(
     ----------
     mission, atlas, what
         See `atlas_figure`.
-    printed : (m, n)
+    printed : (m, n), or None
         See `atlas_figure`.
     path : Path
 

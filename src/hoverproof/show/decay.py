@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_below
-from hoverproof.certification.flow import eigenvalues
+from hoverproof.certification.flow import flow_of
 from hoverproof.certification.gains import GainsVerdict
 from hoverproof.show.scene import Flight, Scene
 
@@ -56,8 +56,8 @@ class Decay:
 def decay_along(flight: Flight, verdict: GainsVerdict) -> Decay | None:
     """Return the decay that a verdict proves for a flight; None if it says nothing of it.
 
-    What the proof assumes is looked up at the samples, in floating point: the eigenvalues of Q and
-    the thrust within their bounds, and no turning about the vertical axis of the body.
+    What the proof assumes is looked up at the samples, in floating point: Q (or J) and the thrust
+    within their bounds, and no turning about the vertical axis of the body.
 
     Parameters
     ----------
@@ -71,12 +71,15 @@ def decay_along(flight: Flight, verdict: GainsVerdict) -> Decay | None:
     added = set(json.loads(flight.attrs.get("conditions", "{}"))) - {"scatter"}
     if proved is None or added or any(w != 1 for w in problem.weights):
         return None
-    values = eigenvalues(Scene.of(flight).points, flight["position"].values)
-    thrust = flight["thrust"].values
-    (low, high), (least, most) = problem.eigenvalues, problem.thrust
+    points, positions, thrust = (
+        Scene.of(flight).points,
+        flight["position"].values,
+        flight["thrust"].values,
+    )
+    low, high = (float(x) for x in problem.eigenvalues)
+    least, most = problem.thrust
     kept = (
-        (values[:, 0] >= float(low))
-        & (values[:, 2] <= float(high))
+        flow_of(problem.mission).kept(points, positions, low, high)
         & (thrust >= float(least))
         & (thrust <= float(most))
         & (np.abs(flight["body_rate"].values[:, 2]) <= YAW_RATE_ZERO)

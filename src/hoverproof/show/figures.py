@@ -31,7 +31,7 @@ def motion_figure(flight: Flight) -> Figure:
     duration, early = float(flight["time"].values[-1]), panels.beginning(flight)
     columns = 2 if 0 < early < SHORT * duration else 1
     figure = Figure(figsize=(7 + 4 * (columns - 1), 10), layout="constrained")
-    figure.suptitle(f"{Scene.of(flight).name}: motion")
+    figure.suptitle(f"{Scene.of(flight).title}: motion")
     widths = (1.5, 1)[:columns]
     axes = figure.subplots(len(drawn), columns, sharex="col", squeeze=False, width_ratios=widths)
     for row, draw in zip(axes, drawn, strict=True):
@@ -61,7 +61,7 @@ def features_figure(flight: Flight, decay: Decay | None = None) -> Figure:
         Proved for this flight; drawn as a line beside L.
     """
     figure = Figure(figsize=(11, 5.4), layout="constrained")
-    figure.suptitle(f"{Scene.of(flight).name}: image features and errors")
+    figure.suptitle(f"{Scene.of(flight).title}: image features and errors")
     left, right = figure.subplots(1, 2, width_ratios=(1, 1.25))
     panels.image_tracks(left, flight)
     panels.errors(right, flight, decay)
@@ -77,7 +77,7 @@ def path_figure(flight: Flight) -> Figure:
         From `hoverproof.simulate` or `flown`.
     """
     figure = Figure(figsize=(11, 6), layout="constrained")
-    figure.suptitle(f"{Scene.of(flight).name}: path over the target")
+    figure.suptitle(f"{Scene.of(flight).title}: path over the target")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.5, 1))
     panels.path(figure.add_subplot(grid[:, 0], projection="3d"), flight)
     panels.from_above(figure.add_subplot(grid[0, 1]), flight)

@@ -9,10 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from hoverproof.certification.flow import eigenvalues, flow_of
+from hoverproof.certification.flow import OfJ, eigenvalues, flow_of
 from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.certification.region import Box
-from hoverproof.certification.scaled import slopes_at
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.show.style import COLOURS, save_figure
@@ -36,10 +35,11 @@ def region_figure(mission: Mission, found: BoundsVerdict) -> Figure:
     x, z = _window(points, goal, start, found.box)
     grid_x, grid_z = np.meshgrid(np.linspace(*x, CELLS), np.linspace(*z, CELLS))
     places = np.stack([grid_x, np.full_like(grid_x, goal[1]), grid_z], axis=-1).reshape(-1, 3)
-    if mission.law.feature == "scaled":
-        J, j = slopes_at(points, places), (low + high) / 2
-        far = np.linalg.norm(np.nan_to_num(J, nan=1e9) - j * np.eye(3), 2, axis=(1, 2))
-        lines = [((high - low) / 2, far.reshape(grid_x.shape), COLOURS[1], f"|J - {j:g} I|")]
+    flow = flow_of(mission)
+    if isinstance(flow, OfJ):
+        j = (low + high) / 2
+        far = flow.far(points, places, j).reshape(grid_x.shape)
+        lines = [((high - low) / 2, far, COLOURS[1], f"|J - {j:g} I|")]
     else:
         lowest, _, highest = eigenvalues(points, places).T.reshape(3, *grid_x.shape)
         lines = [
@@ -63,10 +63,8 @@ def region_figure(mission: Mission, found: BoundsVerdict) -> Figure:
     axes.plot(points[:, 0], points[:, 2], "s", color="black", label="target points")
     axes.plot(goal[0], goal[2], "*", color=COLOURS[2], markersize=13, label="goal")
     axes.plot(start[0], start[2], "o", color=COLOURS[3], label="start (its x and z)")
-    symbol = flow_of(mission).symbol
-    axes.set_title(
-        f"{mission.name}: where the bounds of {symbol} hold (shaded), at y = {goal[1]:g} m"
-    )
+    where = f"where the bounds of {flow.symbol} hold (shaded), at y = {goal[1]:g} m"
+    axes.set_title(f"{mission.title}: {where}")
     axes.set_xlabel("x (m)")
     axes.set_ylabel("z (m), down")
     axes.set_aspect("equal")

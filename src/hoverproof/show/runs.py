@@ -233,7 +233,7 @@ def _thinned(runs: xr.Dataset) -> xr.Dataset:
 
 
 def _title(runs: xr.Dataset) -> str:
-    return f"{Scene.of(runs).name}, {runs.sizes['run']} runs"
+    return f"{Scene.of(runs).title}, {runs.sizes['run']} runs"
 
 
 def _series(runs: xr.Dataset, name: str, reduce: Callable[[Array], Array]) -> Array:

@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.mission.sections import LawChoice
 from hoverproof.plant.camera import body_points, pinhole
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.plant.rotors import ROTORS, wrench
@@ -29,6 +30,8 @@ class Scene:
     ----------
     name : str
         Of the mission.
+    law : str
+        Its choices.
     points : (n, 3)
         Target, world frame, m.
     goal : (3,)
@@ -45,6 +48,7 @@ class Scene:
     """
 
     name: str
+    law: str
     points: Array
     goal: Array
     weight: float
@@ -56,9 +60,9 @@ class Scene:
     def of(cls, record: Flight) -> Scene:
         """Read the attributes of a flight, or of runs.
 
-        ``mission`` and ``goal_position`` must be there. Of ``conditions`` (JSON, as ``mission``)
-        come the limits of the rotors (``rotors.min_thrust``, ``rotors.max_thrust``, N) and the
-        edge of the image (``sensors.focal_length``, ``width``, ``height``, px).
+        ``mission``, ``law`` and ``goal_position`` must be there. Of ``conditions`` (JSON, as
+        ``mission``) come the limits of the rotors (``rotors.min_thrust``, ``rotors.max_thrust``, N)
+        and the edge of the image (``sensors.focal_length``, ``width``, ``height``, px).
 
         Parameters
         ----------
@@ -70,6 +74,7 @@ class Scene:
         vehicle, rotors = mission["vehicle"], conditions.get("rotors", {})
         return cls(
             name=mission["name"],
+            law=record.attrs["law"],
             points=np.array([[_float(c) for c in p] for p in mission["target"]["points"]]),
             goal=np.array(record.attrs["goal_position"], float),
             weight=_float(vehicle["mass"]) * _float(vehicle["gravity"]),
@@ -77,6 +82,12 @@ class Scene:
             rotor_limits=(_maybe(rotors, "min_thrust"), _maybe(rotors, "max_thrust")),
             image_size=_image_size(conditions.get("sensors", {})),
         )
+
+    @property
+    def title(self) -> str:
+        """Name of the mission, with the law where that is not the paper's."""
+        papers = LawChoice().name
+        return self.name if self.law == papers else f"{self.name} ({self.law})"
 
     def goal_image(self, yaw: float) -> Array:
         """Return the pinhole image of the target from the goal, (n, 2), at a yaw in rad.

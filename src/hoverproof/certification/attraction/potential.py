@@ -47,8 +47,15 @@ class Potential:
         Raises
         ------
         InputError
-            If the goal is not axial: q1* = q2* = 0 exactly.
+            If the goal is not axial: q1* = q2* = 0 exactly; or if the law is not the paper's.
         """
+        if not mission.law.is_papers:
+            raise InputError(
+                mission.source,
+                "law",
+                f"{mission.law.name} is not the paper's law, which alone the theorem about regions "
+                "of attraction is about; leave [law] out, or see `hoverproof certify`",
+            )
         goal = hover_goal(mission)
         if any(end != 0 for ends in goal.centroid[:2] for end in ends):
             key = "goal.centroid" if mission.goal.height is None else "goal.height"

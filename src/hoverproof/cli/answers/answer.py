@@ -32,21 +32,24 @@ class Answer(ABC):
 
 
 def tell(answer: Answer, json_: bool, mission: Mission | None = None) -> int:
-    """Print an answer and return its status; JSON with what is strange about the mission."""
+    """Print an answer about a mission, with its law, and return its status."""
     if json_:
         print_json(answer.as_json(), mission)
     else:
-        for line in answer.text():
+        for number, line in enumerate(answer.text()):
             print(line)
+            if number == 0 and mission is not None and not mission.law.is_papers:
+                print(f"  law                     {mission.law.name}")
     return answer.status
 
 
 def print_json(value: dict[str, Any], mission: Mission | None = None) -> None:
-    """Print one JSON object, with what is strange about the mission that it tells of."""
+    """Print one JSON object, with the law of the mission that it tells of, and what is strange."""
     if mission is not None:
         from hoverproof.plausibility import warnings
 
         found = [str(finding) for finding in warnings(mission)]
-        value = {**value, "warnings": [*found, *value.get("warnings", [])]}
+        law = mission.law.model_dump()
+        value = {**value, "law": law, "warnings": [*found, *value.get("warnings", [])]}
     plain = "utf" not in (sys.stdout.encoding or "utf").lower()
     print(json.dumps(value, indent=2, ensure_ascii=plain, allow_nan=False))

@@ -15,27 +15,24 @@ from hoverproof.certification.gains import (
     UndecidedGains,
 )
 from hoverproof.cli.answers.answer import EXIT, Answer
-from hoverproof.cli.answers.words import interval, number, numbers, sides_text
+from hoverproof.cli.answers.words import bounds_as_json, interval, number, numbers, sides_text
 from hoverproof.paper.conditions import Demand
 from hoverproof.plausibility import Finding
 
-CLAIM = {
-    "proved": "Σ(Q, T) ≻ 0 for",
-    "refuted": "not Σ(Q, T) ≻ 0 for",
-    "undecided": "not known: whether Σ(Q, T) ≻ 0 for",
-}
+CLAIM = {"proved": "", "refuted": "not ", "undecided": "not known: whether "}
 
 
 @dataclass(frozen=True)
 class CertifyAnswer(Answer):
     """A verdict on the gains, what the paper would ask of them, and where the certificate is.
 
-    With what is strange about a loop for which they are proved.
+    With what is strange about a loop for which they are proved. The paper asks nothing of another
+    law than its own: ``demands`` are then None.
     """
 
     verdict: GainsVerdict
     path: Path | None
-    demands: Sequence[Demand]
+    demands: Sequence[Demand] | None
     weighted: bool
     strange: Sequence[Finding] = ()
 
@@ -57,27 +54,32 @@ class CertifyAnswer(Answer):
                 yield f"  {undecided.reason}"
                 if undecided.margin_above is not None:
                     yield _worst(undecided)
+        yield from self._demanded()
+        if self.path is not None:
+            yield f"Next: hoverproof check {self.path}"
+
+    def _demanded(self) -> Iterator[str]:
+        if self.demands is None:
+            return
         yield "Asked for by the printed theorem (which is false, see hoverproof derive):"
         # broken between conditions, not within
         whole = "; ".join(d.text().replace(" ", "\xa0") for d in self.demands)
         for line in textwrap.wrap(whole, 76):
             yield "  " + line.replace("\xa0", " ")
-        if self.path is not None:
-            yield f"Next: hoverproof check {self.path}"
 
     def _question(self) -> Iterator[str]:
         problem = self.verdict.problem
-        yield f"  {CLAIM[self.verdict.status]} every symmetric Q with eigenvalues in"
-        eigenvalues, thrust = interval(problem.eigenvalues), interval(problem.thrust)
-        yield f"  {eigenvalues} 1/m and every thrust T in {thrust} N"
+        flow, thrust = problem.flow, interval(problem.thrust)
+        yield f"  {CLAIM[self.verdict.status]}Σ({flow.symbol}, T) ≻ 0 for {flow.every}"
+        yield f"  {flow.within(problem.eigenvalues, number)} and every thrust T in {thrust} N"
         if problem.box is not None:
-            yield "  (bounds of the eigenvalues proved over the box"
+            yield f"  ({flow.bounds} proved over the box"
             yield f"  {sides_text(problem.box)} m)"
             own = problem.mission.bounds.eigenvalues
             if isinstance(own, tuple):
-                yield f"  the mission's own bounds {interval(own)} 1/m are not used"
+                yield f"  the mission's own bounds {flow.within(own, number)} are not used"
         else:
-            yield "  (bounds of the eigenvalues assumed, not proved: see hoverproof region)"
+            yield f"  ({flow.bounds} assumed, not proved: see hoverproof region)"
         if self.weighted:
             yield f"  weights of L            {', '.join(map(number, problem.weights))}"
 
@@ -91,7 +93,8 @@ class CertifyAnswer(Answer):
     def _refuted(self, verdict: RefutedGains) -> Iterator[str]:
         yield _worst(verdict)
         yield "  counterexample, exact:"
-        yield f"    Q = [{'; '.join(', '.join(map(str, row)) for row in verdict.Q)}] 1/m"
+        rows = "; ".join(", ".join(map(str, row)) for row in verdict.Q)
+        yield f"    {verdict.problem.flow.symbol} = [{rows}] 1/m"
         yield f"    f = {verdict.f} 1/m"
         yield f"    X = ({', '.join(map(str, verdict.X))})"
         yield f"    XᵀΣX <= {verdict.value} (about {number(verdict.value)}) < 0"
@@ -108,8 +111,7 @@ class CertifyAnswer(Answer):
             "margin": float(proved.margin) if proved else above,
             "margin_bounds": [float(proved.margin) if proved else None, above],
             "decay_rate": float(proved.decay_rate) if proved else None,
-            "eigenvalues": numbers(problem.eigenvalues),
-            "eigenvalue_bounds": problem.origin,
+            **bounds_as_json(problem),
             "thrust": numbers(problem.thrust),
             "goal_centroid": numbers(problem.goal.centroid_midpoint),
             "weights": numbers(problem.weights),
@@ -118,8 +120,16 @@ class CertifyAnswer(Answer):
             "reason": verdict.reason,
             "statement": verdict.statement,
             "certificate": None if self.path is None else str(self.path),
-            "units": {"margin": "kg/s", "decay_rate": "1/s", "eigenvalues": "1/m", "thrust": "N"},
-            "paper_conditions": [{"condition": d.text(), "met": d.met} for d in self.demands],
+            "units": {
+                "margin": "kg/s",
+                "decay_rate": "1/s",
+                "eigenvalues": "1/m",
+                "ball": "1/m",
+                "thrust": "N",
+            },
+            "paper_conditions": None
+            if self.demands is None
+            else [{"condition": d.text(), "met": d.met} for d in self.demands],
             "warnings": list(map(str, self.strange)),
         }
 

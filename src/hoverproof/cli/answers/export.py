@@ -26,7 +26,8 @@ class ExportAnswer(Answer):
         manifest = self.manifest
         standing = "UNCERTIFIED: nothing is proved"
         if manifest["certified"]:
-            standing = f"certified (bounds of Q {manifest['eigenvalue_bounds']})"
+            symbol = "J" if manifest["law"]["feature"] == "scaled" else "Q"
+            standing = f"certified (bounds of {symbol} {manifest['eigenvalue_bounds']})"
         yield f"{self.mission}: firmware written, {self.precision}, {standing}"
         yield f"  folder  {self.out}"
         yield f"  thrust  {interval(manifest['thrust'])} N, monitored"

@@ -10,7 +10,7 @@ from typing import Any
 from hoverproof.certification.flow import flow_of
 from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.cli.answers.answer import EXIT, Answer
-from hoverproof.cli.answers.words import interval, number, numbers, position_text, sides_text
+from hoverproof.cli.answers.words import number, numbers, position_text, sides_text
 
 CONTENTS = {
     "proved": "the bounds",
@@ -40,19 +40,20 @@ class RegionAnswer(Answer):
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""
         verdict = self.verdict
-        found, broken = verdict.enclosure, verdict.refuted
+        found, broken, flow = verdict.enclosure, verdict.refuted, flow_of(verdict.mission)
         yield f"{self.mission}: {verdict.status}"
-        yield f"  bounds {interval(verdict.bounds)} 1/m of {flow_of(verdict.mission).words}"
+        yield f"  {_asked(verdict)}"
         yield f"  for every position in the box {sides_text(verdict.box)} m"
         if found is None:
             yield "  nothing is proved there within the limit of boxes (--boxes)"
         else:
-            yield f"  proved there            {interval(found.eigenvalues)} 1/m"
-            yield f"  found there             {interval(found.attained)} 1/m"
+            yield f"  proved there            {flow.within(found.eigenvalues, number)}"
+            yield f"  found there             {flow.within(found.attained, number)}"
         if broken is not None:
             spot = broken.outside
             value, place = number(spot.value), position_text(spot.position)
-            yield f"  {spot.bound} bound broken      {value} 1/m at {place}"
+            name = "distance from j I" if spot.bound == "ball" else f"{spot.bound} bound broken"
+            yield f"  {name:22}  {value} 1/m at {place}"
             low, high = verdict.bounds if found is None else found.attained
             if spot.bound == "lower" and high > verdict.bounds[1]:
                 yield f"  upper bound broken too  {number(high)} 1/m found, not in the certificate"
@@ -72,13 +73,14 @@ class RegionAnswer(Answer):
         spot = verdict.refuted and verdict.refuted.outside
         witness = spot and {
             "position": [str(c) for c in spot.position],
-            "value": spot.value,
+            "distance" if spot.bound == "ball" else "eigenvalue": spot.value,
             "bound": spot.bound,
         }
         return {
             "mission": self.mission,
             "verdict": verdict.status,
             "box": [numbers(side) for side in verdict.box],
+            "bounded": flow_of(verdict.mission).words,
             "bounds": numbers(verdict.bounds),
             "enclosure": found and numbers(found.eigenvalues),
             "attained": found and list(found.attained),
@@ -87,3 +89,9 @@ class RegionAnswer(Answer):
             "figure": None if self.picture is None else str(self.picture),
             "units": {"box": "m", "bounds": "1/m", "enclosure": "1/m", "attained": "1/m"},
         }
+
+
+def _asked(verdict: BoundsVerdict) -> str:
+    flow = flow_of(verdict.mission)
+    within = flow.within(verdict.bounds, number)
+    return f"bounds {within} of {flow.words}" if flow.symbol == "Q" else f"ball {within}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from hoverproof.cli.answers.words import (
     gain_units,
     gains_as_json,
     gains_text,
+    hover_error_as_json,
     hover_error_text,
     limits_as_json,
     limits_text,
@@ -92,7 +93,7 @@ def region_tuned_as_json(found: RegionTuned) -> dict[str, Any]:
         "decay_rate_before": _real(found.decay_rate_before),
         "bandwidth": found.bandwidth,
         **limits_as_json(found.uses),
-        "hover_error": asdict(found.hover_error),
+        "hover_error": hover_error_as_json(found.hover_error),
         "units": {
             **gain_units(),
             "reach": "m from the goal",

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from hoverproof.certification.problem import ONES
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.words import (
+    bounds_as_json,
     gain_units,
     gains_as_json,
     gains_text,
+    hover_error_as_json,
     hover_error_text,
     limits_as_json,
     limits_text,
@@ -44,7 +46,7 @@ class TunedAnswer(Answer):
         yield from hover_error_text(found.hover_error)
         yield from limits_text(found.uses)
         if not any(use.binds for use in found.uses):
-            yield "  what binds: the bounds of Q and of the thrust"
+            yield f"  what binds: the bounds of {verdict.problem.flow.symbol} and of the thrust"
         if self.written is None:
             yield "Next: the same with --out FILE.toml writes a mission file with these gains"
         else:
@@ -102,13 +104,12 @@ def tuned_as_json(found: Tuned) -> dict[str, Any]:
         "decay_rate_before_rounding": found.estimate,
         "improvement": None if before is None else float(rate / before),
         "margin": float(verdict.margin),
-        "eigenvalues": numbers(verdict.problem.eigenvalues),
-        "eigenvalue_bounds": verdict.problem.origin,
+        **bounds_as_json(verdict.problem),
         "slowest_rate": found.slowest_rate,
         "bandwidth": found.bandwidth,
         "weights": numbers(verdict.problem.weights),
         **limits_as_json(found.uses),
-        "hover_error": asdict(found.hover_error),
+        "hover_error": hover_error_as_json(found.hover_error),
         "units": {
             **gain_units(),
             "decay_rate": "1/s",

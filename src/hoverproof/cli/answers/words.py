@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from hoverproof.certification.problem import GainProblem
     from hoverproof.design.limits import Use
     from hoverproof.mission.sections import Mission
     from hoverproof.servo.hover_error import HoverError
@@ -35,6 +37,18 @@ def sides_text(box: Sequence[Sequence[Fraction]]) -> str:
 def position_text(p: Sequence[float | Fraction]) -> str:
     """Write a position in m."""
     return "(" + ", ".join(f"{round(float(c), 4) + 0.0:g}" for c in p) + ") m"
+
+
+def bounds_as_json(problem: GainProblem) -> dict[str, Any]:
+    """Return what a verdict supposes of Q, or of J, and whether it is assumed or proved."""
+    of_q = problem.flow.symbol == "Q"
+    low, high = problem.eigenvalues
+    ball = {"centre": float(low + high) / 2, "radius": float(high - low) / 2}
+    return {
+        "eigenvalues": numbers(problem.eigenvalues) if of_q else None,
+        "ball": None if of_q else ball,
+        "eigenvalue_bounds": problem.origin,
+    }
 
 
 def gain_units() -> dict[str, str]:
@@ -75,7 +89,12 @@ def limits_as_json(uses: Sequence[Use]) -> dict[str, Any]:
     }
 
 
-def hover_error_text(error: HoverError) -> Iterator[str]:
+def hover_error_text(error: HoverError | None) -> Iterator[str]:
     """Yield what an error of thrust or mass does to the hover, which no integral action mends."""
-    for name, value in error.rows():
+    for name, value in error.rows() if error is not None else ():
         yield f"  {name:22}  {value}"
+
+
+def hover_error_as_json(error: HoverError | None) -> dict[str, Any] | None:
+    """Return the same by name; null where it is not known of the law."""
+    return None if error is None else asdict(error)

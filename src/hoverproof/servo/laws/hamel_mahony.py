@@ -128,6 +128,26 @@ LAWS = {
 """The eight laws of this error chain by their choices; the paper's is one of them."""
 
 
+def choices_of(law: Law) -> dict[str, str]:
+    """Return the choices of a law by name, as a mission has them.
+
+    Parameters
+    ----------
+    law : Law
+    """
+    return {"feature": law.feature.name, "goal": law.goal.name, "force": law.force.name}
+
+
+def name_of(law: Law) -> str:
+    """Return the choices of a law; of one that is not of the eight also that it is another's own.
+
+    Parameters
+    ----------
+    law : Law
+    """
+    return law.name if law in LAWS.values() else f"{law.name}, own"
+
+
 def law_of(mission: Mission) -> Law:
     """Return the law that a mission names.
 
