@@ -984,8 +984,8 @@ class Counterexample(Sigma):
         p, Q = self.c.counterexample, "J, which stands as Q," if self.scaled else "Q"
         return (
             f"It is not true that, for {self.asked()}, the matrix Σ({Q[0]}, T) is positive "
-            f"definite: for the given rational {Q} and X, and the thrust with f(T) = {about(p.f)} 1/m, XᵀΣX "
-            f"<= {about(p.value)} < 0."
+            f"definite: for the given rational {Q} and X, and the thrust with f(T) = "
+            f"{about(p.f)} 1/m, XᵀΣX <= {about(p.value)} < 0."
         )
 
 
