@@ -278,12 +278,12 @@ def shown_exactly(target, box, low, high):
 
     tree = grow_tree(np.array(box, float), hold, 300)
     grid, holds = checker.Grid(target), checker.Eigenvalues.hold
-    bounds = SimpleNamespace(low=low, high=high)
+    bounds = SimpleNamespace(low=low, high=high, scaled=False)
     try:
         checker.cover(
             tree or "0",
             grid.cell(box),
-            lambda cell: holds(bounds, checker.View(grid, cell)),
+            lambda cell: holds(bounds, grid, cell),
             "not shown",
         )
     except checker.Rejected:

@@ -180,7 +180,7 @@ class OfJ:
 
     Attributes
     ----------
-    symbol, words, slacks
+    symbol, words, named, bounds, every, slacks
         See `OfQ`.
     cost : int
         Of a cell, a bare number.
@@ -199,8 +199,10 @@ class OfJ:
 
         Parameters
         ----------
-        ends, write
-            See `OfQ.within`.
+        ends : (low, high)
+            1/m.
+        write : callable
+            How a number is written.
         """
         low, high = ends
         return f"|J - {write((low + high) / 2)} I| <= {write((high - low) / 2)} 1/m"
@@ -210,8 +212,12 @@ class OfJ:
 
         Parameters
         ----------
-        points, positions, low, high
-            See `OfQ.kept`.
+        points : (n, 3)
+            World frame, m.
+        positions : (k, 3)
+            World frame, m.
+        low, high : float
+            1/m.
         """
         far = self.far(points, positions, (low + high) / 2)
         return np.asarray(far <= (high - low) / 2)

@@ -19,7 +19,7 @@ from hoverproof.mission.sections import Mission
 from hoverproof.plant.rotors import ROTORS
 from hoverproof.servo.hover_error import hover_error, rests_as_modelled
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, name_of
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.version import __version__
 
 
@@ -271,7 +271,7 @@ def _evidence(standing: Standing) -> Evidence:
 
 
 def _origin(mission: Mission, evidence: Evidence, text: LawText, law: Law) -> Origin:
-    flies = "" if law == HAMEL_MAHONY else f", law {name_of(law)}"
+    flies = "" if law == HAMEL_MAHONY else f", law {law.name}"
     made = f"Made by hoverproof {__version__} from the mission {mission.name}{flies}. Do not edit."
     in_c = (
         f"mission {mission.name}; certificate SHA-256 {evidence.sha256}; law SHA-256 {text.sha256}"

@@ -22,7 +22,7 @@ from hoverproof.export.targets import TARGETS, titles
 from hoverproof.files import write_text
 from hoverproof.mission.sections import LawChoice, Mission
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import choices_of, law_of, name_of
+from hoverproof.servo.laws.hamel_mahony import choices_of, law_of
 from hoverproof.version import __version__
 
 FILES = {
@@ -113,7 +113,7 @@ def write_package(
     law = law or law_of(mission)
     if standing.certificate is not None:
         own = law_of(mission)
-        about = f"a certificate of {mission.name} is about {own.name}, not about {name_of(law)}"
+        about = f"a certificate of {mission.name} is about {own.name}, not about {law.name}"
         checker.require(law == own, about)
         standing = replace(standing, thrust=_check(standing.certificate, mission))
     flown = flight_law(mission, sensing=sensing, tunable=tunable, law=law)

@@ -52,8 +52,12 @@ class Found(Solution):
 
     Attributes
     ----------
-    weights, level, fill
-        See `Solution`.
+    weights : (3,)
+        a2, a3, a4, m.
+    level : float
+        ℓ, m.
+    fill : float
+        Largest Λ/ℓ of the hovers, dimensionless.
     largest : float
         λ₊, 1/m.
     bottom : float or None
