@@ -602,10 +602,11 @@ class Tangent(NamedTuple):
     def bent(self, value: int, slope: int, least: int, bend: int) -> "Tangent":
         """Return a function of it: its value and slope at mid, from which it bends away.
 
-        The function less its tangent line is between `least` and least + bend.
+        The function less its tangent line is between `least` and least + bend. The slope that is
+        given may be off by one unit and by 2/mid, and so the tangent line by spread + 2 units.
         """
         a, b, c = ((slope * x) >> BITS for x in self.slope)
-        rest = (abs(slope) * self.rest >> BITS) + bend // 2 + 8
+        rest = (abs(slope) * self.rest + self.spread() >> BITS) + bend // 2 + 10
         return Tangent(value + least + bend // 2, (a, b, c), rest)
 
     def inverse(self) -> "Tangent":

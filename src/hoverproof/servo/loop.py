@@ -369,7 +369,8 @@ def slowest_rate(mission: Mission, law: Law | None = None) -> float:
 
 
 def _slowest_rates(numbers: LoopNumbers, designs: Array) -> Array:
-    inputs: list[Any] = [designs, numbers.depth_matrix().ravel(), [numbers.hover_thrust]]
+    columns = numbers.depth_matrix().T.ravel()  # a slope need not be symmetric
+    inputs: list[Any] = [designs, columns, [numbers.hover_thrust]]
     rows = evaluate(_loop_at_goal(numbers.law), inputs, float)[0]
     count = designs.shape[1]
     B = np.array([[np.broadcast_to(entry, count) for entry in row] for row in rows])
