@@ -110,6 +110,20 @@ def kinds():
             overrides=(("gains.k4", "0.1"),),
             options=(("allow_uncertified", True), ("precision", "float64")),
         ),
+        *other_laws(),
+    ]
+
+
+def other_laws():
+    """The laws that take in more, and make more of it, than the paper's."""
+    felt = (("law", {"force": "measured"}),)
+    best = (("law", {"feature": "scaled", "goal": "inertial", "force": "measured"}),)
+    uncertified = ("allow_uncertified", True)
+    return [
+        Kind("crazyflie-2.1", felt, (uncertified, ("tunable", True))),
+        Kind("crazyflie-2.1", best, (uncertified,)),
+        Kind("x4-flyer", best, (uncertified, ("precision", "float64"), ("sensing", "centroid"))),
+        Kind("x4-flyer", best, (uncertified, ("sensing", "centroid"))),
     ]
 
 
@@ -124,6 +138,8 @@ def names_header(package, steps=30_000):
         "set_rotor_limits": f"{name}_set_rotor_limits",
         "HOVER": repr(weight),
         "STEPS": str(steps),
+        "FELT": str(int("specific_force_length_m_per_s2" in package.manifest["input_box"])),
+        "SIZED": str(int("angular_radius_rad" in package.manifest["input_box"])),
         "SENSED_POINTS": str(int(package.manifest["sensing"] == "points")),
         "PARAMS_HEADER": f'"{name}_params.h"',
     }
@@ -141,6 +157,14 @@ def names_header(package, steps=30_000):
     )
     limits += ("ROTOR_HOVER", "SPEED_SQUARE", "RATE_SQUARE", "DIRECTION_LOW", "DIRECTION_HIGH")
     macros += "".join(f"#define P_{c} {prefix}_{c}\n" for c in (*limits, "DT_HIGHEST"))
+    if "specific_force_length_m_per_s2" in package.manifest["input_box"]:
+        macros += f"#define P_FORCE_SQUARE {prefix}_FORCE_SQUARE\n"
+        macros += f"#define P_MASS {prefix}_MASS\n#define P_GRAVITY {prefix}_GRAVITY\n"
+    if "angular_radius_rad" in package.manifest["input_box"]:
+        low, high = package.manifest["input_box"]["angular_radius_rad"]
+        macros += f"#define RADIUS_LOW {low!r}\n#define RADIUS_HIGH {high!r}\n"
+        n = len(package.manifest["mission"]["target"]["points"])
+        macros += f"#define TARGET_POINTS {n}\n"
     seen = "IMAGE" if package.manifest["sensing"] == "points" else "CENTROID"
     macros += f"#define SEEN_SQUARE {prefix}_{seen}_SQUARE\n"
     return f'#include <stddef.h>\n#include "{name}.h"\n{macros}'

@@ -226,11 +226,13 @@ def _manifest(filled: Contents, texts: Mapping[str, str], law: Law) -> dict[str,
 def _instruction_budget(filled: Contents) -> int:
     """Most instructions of a step: a part for each point, one for each number, and the rest."""
     points = 12 * filled.points if filled.options.of_points else 0
-    return points + 4 * filled.law.numbers + 175
+    felt, sized = 50 if filled.law.lift else 0, 24 + points if filled.law.spread else 0
+    return points + 4 * filled.law.numbers + 175 + felt + sized
 
 
 def _flash_budget(filled: Contents) -> int:
     """Most bytes of code and constants of NAME.c, without the self-test."""
     points = 40 * filled.points if filled.options.of_points else 0
     tuning = 900 if filled.options.tunable else 0
-    return points + 25 * filled.law.numbers + 1400 + tuning
+    felt, sized = 80 if filled.law.lift else 0, 60 + points if filled.law.spread else 0
+    return points + 25 * filled.law.numbers + 1400 + tuning + felt + sized
