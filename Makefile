@@ -1,7 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test quick docs notebooks proofs bench fuzz missions lint clean
+.PHONY: demo test quick trials docs notebooks proofs bench fuzz missions lint clean
 .DELETE_ON_ERROR:
 
 # Certify the paper's vehicle, check the certificate, and fly it. Everything lands in demo/.
@@ -24,6 +24,10 @@ checked: .venv/installed-compare
 # The fast tests only.
 quick: .venv/installed-dev
 	$(BIN)/pytest -n auto -m "not slow"
+
+# Random trials that `make test` runs in part, whole: 2,000 missions against brute force, 1,500 flights.
+trials: .venv/installed-dev
+	$(BIN)/pytest -n auto --whole tests/test_brute_force.py tests/test_attraction.py tests/test_region_gains.py
 
 lint: .venv/installed-dev
 	$(BIN)/ruff check .

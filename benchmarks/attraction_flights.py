@@ -132,7 +132,7 @@ def turn(angle):
 
 def rotation_with(rho, heading):
     """Return a rotation R with Rᵀe3 = rho."""
-    v = np.cross(rho, [0, 0, 1])
+    v = np.array([rho[1], -rho[0], 0])  # rho x e3
     K = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
     return turn(heading) @ (np.eye(3) + K + K @ K / (1 + rho[2]))
 

@@ -231,7 +231,7 @@ def _plain(words: str) -> str:
 def _shown(value: object) -> str:
     if isinstance(value, tuple):
         return r"\[" + ", ".join(map(_shown, value)) + "]"
-    return str(value)
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _line(text: str | None) -> str:

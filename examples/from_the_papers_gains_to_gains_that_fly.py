@@ -13,8 +13,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import hoverproof as hp
+from hoverproof.certification.flow import eigenvalues
 from hoverproof.certification.over_box import enclose
-from hoverproof.certification.region import eigenvalues
 from hoverproof.design.atlas import axis, cell_values
 from hoverproof.design.limits import bandwidth
 from hoverproof.paper.conditions import where_met

@@ -18,8 +18,8 @@ def matrix(form, n=11):
 
 def sigma(gains, weights, Q, f, q):
     """Return the Σ of the checker, (11, 11), for gains by name."""
-    setting = checker.Setting("", Fraction(1), Fraction(1), gains, [], [], None)
-    return matrix(checker.sigma(setting, weights, Q, f, q))
+    named = [gains[name] for name in checker.GAINS[:4]]
+    return matrix(checker.sigma(named, weights, Q, f, q))
 
 
 def definite(rows):

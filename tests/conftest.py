@@ -7,11 +7,28 @@ from hypothesis import HealthCheck, settings
 
 from hoverproof.mission.reading import load
 from hoverproof.mission.sections import Mission
+from sharing import share
 
 BUSY = [HealthCheck.too_slow]  # a busy machine is no failure
 settings.register_profile("desk", suppress_health_check=BUSY)
 settings.register_profile("ci", derandomize=True, suppress_health_check=BUSY)  # the same each time
 settings.load_profile("ci" if os.environ.get("CI") else "desk")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--whole", action="store_true", help="random trials at their full number: make trials"
+    )
+
+
+@pytest.fixture(scope="session")
+def whole(request: pytest.FixtureRequest) -> bool:
+    """Whether random trials are to run at their full number."""
+    return bool(request.config.getoption("whole"))
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    share()  # before pytest-xdist starts its processes
 
 
 @pytest.fixture(scope="session")

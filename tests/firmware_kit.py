@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import re
 import shutil
 import subprocess
@@ -15,6 +16,7 @@ import pytest
 import hoverproof
 from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
+from sharing import kept
 
 TARGET = Path(__file__).parent / "target"
 FLAGS = ("-std=c99", "-O2", "-fno-math-errno", "-ffp-contract=off")
@@ -62,9 +64,21 @@ class Package:
         return [f"-I{self.folder}", f"-I{self.folder / 'example'}"]
 
 
-def export(folder, mission="x4-flyer", overrides=None, **options):
+def export_anew(folder, mission="x4-flyer", overrides=None, **options):
     loaded = load(mission, overrides or {})
     return Package(folder, hoverproof.export_c(loaded, folder, **options))
+
+
+def export(folder, mission="x4-flyer", overrides=None, **options):
+    """Export a package, or copy the one that another test has exported with the same options."""
+
+    def make(begun):
+        made = export_anew(begun / "package", mission, overrides, **options)
+        (begun / "manifest").write_bytes(pickle.dumps(made.manifest))
+
+    place = kept(("package", mission, overrides or {}, sorted(options.items())), make)
+    shutil.copytree(place / "package", folder, dirs_exist_ok=True)
+    return Package(folder, pickle.loads((place / "manifest").read_bytes()))
 
 
 @dataclass(frozen=True)
@@ -96,6 +110,20 @@ def kinds():
             overrides=(("gains.k4", "0.1"),),
             options=(("allow_uncertified", True), ("precision", "float64")),
         ),
+        *other_laws(),
+    ]
+
+
+def other_laws():
+    """The laws that take in more, and make more of it, than the paper's."""
+    felt = (("law", {"force": "measured"}),)
+    best = (("law", {"feature": "scaled", "goal": "inertial", "force": "measured"}),)
+    uncertified = ("allow_uncertified", True)
+    return [
+        Kind("crazyflie-2.1", felt, (uncertified, ("tunable", True))),
+        Kind("crazyflie-2.1", best, (uncertified,)),
+        Kind("x4-flyer", best, (uncertified, ("precision", "float64"), ("sensing", "centroid"))),
+        Kind("x4-flyer", best, (uncertified, ("sensing", "centroid"))),
     ]
 
 
@@ -110,6 +138,8 @@ def names_header(package, steps=30_000):
         "set_rotor_limits": f"{name}_set_rotor_limits",
         "HOVER": repr(weight),
         "STEPS": str(steps),
+        "FELT": str(int("specific_force_length_m_per_s2" in package.manifest["input_box"])),
+        "SIZED": str(int("angular_radius_rad" in package.manifest["input_box"])),
         "SENSED_POINTS": str(int(package.manifest["sensing"] == "points")),
         "PARAMS_HEADER": f'"{name}_params.h"',
     }
@@ -127,6 +157,14 @@ def names_header(package, steps=30_000):
     )
     limits += ("ROTOR_HOVER", "SPEED_SQUARE", "RATE_SQUARE", "DIRECTION_LOW", "DIRECTION_HIGH")
     macros += "".join(f"#define P_{c} {prefix}_{c}\n" for c in (*limits, "DT_HIGHEST"))
+    if "specific_force_length_m_per_s2" in package.manifest["input_box"]:
+        macros += f"#define P_FORCE_SQUARE {prefix}_FORCE_SQUARE\n"
+        macros += f"#define P_MASS {prefix}_MASS\n#define P_GRAVITY {prefix}_GRAVITY\n"
+    if "angular_radius_rad" in package.manifest["input_box"]:
+        low, high = package.manifest["input_box"]["angular_radius_rad"]
+        macros += f"#define RADIUS_LOW {low!r}\n#define RADIUS_HIGH {high!r}\n"
+        n = len(package.manifest["mission"]["target"]["points"])
+        macros += f"#define TARGET_POINTS {n}\n"
     seen = "IMAGE" if package.manifest["sensing"] == "points" else "CENTROID"
     macros += f"#define SEEN_SQUARE {prefix}_{seen}_SQUARE\n"
     return f'#include <stddef.h>\n#include "{name}.h"\n{macros}'

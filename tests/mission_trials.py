@@ -382,7 +382,7 @@ def _region(fault: Say, answers: dict[str, Answer], mission: Any) -> Iterator[Fa
 def _at_goal(mission: Any) -> Any:
     import numpy as np
 
-    from hoverproof.certification.region import eigenvalues
+    from hoverproof.certification.flow import eigenvalues
     from hoverproof.plant.goal import hover_goal
 
     goal = np.array([float(c) for c in hover_goal(mission).position])

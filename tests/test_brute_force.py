@@ -1,4 +1,7 @@
-"""Verdicts on random missions, against a search of Q by brute force and a model written anew."""
+"""Verdicts on random missions, against a search of Q by brute force and a model written anew.
+
+`make test` tries the first 60 missions of each of 8 blocks, `make trials` all 250.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ from hoverproof.certification.verdict import Proved, Refuted, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 
-BLOCKS, MISSIONS = 8, 250
+BLOCKS, MISSIONS, FIRST = 8, 250, 60
 CORNERS = np.array([[1, 1, 0], [1, -1, 0], [-1, -1, 0], [-1, 1, 0]], float)
 D1, D2, D3, D4 = np.eye(12)[:, :11].reshape(4, 3, 11)  # the δs of X; δ4 has no third component
 V = D1 + D2
@@ -152,7 +155,8 @@ def brute_force(mission, rng, starts=8):
     best = min(value for value, _ in found)
     for value, lowest in found:
         if value <= best + abs(best) / 10:
-            options = {"xatol": 1e-8, "fatol": 1e-16, "initial_simplex": 0.05 * SIMPLEX}
+            near = {"xatol": 1e-5, "fatol": 1e-11 * abs(best)}  # it is flat there
+            options = near | {"initial_simplex": 0.05 * SIMPLEX}
             best = min(best, minimize(lowest, [0, 0], method="Nelder-Mead", options=options).fun)
     return best, size
 
@@ -194,10 +198,11 @@ def test_the_two_models_of_this_file_agree():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("block", range(BLOCKS))
-def test_brute_force_agrees_with_every_verdict_on_random_missions(block):
+def test_brute_force_agrees_with_every_verdict_on_random_missions(block, whole):
+    missions = MISSIONS if whole else FIRST
     rng = np.random.default_rng([20260101, block])
     counts, gaps, began = Counter(), {"proved": [], "refuted": []}, time.perf_counter()
-    for _ in range(MISSIONS):
+    for _ in range(missions):
         while (drawn := random_mission(rng)) is None:
             pass
         mission, verdict = drawn
@@ -223,8 +228,8 @@ def test_brute_force_agrees_with_every_verdict_on_random_missions(block):
     loose = sum(gap > 1e-6 for values in gaps.values() for gap in values)
     took = time.perf_counter() - began
     print(dict(counts), "worst gaps", worst_gaps, "above 1e-6:", loose, f"{took:.0f} s")
-    assert min(counts["proved"], counts["refuted"]) > MISSIONS / 5
-    assert counts["undecided"] == 0  # a single one in 2000 would be 0.05 %
+    assert min(counts["proved"], counts["refuted"]) > missions / 5
+    assert counts["undecided"] == 0  # a single one in all 2000 would be 0.05 %
     assert loose == 0
 
 

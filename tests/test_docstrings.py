@@ -62,11 +62,11 @@ def public(module_name):
 EVERYTHING = [(m, name, thing) for m in MODULES for name, thing in public(m)]
 
 
-def each(wanted=lambda thing: True):
-    """Try all things that are wanted."""
-    chosen = [(f"{m}.{name}", thing) for m, name, thing in EVERYTHING if wanted(thing)]
+def faults(wanted, fault):
+    """Return what is at fault with each thing that is wanted, and has a fault, by its name."""
+    chosen = {f"{m}.{name}": thing for m, name, thing in EVERYTHING if wanted(thing)}
     assert len(chosen) > 100
-    return pytest.mark.parametrize("thing", [t for _, t in chosen], ids=[i for i, _ in chosen])
+    return {name: told for name, thing in chosen.items() if (told := fault(thing))}
 
 
 def documented(thing):
@@ -75,7 +75,8 @@ def documented(thing):
     if inspect.isclass(thing) and issubclass(thing, BaseModel):  # a line names all keys, with units
         return {key: text for key in thing.model_fields if re.search(rf"\b{key}\b", text)}
     doc = docstring_parser.parse(text, docstring_parser.DocstringStyle.NUMPYDOC)
-    entries = {}
+    bases = thing.__bases__ if dataclasses.is_dataclass(thing) else ()
+    entries = {k: v for b in bases if dataclasses.is_dataclass(b) for k, v in documented(b).items()}
     for entry in doc.params:
         for name in entry.arg_name.split(","):
             text = f"{entry.type_name or ''} {entry.description or ''}"
@@ -111,22 +112,30 @@ def numbers(thing):
     }
 
 
-@each()
-def test_each_argument_is_documented(thing):
-    assert inspect.getdoc(thing), "has no docstring"
-    missing = arguments(thing).keys() - documented(thing).keys()
-    assert not missing, f"not documented: {', '.join(sorted(missing))}"
+def test_each_argument_is_documented():
+    def fault(thing):
+        if not inspect.getdoc(thing):
+            return "has no docstring"
+        return sorted(arguments(thing).keys() - documented(thing).keys())
+
+    assert faults(lambda thing: True, fault) == {}
 
 
-@each(numbers)
-def test_each_number_has_a_shape_or_a_unit(thing):
-    for name, entry in numbers(thing).items():
-        assert MEASURED.search(entry), f"{name}: {entry!r}"
+def test_each_number_has_a_shape_or_a_unit():
+    def fault(thing):
+        return {n: e for n, e in numbers(thing).items() if not MEASURED.search(e)}
+
+    assert faults(numbers, fault) == {}
 
 
-@each(lambda thing: inspect.isfunction(thing) and documented(thing))
-def test_no_argument_is_documented_that_does_not_exist(thing):
-    assert documented(thing).keys() <= arguments(thing).keys()
+def test_no_argument_is_documented_that_does_not_exist():
+    def takes(thing):
+        return inspect.isfunction(thing) and documented(thing)
+
+    def fault(thing):
+        return sorted(documented(thing).keys() - arguments(thing).keys())
+
+    assert faults(takes, fault) == {}
 
 
 def returned(annotation):

@@ -16,6 +16,7 @@ from hoverproof.export.names import HEADERS, WORDS, package_name
 from hoverproof.mission.reading import load
 
 STUBS = Path(__file__).parent / "stubs"
+CAPTURED = {"capture_output": True, "text": True, "check": False}
 
 
 @pytest.fixture(scope="module")
@@ -58,25 +59,33 @@ def under(package, name, folder):
 
 
 def compile_all(package, names, tmp_path):
-    """Compile the package under each name, with the Crazyflie's adapter, and list what fails."""
+    """Compile the package under each name, with the Crazyflie's adapter, and list what fails.
+
+    All files in one go take a fifth of the time, and whatever clashes in one of them clashes there
+    too; only where that fails each is compiled alone, as it is meant to be.
+    """
     compiler, failures = tool("gcc"), {}
+
+    def complaint(folder, *sources, **options):
+        includes = ["-I.", "-Iexample", f"-I{STUBS / 'crazyflie'}"]
+        command = [compiler, *FLAGS, "-fsyntax-only", *includes, *sources]
+        done = subprocess.run(command, **CAPTURED, cwd=folder, **options)
+        return done.stderr[:300] or "failed" if done.returncode else ""
+
     for name in names:
         folder = tmp_path / "package"
         under(package, name, folder)
         sources = [f"{name}.c", f"{name}_selftest.c", "example/main.c", "example/vehicle.c"]
         sources.append(f"adapters/crazyflie/controller_{name}.c")
-        includes = ["-I.", "-Iexample", f"-I{STUBS / 'crazyflie'}"]
-        done = subprocess.run(
-            [compiler, *FLAGS, "-fsyntax-only", *includes, *sources],
-            capture_output=True,
-            text=True,
-            check=False,
-            cwd=folder,
-        )
-        if done.returncode:
-            failures[name] = done.stderr[:300]
+        together = "".join(f'#include "{source}"\n' for source in sources)
+        if complaint(folder, "-x", "c", "-", input=together):
+            failures[name] = complaint(folder, *sources)
         shutil.rmtree(folder)
-    return failures
+    return {name: said for name, said in failures.items() if said}
+
+
+def test_a_name_that_cannot_be_compiled_is_told(package, tmp_path):
+    assert set(compile_all(package, ["stdint", "zzother"], tmp_path)) == {"stdint"}
 
 
 def headers_seen(package):

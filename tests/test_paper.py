@@ -6,6 +6,7 @@ import json
 import re
 from dataclasses import replace
 from fractions import Fraction
+from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
@@ -124,8 +125,9 @@ def test_the_counterexample_to_the_theorem_is_one_for_the_checker_too():
     gains = dict(zip(("k1", "k2", "k3", "k4"), theorem.GAINS, strict=True))
     Q = [[theorem.BETWEEN if i == j else Fraction(0) for j in range(3)] for i in range(3)]
     weight = theorem.MASS * theorem.GRAVITY
-    own = checker.Setting("", theorem.MASS, theorem.GRAVITY, gains, [], [], None)
-    f = checker.factor(own, weight, theorem.GOAL[2])
+    stiffness = gains["k1"] ** 2 * gains["k2"] / theorem.MASS
+    own = SimpleNamespace(k=theorem.GAINS, m=theorem.MASS, stiffness=stiffness)
+    f = checker.Claim.factor(own, weight, theorem.GOAL[2])
     sigma = checker_kit.sigma(gains, [Fraction(1)] * 4, Q, f, theorem.GOAL)
     x = theorem.STATE
     value = sum(x[i] * sigma[i][j] * x[j] for i in range(11) for j in range(11))

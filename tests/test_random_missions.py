@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import subprocess
 import sys
 from collections import Counter
@@ -13,15 +14,20 @@ import pytest
 import mission_trials
 from hoverproof.mission.presets import preset_text
 from random_missions import KINDS, case
+from sharing import kept
 
 COUNT = 200
 
 
 @pytest.fixture(scope="module")
 def tally():
-    found = mission_trials.Tally()
-    mission_trials.spread(list(range(COUNT)), whole=False, jobs=1, report=found.add)
-    return found
+    def make(folder):
+        found = mission_trials.Tally()
+        mission_trials.spread(list(range(COUNT)), whole=False, jobs=1, report=found.add)
+        folder.mkdir()
+        (folder / "tally").write_bytes(pickle.dumps(found))
+
+    return pickle.loads((kept("random missions", make) / "tally").read_bytes())
 
 
 def faults(tally, *, contradict):

@@ -69,8 +69,8 @@ def test_the_checker_has_the_motion_of_the_derived_loop(name):
     mission = load(name, LEANING)
     state = State.of(mission)
     parts = {"motion": {**vars(state), "time": F(1), "steps": [F(1)]}}
-    p = checker.read_motion(content(mission, parts))
-    series = checker.taylor(p, checker.unknowns(p), F(1), 1)
+    p = checker.claim_of(content(mission, parts))
+    series = p.taylor(p.unknowns(), F(1), 1)
     mine = np.array([line[1].mid / 2**checker.BITS for line in series])
     design, points = numbers(mission)
     x = state.packed()
@@ -90,9 +90,9 @@ def content(mission, parts):
 
 
 def enclosures(p, step, count):
-    z, found = checker.unknowns(p), []
+    z, found = p.unknowns(), []
     for _ in range(count):
-        z = checker.advance(p, z, step)
+        z = p.advance(z, step)
         found.append(z)
     return found
 
@@ -104,7 +104,7 @@ def test_the_enclosure_holds_the_motion(name, monkeypatch):
     """Another integrator stays near it; enclosures by other steps and orders overlap it."""
     mission = load(name, LEANING)
     state, step = State.of(mission), F(1, 256)
-    p = checker.read_motion(
+    p = checker.claim_of(
         content(mission, {"motion": {**vars(state), "time": F(1), "steps": [F(1)]}})
     )
     boxes = enclosures(p, step, 12)
@@ -348,9 +348,9 @@ def test_a_motion_that_the_steps_do_not_follow_is_rejected(sinking, path, value)
 
 
 def test_a_step_too_long_is_not_taken(sinking):
-    p = checker.read_motion(sinking.certificate.content)
+    p = checker.claim_of(sinking.certificate.content)
     with pytest.raises(checker.Rejected, match="not followed to its end"):
-        checker.advance(p, checker.unknowns(p), F(4))
+        p.advance(p.unknowns(), F(4))
 
 
 @pytest.mark.slow

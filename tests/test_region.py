@@ -6,6 +6,7 @@ import copy
 import json
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -276,9 +277,15 @@ def shown_exactly(target, box, low, high):
         return largest_below(view, float(high)) & smallest_above(view, float(low))
 
     tree = grow_tree(np.array(box, float), hold, 300)
-    setting = checker.Setting("", checker.Law(), F(1), F(1), {}, target, [], [], None)
+    grid, holds = checker.Grid(target), checker.Eigenvalues.hold
+    bounds = SimpleNamespace(low=low, high=high, scaled=False)
     try:
-        checker.verify_region(None, checker.Spread(setting, low, high, box, tree or "0"))
+        checker.cover(
+            tree or "0",
+            grid.cell(box),
+            lambda cell: holds(bounds, grid, cell),
+            "not shown",
+        )
     except checker.Rejected:
         return False
     return True

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 import checker_kit
 from hoverproof.algebra.graph import evaluate
+from hoverproof.errors import InputError
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Design, Measurement
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, wanted_rates
@@ -44,7 +45,7 @@ def test_a_wish_that_needs_the_depths_is_refused():
     def blind(e, measured, design, depth_flow):
         return wanted_rates(e, measured, design, ca.SX.zeros(3))
 
-    with pytest.raises(AssertionError, match="depths"):
+    with pytest.raises(InputError, match="depths"):
         derive_controller(replace(HAMEL_MAHONY, wanted_rates=blind))
 
 

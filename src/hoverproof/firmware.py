@@ -19,7 +19,7 @@ from hoverproof.export.contents import Standing
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import choices_of, law_of, name_of
+from hoverproof.servo.laws.hamel_mahony import choices_of, law_of
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import flight as simulation
 from hoverproof.simulation.cut_short import last_good_step, up_to
@@ -80,7 +80,7 @@ def export_c(
     own = law_of(mission)
     if law is not None and law != own:
         if not allow_uncertified:
-            why = f"its certificate is about its law, {own.name}, not about {name_of(law)}"
+            why = f"its certificate is about its law, {own.name}, not about {law.name}"
             raise NotCertified(mission.name, "undecided", why)
         return write_package(mission, out, Standing(pose(mission).thrust), law=law, **options)
     verdict = certify(mission)

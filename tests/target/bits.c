@@ -40,6 +40,10 @@ static void random_step(void) {
     in.gravity_direction[i] = uniform((real)-0.6, (real)0.6);
   }
   in.gravity_direction[2] += (real)0.7;
+#if FELT
+  for (int i = 0; i < 3; i++) in.specific_force[i] = uniform((real)-8, (real)8);
+  in.specific_force[2] -= (real)8;
+#endif
   in.dt = uniform((real)0, (real)0.1);
   in.target_seen = (uint32_t)(seed % 64u != 0u);
   const uint32_t status = step(&params, &state, &in, &out);

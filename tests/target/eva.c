@@ -17,6 +17,9 @@ static void fill(input_t *in, double wider) {
     in->rate[i] = any(RATE_REACH * wider);
     in->gravity_direction[i] = any(DOWN_REACH * wider);
   }
+#if FELT
+  for (int i = 0; i < 3; i++) in->specific_force[i] = any(160.0 * wider);
+#endif
   in->dt = any(wider);
   in->target_seen = Frama_C_unsigned_int_interval(0u, 1u);
 }

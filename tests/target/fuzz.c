@@ -20,6 +20,12 @@
 
 unsigned long calls = 0;
 
+#if FELT
+static const double FORCE_SQUARE = P_FORCE_SQUARE;
+#else
+static const double FORCE_SQUARE = 1.0;
+#endif
+
 static const double planted[] = {NAN,     INFINITY, -INFINITY, 0.0,   -0.0,  1e-40, -1e-310,
                                  1e38,    -1e300,   3.4e38,    1.0,   -1.0,  1e19,  -1e19,
                                  5e-324,  20.0,     30.0,      61.0,  0.1,   1e10,  -93.0};
@@ -42,11 +48,32 @@ static real number(const uint8_t **data, double reach) {
   return value;
 }
 
-enum { SEEN = (int)(offsetof(input_t, velocity) / sizeof(real)), BYTES = 9 * (SEEN + 13) + 1 };
+enum { SEEN = (int)(offsetof(input_t, velocity) / sizeof(real)), BYTES = 9 * (SEEN + 13 + 3 * FELT) + 1 };
 
 static int certain(double value, double limit) { /* farther from a limit than rounding reaches */
   return !(fabs(value - limit) <= 1e-5 * fabs(limit));
 }
+
+#if SIZED
+/* The root mean square of the distances of the unit vectors from their mean. */
+static double angular_radius(const real *seen) {
+  double q[3] = {0.0, 0.0, 0.0};
+  if (SENSED_POINTS) {
+    double p[TARGET_POINTS][3], sum = 0.0;
+    for (int i = 0; i < TARGET_POINTS; i++) {
+      const double x = (double)seen[2 * i], y = (double)seen[2 * i + 1];
+      const double far = sqrt(1.0 + x * x + y * y);
+      p[i][0] = x / far, p[i][1] = y / far, p[i][2] = 1.0 / far;
+      for (int k = 0; k < 3; k++) q[k] += p[i][k] / TARGET_POINTS;
+    }
+    for (int i = 0; i < TARGET_POINTS; i++)
+      for (int k = 0; k < 3; k++) sum += (p[i][k] - q[k]) * (p[i][k] - q[k]);
+    return sqrt(sum / TARGET_POINTS);
+  }
+  for (int k = 0; k < 3; k++) q[k] = (double)seen[k] / TARGET_POINTS;
+  return sqrt(1.0 - (q[0] * q[0] + q[1] * q[1] + q[2] * q[2]));
+}
+#endif
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
@@ -73,6 +100,22 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     turn += (double)in.rate[i] * (double)in.rate[i];
     down += (double)in.gravity_direction[i] * (double)in.gravity_direction[i];
   }
+  double felt = 0.0, lift = 0.0, radius = 0.0;
+  int sized = 1, sure = 1;
+#if FELT
+  for (int i = 0; i < 3; i++) {
+    in.specific_force[i] = number(&data, i == 2 ? 4.0 : 90.0);
+    if (i == 2) in.specific_force[i] -= (real)P_GRAVITY;
+    felt += (double)in.specific_force[i] * (double)in.specific_force[i];
+  }
+  lift = -P_MASS * ((double)in.specific_force[2] + P_GRAVITY);
+#endif
+#if SIZED
+  radius = angular_radius(numbers);
+  sized = radius >= RADIUS_LOW && (SENSED_POINTS || radius <= RADIUS_HIGH);
+  sure = !(fabs(radius / RADIUS_LOW - 1.0) < 0.1) && !(fabs(radius / RADIUS_HIGH - 1.0) < 0.1);
+#endif
+  (void)radius;
   in.dt = number(&data, 0.1);
   state.thrust_excess = number(&data, 1.2 * HOVER);
   const real low = number(&data, HOVER), high = number(&data, 3.0 * HOVER);
@@ -93,20 +136,26 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
 
   const int inside = image <= SEEN_SQUARE && speed <= P_SPEED_SQUARE && turn <= P_RATE_SQUARE &&
                      down >= P_DIRECTION_LOW && down <= P_DIRECTION_HIGH && in.dt > 0 &&
-                     in.dt <= P_DT_HIGHEST;
+                     in.dt <= P_DT_HIGHEST && sized && (!FELT || felt <= FORCE_SQUARE);
   const int clear = certain(image, SEEN_SQUARE) && certain(speed, P_SPEED_SQUARE) &&
                     certain(turn, P_RATE_SQUARE) && certain(down, P_DIRECTION_LOW) &&
-                    certain(down, P_DIRECTION_HIGH);
+                    certain(down, P_DIRECTION_HIGH) && sure && certain(felt, FORCE_SQUARE);
   if (clear) REQUIRE(((status & S_INPUT) == 0u) == inside);
   REQUIRE(((status & S_TARGET) != 0u) == (in.target_seen == 0u));
-  REQUIRE(((status & S_SINGULAR) != 0u) == !(excess > P_EXCESS_FLOOR && excess <= P_EXCESS_CEILING));
+  const int held = excess > P_EXCESS_FLOOR && excess <= P_EXCESS_CEILING;
+  const int carries = !FELT || (lift > P_EXCESS_FLOOR && lift <= P_EXCESS_CEILING);
+  if (!FELT || (certain(lift, P_EXCESS_FLOOR) && certain(lift, P_EXCESS_CEILING)))
+    REQUIRE(((status & S_SINGULAR) != 0u) == !(held && carries));
   if (status & S_FAULT) {
     REQUIRE((status & ~S_FAULT) == 0u);
     REQUIRE(out.thrust == (real)P_WEIGHT && out.torque[0] == 0 && out.torque[1] == 0);
     REQUIRE(out.torque[2] == 0 && out.rotor[0] == (real)P_ROTOR_HOVER && out.thrust_rate == 0);
     REQUIRE(state.thrust_excess == 0);
   } else {
-    REQUIRE(((status & S_THRUST) != 0u) == (excess < P_EXCESS_LOW || excess > P_EXCESS_HIGH));
+    const int beyond = FELT && (lift < P_EXCESS_LOW || lift > P_EXCESS_HIGH);
+    if (!FELT || (certain(lift, P_EXCESS_LOW) && certain(lift, P_EXCESS_HIGH)))
+      REQUIRE(((status & S_THRUST) != 0u) ==
+              (excess < P_EXCESS_LOW || excess > P_EXCESS_HIGH || beyond));
     REQUIRE(((status & S_TILT) != 0u) == (in.gravity_direction[2] < P_TILT_COSINE));
     int limited = state.thrust_excess != excess + in.dt * out.thrust_rate;
     for (int i = 0; i < 4; i++)

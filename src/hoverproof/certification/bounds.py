@@ -37,16 +37,7 @@ def proved_bounds(mission: Mission) -> Enclosure | None:
     InputError
         If nothing can be proved over the box of the mission, or it holds a target point.
     """
-    if isinstance(mission.bounds.eigenvalues, tuple):
-        return None
-    box = default_box(mission)
-    start = mission.start.position
-    if not all(low <= x <= high for x, (low, high) in zip(start, box, strict=True)):
-        raise InputError(mission.source, "bounds.box", "must hold the start of the mission")
-    region = _enclosed(mission, box)
-    if region is None:
-        raise none_proved(mission)
-    return region
+    return None if isinstance(mission.bounds.eigenvalues, tuple) else _proved(mission)
 
 
 def eigenvalue_bounds(mission: Mission) -> Interval:
@@ -61,12 +52,20 @@ def eigenvalue_bounds(mission: Mission) -> Interval:
     InputError
         See `proved_bounds`.
     """
-    if isinstance(mission.bounds.eigenvalues, tuple):
-        return mission.bounds.eigenvalues
-    region = proved_bounds(mission)
+    assumed = mission.bounds.eigenvalues
+    return assumed if isinstance(assumed, tuple) else _proved(mission).eigenvalues
+
+
+def _proved(mission: Mission) -> Enclosure:
+    """Return what is proved over the box of a mission."""
+    box = default_box(mission)
+    start = mission.start.position
+    if not all(low <= x <= high for x, (low, high) in zip(start, box, strict=True)):
+        raise InputError(mission.source, "bounds.box", "must hold the start of the mission")
+    region = _enclosed(mission, box)
     if region is None:
         raise none_proved(mission)
-    return region.eigenvalues
+    return region
 
 
 def eigenvalues_at_goal(mission: Mission) -> tuple[float, float]:

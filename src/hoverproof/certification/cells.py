@@ -33,7 +33,7 @@ def most_cells(points: int, cost: int) -> int:
     points : int
         Number of target points.
     cost : int
-        Of a cell, a bare number; see `checker.tree_of`.
+        Of a cell, a bare number; see `checker.require_little`.
     """
     return checker.MAX_WORK // ((points + 5) * cost)
 

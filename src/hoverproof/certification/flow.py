@@ -176,7 +176,15 @@ class OfQ:
 
 @dataclass(frozen=True)
 class OfJ:
-    """A ball about a multiple of I that holds J, with the methods of `OfQ`."""
+    """A ball about a multiple of I that holds J, with the methods of `OfQ`.
+
+    Attributes
+    ----------
+    symbol, words, named, bounds, every, slacks
+        See `OfQ`.
+    cost : int
+        Of a cell, a bare number.
+    """
 
     symbol: str = "J"
     words: str = "the ball [j - ϱ, j + ϱ] of J"
@@ -191,8 +199,10 @@ class OfJ:
 
         Parameters
         ----------
-        ends, write
-            See `OfQ.within`.
+        ends : (low, high)
+            1/m.
+        write : callable
+            How a number is written.
         """
         low, high = ends
         return f"|J - {write((low + high) / 2)} I| <= {write((high - low) / 2)} 1/m"
@@ -202,8 +212,12 @@ class OfJ:
 
         Parameters
         ----------
-        points, positions, low, high
-            See `OfQ.kept`.
+        points : (n, 3)
+            World frame, m.
+        positions : (k, 3)
+            World frame, m.
+        low, high : float
+            1/m.
         """
         far = self.far(points, positions, (low + high) / 2)
         return np.asarray(far <= (high - low) / 2)
@@ -229,8 +243,12 @@ class OfJ:
 
         Parameters
         ----------
-        points, cells, low, high
-            See `OfQ.hold`.
+        points : (n, 3)
+            World frame, m.
+        cells : (k, 3, 2)
+            Low and high ends, m.
+        low, high : float
+            1/m.
         """
         return scaled.within_ball(points, cells, low, high)
 
@@ -239,8 +257,10 @@ class OfJ:
 
         Parameters
         ----------
-        points, box
-            See `OfQ.needed`.
+        points : (n, 3)
+            World frame, m.
+        box : (3, 2)
+            Low and high ends, m.
         """
         J = scaled.slopes_at(points, samples(box, COARSE))
 
@@ -258,8 +278,10 @@ class OfJ:
 
         Parameters
         ----------
-        low, high, slack
-            See `OfQ.widened`.
+        low, high : float
+            1/m.
+        slack : str
+            A share, as an exact decimal.
         """
         j, reach = Fraction(low + high) / 2, Fraction(high - low) / 2 * (1 + Fraction(slack))
         return j - reach, j + reach
@@ -269,8 +291,12 @@ class OfJ:
 
         Parameters
         ----------
-        points, position, low, high
-            See `OfQ.at`.
+        points : (n, 3)
+            World frame, m.
+        position : (3,)
+            World frame, m.
+        low, high : float
+            1/m.
         """
         j, reach = (low + high) / 2, (high - low) / 2
         (far,) = self.far(points, position[None], j)
@@ -281,8 +307,12 @@ class OfJ:
 
         Parameters
         ----------
-        points, positions, low, high
-            See `OfQ.out`.
+        points : (n, 3)
+            World frame, m.
+        positions : (k, 3)
+            World frame, m.
+        low, high : float
+            1/m.
         """
         j = (low + high) / 2
         far = self.far(points, positions, j)

@@ -117,15 +117,6 @@ GainsVerdict = ProvedGains | RefutedGains | UndecidedGains
 
 
 @dataclass(frozen=True)
-class _Vertex:
-    """One end of the interval of f, with what was proved there."""
-
-    factor: Fraction
-    multiplier: Fraction
-    margin: Fraction
-
-
-@dataclass(frozen=True)
 class _Worst:
     """An exact point of the region, with XᵀΣX and XᵀWX: their quotient bounds the margin."""
 
@@ -174,26 +165,34 @@ def certify(
         try:
             best = float(margins(question)[1][0])
         except np.linalg.LinAlgError as error:
-            reason = f"no multiplier was found ({error})"
-            return UndecidedGains(
-                mission=mission, reason=reason, problem=problem, margin_above=None
-            )
+            return _undecided(problem, f"no multiplier was found ({error})")
         tau = _short_multiplier(best)
         estimate = float(np.linalg.eigvalsh(question.bound([float(tau)]))[0])
         x, axis = worst_case(question, best)
         candidates.append((estimate, attained, (x / root, axis)))
-        vertices.append(_Vertex(f, tau, _proved_margin(problem, f, tau, estimate)))
+        margin = _proved_margin(problem, f, tau, estimate)
+        vertices.append({"factor": f, "multiplier": tau, **_rated(problem, margin)})
     _, attained, direction = min(candidates, key=lambda candidate: candidate[0])
     worst = _worst_case(problem, direction, attained, WITNESS_BITS)
     low, high = problem.factor_attained
     if worst.value < 0 and low <= worst.f <= high:
         return _refuted(problem, _shortest_witness(problem, direction, worst), worst.quotient)
-    if any(v.margin <= 0 for v in vertices):
-        reason = "the worst eigenvalue of Σ is too near zero"
-        return UndecidedGains(
-            mission=mission, reason=reason, problem=problem, margin_above=worst.quotient
-        )
+    if min(vertex["margin"] for vertex in vertices) <= 0:
+        return _undecided(problem, "the worst eigenvalue of Σ is too near zero", worst.quotient)
     return _proved(problem, vertices, worst.quotient)
+
+
+def _undecided(
+    problem: GainProblem, reason: str, margin_above: Fraction | None = None
+) -> UndecidedGains:
+    return UndecidedGains(
+        mission=problem.mission, reason=reason, problem=problem, margin_above=margin_above
+    )
+
+
+def _rated(problem: GainProblem, margin: Fraction) -> dict[str, Fraction]:
+    """Return what a certificate says of a margin."""
+    return {"margin": margin, "decay_rate": problem.decay_rate(margin)}
 
 
 def search_weights(mission: Mission, *, region: Enclosure | None = None) -> tuple[Fraction, ...]:
@@ -241,40 +240,21 @@ def _best_weights(corners: Sequence[Inequality]) -> Array:
 
 
 def _proved(
-    problem: GainProblem, vertices: list[_Vertex], margin_above: Fraction
+    problem: GainProblem, vertices: list[dict[str, Fraction]], margin_above: Fraction
 ) -> ProvedGains | UndecidedGains:
-    margin = min(v.margin for v in vertices)
-    rate = problem.decay_rate(margin)
-    parts = {
-        "claim": {"margin": margin, "decay_rate": rate},
-        "enclosures": {
-            "centroid": problem.centroid,
-            "factor": problem.factor,
-            "goal": problem.goal_box,
-        },
-        "vertices": [
-            {
-                "factor": v.factor,
-                "multiplier": v.multiplier,
-                "margin": v.margin,
-                "decay_rate": problem.decay_rate(v.margin),
-            }
-            for v in vertices
-        ],
-    }
+    claim = _rated(problem, min(vertex["margin"] for vertex in vertices))
+    enclosures = {"centroid": problem.centroid, "factor": problem.factor, "goal": problem.goal_box}
+    parts = {"claim": claim, "enclosures": enclosures, "vertices": vertices}
     certificate = _seal(problem, "gains", parts)
     reason = rejection(certificate)
     if reason:
-        return UndecidedGains(
-            mission=problem.mission, reason=reason, problem=problem, margin_above=margin_above
-        )
+        return _undecided(problem, reason, margin_above)
     return ProvedGains(
         mission=problem.mission,
         certificate=certificate,
         problem=problem,
-        margin=margin,
         margin_above=margin_above,
-        decay_rate=rate,
+        **claim,
     )
 
 

@@ -128,11 +128,7 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Bound
         "enclosure": narrowest,
     }
     for spot in outside(mission, box, wanted):
-        point = {
-            "position": spot.position,
-            "direction": spot.direction,
-            "bound": spot.bound,
-        }
+        point = {key: value for key, value in vars(spot).items() if key != "value"}
         refutation = accepted(_seal(mission, "outside", box, wanted, None, outside=point))
         if refutation:
             return RefutedBounds(certificate=refutation, outside=spot, **asked)

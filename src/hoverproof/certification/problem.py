@@ -309,7 +309,10 @@ def pose(
         proves nothing.
     """
     goal, law = hover_goal(mission), law_of(mission)
-    box = tuple((binary_below(a, BITS), binary_above(b, BITS)) for a, b in fixed(mission, goal))
+    box = tuple(
+        (low, high) if low == high else (binary_below(low, BITS), binary_above(high, BITS))
+        for low, high in fixed(mission, goal)
+    )
 
     def force(thrust: Fraction, q3: Fraction) -> list[Fraction]:
         q = [box[0][0], box[1][0], q3]

@@ -245,7 +245,7 @@ def _blocks(matrices: Array) -> list[NDArray[np.intp]]:
     linked |= np.eye(len(linked), dtype=bool)
     for _ in range(len(linked).bit_length()):
         linked = linked @ linked
-    return [np.flatnonzero(row) for row in np.unique(linked, axis=0)]
+    return [np.flatnonzero(row) for row in sorted(set(map(tuple, linked.tolist())))]
 
 
 def worst_case(inequality: Inequality, tau: float) -> tuple[Array, Array]:

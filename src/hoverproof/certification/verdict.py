@@ -27,6 +27,8 @@ class Proved:
 
     status: ClassVar[Literal["proved"]] = "proved"
     ending: ClassVar[str] = "cert"  # of the names of files with its certificate
+    refuted: ClassVar[None] = None
+    reason: ClassVar[None] = None  # only what is not proved has one
     advice: ClassVar[tuple[str, ...]] = ()
     mission: Mission
     certificate: Certificate
@@ -35,16 +37,6 @@ class Proved:
     def proved(self) -> Self:
         """This verdict; None of one that is not proved."""
         return self
-
-    @property
-    def refuted(self) -> None:
-        """None; the verdict itself if it is refuted."""
-        return
-
-    @property
-    def reason(self) -> None:
-        """None: only what is not proved has one."""
-        return
 
     @property
     def statement(self) -> str:
@@ -66,14 +58,10 @@ class Refuted:
 
     status: ClassVar[Literal["refuted"]] = "refuted"
     ending: ClassVar[str] = "refutation"
+    proved: ClassVar[None] = None
     advice: ClassVar[tuple[str, ...]] = ()
     mission: Mission
     certificate: Certificate
-
-    @property
-    def proved(self) -> None:
-        """None; the verdict itself if it is proved."""
-        return
 
     @property
     def refuted(self) -> Self:
@@ -110,25 +98,13 @@ class Undecided:
 
     status: ClassVar[Literal["undecided"]] = "undecided"
     ending: ClassVar[str] = "cert"
+    proved: ClassVar[None] = None
+    refuted: ClassVar[None] = None
+    statement: ClassVar[None] = None  # nothing is claimed of what was asked
     mission: Mission
     reason: str
     advice: tuple[str, ...] = ()
     certificate: Certificate | None = None
-
-    @property
-    def proved(self) -> None:
-        """None; the verdict itself if it is proved."""
-        return
-
-    @property
-    def refuted(self) -> None:
-        """None; the verdict itself if it is refuted."""
-        return
-
-    @property
-    def statement(self) -> None:
-        """None: nothing is claimed of what was asked."""
-        return
 
     def because(self, more: str) -> Self:
         """Return it with more to the reason.

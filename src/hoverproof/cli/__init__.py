@@ -24,6 +24,9 @@ except KeyboardInterrupt:  # in the fraction of a second before a command begins
     os.write(2, b"hoverproof: interrupted\n")
     os._exit(130)
 
+# Else pydantic looks through all that is installed for what may change how a mission is read.
+os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+
 COMMANDS = (
     *("certification:certify", "certification:region", "certification:check"),
     *("tuning:tune", "atlas:atlas", "attraction:attraction"),

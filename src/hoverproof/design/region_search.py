@@ -165,7 +165,7 @@ class GainRegionSearch:
             update={"gains": self.mission.gains.model_copy(update=update)}
         )
         loop = Loop.of(mission, self.potential.q3)
-        return Search(self.potential, loop, SLACKS[0], False, -np.inf, lambda most: most)
+        return Search(self.potential, loop, SLACKS[0], None)
 
     def run(self) -> Point | None:
         """Return the best point; None where no region is found."""

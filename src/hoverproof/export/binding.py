@@ -153,8 +153,8 @@ class Firmware:
         ----------
         seen : (n, 2) image points, or (3,) centroid
         **rest
-            velocity (3,) m/s, rate (3,) rad/s, gravity_direction (3,), dt in s; target_seen,
-            by default True.
+            velocity (3,) m/s, rate (3,) rad/s, gravity_direction (3,), dt in s; specific_force
+            (3,) m/s², of a law that measures it; target_seen, by default True.
         """
         of_points = self.manifest["sensing"] == "points"
         values = {"image" if of_points else "centroid": seen, "target_seen": True, **rest}

@@ -10,16 +10,18 @@ from typing import Any
 
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.algebra.surd import sqrt_enclosure
+from hoverproof.errors import InputError
 from hoverproof.export.flight_law import FlightLaw
 from hoverproof.export.law_text import LawText, VehicleText, law_text, vehicle_text
 from hoverproof.export.options import Options
 from hoverproof.export.precision import FLOAT32
 from hoverproof.export.vectors import InputBox, Vector, test_vectors
 from hoverproof.mission.sections import Mission
+from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rotors import ROTORS
 from hoverproof.servo.hover_error import hover_error, rests_as_modelled
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, name_of
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.version import __version__
 
 
@@ -229,7 +231,7 @@ def contents(
         Prefix of files and symbols.
     options : Options
     """
-    evidence, limits = _evidence(standing), _limits(mission, standing, law)
+    evidence, limits = _evidence(standing), _limits(mission, standing, law, options)
     text = law_text(mission, options, law)
     return Contents(
         name=name,
@@ -271,7 +273,7 @@ def _evidence(standing: Standing) -> Evidence:
 
 
 def _origin(mission: Mission, evidence: Evidence, text: LawText, law: Law) -> Origin:
-    flies = "" if law == HAMEL_MAHONY else f", law {name_of(law)}"
+    flies = "" if law == HAMEL_MAHONY else f", law {law.name}"
     made = f"Made by hoverproof {__version__} from the mission {mission.name}{flies}. Do not edit."
     in_c = (
         f"mission {mission.name}; certificate SHA-256 {evidence.sha256}; law SHA-256 {text.sha256}"
@@ -295,7 +297,7 @@ def _design(mission: Mission, law: Law) -> Design:
     )
 
 
-def _limits(mission: Mission, standing: Standing, law: FlightLaw) -> Limits:
+def _limits(mission: Mission, standing: Standing, law: FlightLaw, options: Options) -> Limits:
     low, high = (thrust - mission.vehicle.weight for thrust in standing.thrust)
     cosine, words = _tilt(mission, high)
     return Limits(
@@ -305,9 +307,31 @@ def _limits(mission: Mission, standing: Standing, law: FlightLaw) -> Limits:
         floor=(law.singular_excess + low) / 2,
         tilt_cosine=cosine,
         tilt_words=words,
-        box=InputBox(),
+        box=InputBox(
+            specific_force=None if law.lift is None else Fraction(160),
+            spread=None if law.spread is None else _spread(mission, options),
+        ),
         centroid_square=(Fraction(101, 100) * len(mission.target.points)) ** 2,
     )
+
+
+def _spread(mission: Mission, options: Options) -> tuple[Fraction, Fraction]:
+    """Return the n² - |q|² that a feature of the target's size is computed from.
+
+    The target is no smaller than what keeps rounding to about a thousandth; its points are before
+    the camera, so that their centroid is longer than n/25.
+    """
+    n, q = len(mission.target.points), hover_goal(mission).centroid_midpoint
+    by_centroid = options.precision == FLOAT32 and not options.of_points
+    radius = Fraction(1, 100 if by_centroid else 10_000)
+    if n**2 - sum(c**2 for c in q) < (2 * n * radius) ** 2:
+        reason = (
+            f"seen from the goal the target is so small (an angular radius below "
+            f"{float(2 * radius):g} rad) that its size is lost in rounding"
+        )
+        hint = "; take --sensing points or --precision float64" if by_centroid else ""
+        raise InputError(mission.source, "target", reason + hint)
+    return (n * radius) ** 2, n**2 * (1 - Fraction(1, 625))
 
 
 def _tilt(mission: Mission, excess: Fraction) -> tuple[Fraction, str]:

@@ -11,27 +11,24 @@ import random
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, lru_cache
+from functools import lru_cache
 
 import casadi as ca
 
 from hoverproof.algebra.graph import evaluate
-from hoverproof.algebra.linear import solve_affine
 from hoverproof.algebra.reciprocals import share_reciprocals
+from hoverproof.export.chain import Chain, body_sensors, chain_of
 from hoverproof.export.closed_form import closed_forms
 from hoverproof.export.quadratic import Coefficients, Variables, quadratic
 from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera, rigid_body, rotors
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design, Law
+from hoverproof.servo.law import Feature, Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, law_of
 from hoverproof.servo.layout import place
 
 ROTORS = {"arm": 1, "drag_ratio": 1}
 """What the firmware needs beside the design of its law, both in m."""
-
-BODY_SENSORS = ("velocity", "rate", "gravity_direction")
-"""What the firmware takes in of the body, each (3,), in its own order."""
 
 AXES = ("x", "y", "z")
 
@@ -43,8 +40,9 @@ class FlightLaw:
     Attributes
     ----------
     function : casadi.Function
-        (image or centroid, velocity, rate, gravity_direction, thrust_excess, coefficients) ↦ the
-        outputs thrust_rate in N/s, torque in N m and rotor in N, and what else is worth a name.
+        (image, centroid or feature, what the law takes in of the body, thrust_excess, coefficients)
+        ↦ the outputs thrust_rate in N/s, torque in N m and rotor in N, and what else is worth a
+        name.
     coefficients : dict of str to Fraction
         The numbers, exact, in the order of the last input.
     meanings : dict of str to str
@@ -57,6 +55,11 @@ class FlightLaw:
         The coefficients that depend on the gains.
     singular_excess : Fraction
         T - m g at which the law is singular, N.
+    lift : casadi.Function or None
+        (what the law takes in of the body, coefficients) ↦ T - m g in N, if the law measures its
+        thrust; else it is the one commanded.
+    spread : casadi.Function or None
+        (image or centroid) ↦ n² - |q|², if the law's feature can be told by it alone.
     source : Law
         The law that it computes.
     """
@@ -68,6 +71,8 @@ class FlightLaw:
     fixed: list[Fraction]
     tuned: tuple[str, ...]
     singular_excess: Fraction
+    lift: ca.Function | None
+    spread: ca.Function | None
     source: Law
 
 
@@ -83,9 +88,9 @@ def flight_law(
     Parameters
     ----------
     mission : Mission
-    sensing : {"points", "centroid"}
-        What the camera delivers: pinhole image points (2, n), focal length 1, or the image centroid
-        (3,) already summed.
+    sensing : {"points", "centroid", "feature"}
+        What the law takes in of the image: pinhole image points (2, n), focal length 1, the image
+        centroid (3,) already summed, or the feature (3,) that the law makes of it.
     tunable : bool
         Keep the five gains as parameters: a coefficient is then left out only if it vanishes
         whatever they are.
@@ -97,31 +102,27 @@ def flight_law(
     AssertionError
         If the graph is not the derived controller, compared in exact arithmetic.
     """
-    law, points = (
-        law or law_of(mission),
-        len(mission.target.points) if sensing == "points" else None,
-    )
-    return _flight_law(law, tuple(_design_values(mission, law)), points, tunable)
+    law, points = law or law_of(mission), len(mission.target.points)
+    return _flight_law(law, tuple(_design_values(mission, law)), (sensing, points), tunable)
 
 
 @lru_cache(maxsize=8)
 def _flight_law(
-    law: Law, here: tuple[Fraction, ...], points: int | None, tunable: bool
+    law: Law, here: tuple[Fraction, ...], sensing: tuple[str, int], tunable: bool
 ) -> FlightLaw:
-    """Return the law of a design, for so many points in the image or for their centroid."""
-    chain = _chain(law)
+    """Return the law of a design, for what it takes in of so many target points."""
+    chain = chain_of(law)
     samples = [list(here), *(_with_gains(law, here, g) for g in _other_gains(law, here))]
     numbers = Coefficients(chain.design, samples if tunable else samples[:1])
-    by_centroid = _function(_scheme(chain, numbers, ca.SX.sym("centroid", 3)), chain, numbers)
+    feature = ca.SX.sym("feature", 3)
+    by_feature = _function(_scheme(chain, numbers, feature, feature), chain, numbers)
     forms = closed_forms(ca.vertcat(*numbers.expressions.values()))
     expressions = ca.vertcat(*(form.value for form in forms))
     at_samples = numbers.at_samples(expressions)
     for i, sample in enumerate(numbers.samples):
-        assert_is_the_controller(by_centroid, sample, [values[i] for values in at_samples], law)
-    function = by_centroid
-    if points is not None:  # the same behind the camera's own equations
-        image = ca.SX.sym("image", 2, points)
-        function = _function(_scheme(chain, numbers, image), chain, numbers)
+        assert_is_the_controller(by_feature, sample, [values[i] for values in at_samples], law)
+    seen, of_seen, spread = _seen(law.feature, *sensing)
+    function = _function(_scheme(chain, numbers, seen, of_seen), chain, numbers)
     tuned, rest = _gains_and_rest(law)
     (singular,) = numbers.at_samples(chain.singular)
     return FlightLaw(
@@ -138,6 +139,8 @@ def _flight_law(
             if ca.depends_on(form.value, chain.design[tuned])
         ),
         singular_excess=singular[0],
+        lift=_lift(chain, numbers, by_feature) if chain.measures_thrust else None,
+        spread=spread,
         source=law,
     )
 
@@ -156,7 +159,7 @@ def assert_is_the_controller(
     Parameters
     ----------
     function : casadi.Function
-        The law by its centroid, as in `FlightLaw`.
+        The law by its feature, as in `FlightLaw`.
     design : sequence of Fractions
         That of the law, then the arm in m and the drag ratio in m.
     coefficients : sequence of Fractions
@@ -173,20 +176,14 @@ def assert_is_the_controller(
     def some(n: int) -> list[Fraction]:
         return [Fraction(draw.randint(-(10**9), 10**9), 10**8 + 7) for _ in range(n)]
 
-    centroid, velocity, rate, gravity_direction, (excess,) = map(some, (3, 3, 3, 3, 1))
-    got = evaluate(
-        function, [centroid, velocity, rate, gravity_direction, [excess], list(coefficients)]
-    )
+    feature = some(3)
+    parts = {name: some(3) for name in body_sensors(law)}
+    (excess,) = some(1)
+    got = evaluate(function, [feature, *parts.values(), [excess], list(coefficients)])
     named = dict(zip((function.name_out(i) for i in range(function.n_out())), got, strict=True))
     *own, arm, drag = design
     thrust = own[law.design.place("mass").start] * own[law.design.place("gravity").start] + excess
-    parts = {
-        "centroid": centroid,
-        "velocity": velocity,
-        "gravity_direction": gravity_direction,
-        "rate": rate,
-        "thrust": [thrust],
-    }
+    parts |= {"centroid": feature, "thrust": [thrust]}
     measured = [number for name in law.measurement.sizes() for number in parts[name]]
     thrust_rate, torque = evaluate(derive_controller(law).function(), [measured, own])
     T, Gamma, d, k = ca.SX.sym("T"), ca.SX.sym("Gamma", 3), ca.SX.sym("d"), ca.SX.sym("k")
@@ -222,11 +219,41 @@ def _with_gains(law: Law, design: Sequence[Fraction], gains: Sequence[Fraction])
     return [others.get(i, number) for i, number in enumerate(design)]
 
 
-def _function(named: dict[str, ca.SX], chain: _Chain, numbers: Coefficients) -> ca.Function:
+def _seen(feature: Feature, sensing: str, points: int) -> tuple[ca.SX, ca.SX, ca.Function | None]:
+    """Return what is taken in of the image, the feature of it, and its spread if that counts."""
+    q, spread = ca.SX.sym("centroid", 3), ca.SX.sym("spread")
+    counts = ca.depends_on(feature.of(q, spread, points), spread)
+    if sensing == "points":
+        seen = ca.SX.sym("image", 2, points)
+        directions = camera.spherical(seen)
+        of_seen = feature.seen(directions)
+        spread = camera.spread(directions, camera.centroid(directions))
+    elif sensing == "centroid":
+        seen, of_seen, spread = q, feature.at(q, points), points**2 - ca.dot(q, q)
+    else:
+        return q, q, None
+    if not counts:
+        return seen, of_seen, None
+    told = ca.Function("spread", [seen], [spread], ["seen"], ["spread"])
+    return seen, of_seen, share_reciprocals(told)
+
+
+def _lift(chain: Chain, numbers: Coefficients, law: ca.Function) -> ca.Function:
+    """Return the thrust that a law measures, computed as within the law."""
+    coefficients = ca.vertcat(*numbers.symbols.values())
+    inputs = [ca.SX.zeros(3), *chain.sensors.values(), chain.excess, coefficients]
+    found = dict(zip(law.name_out(), law.call(inputs), strict=True))
+    names = [*chain.sensors, "coefficients"]
+    return ca.Function(
+        "lift", [*chain.sensors.values(), coefficients], [found["lift"]], names, ["lift"]
+    )
+
+
+def _function(named: dict[str, ca.SX], chain: Chain, numbers: Coefficients) -> ca.Function:
     seen = named.pop("seen")
     inputs = {
         "seen": seen,
-        **{name: getattr(chain, name) for name in BODY_SENSORS},
+        **chain.sensors,
         "thrust_excess": chain.excess,
         "coefficients": ca.vertcat(*numbers.symbols.values()),
     }
@@ -234,131 +261,52 @@ def _function(named: dict[str, ca.SX], chain: _Chain, numbers: Coefficients) -> 
     return share_reciprocals(law)
 
 
-@dataclass(frozen=True)
-class _Chain:
-    """The law as a chain of quadratic polynomials, each over the results before it.
-
-    First the symbols: of design, inputs, and what is worked out on the way (image_error = q - q*,
-    tilt = ρ - e₃, d2 = δ2, s, acceleration = Ω̇). Then the polynomials: δ2 and s of what comes
-    before them; U, the two parts of the horizontal Ω̇ (direct + divided/gap), the gap T - c q3*
-    and the T - m g where it vanishes; Ω̇3; and the torque.
-    """
-
-    law: Law
-    design: ca.SX
-    parts: Design
-    arm: ca.SX
-    drag: ca.SX
-    velocity: ca.SX
-    rate: ca.SX
-    gravity_direction: ca.SX
-    excess: ca.SX
-    image_error: ca.SX
-    tilt: ca.SX
-    d2: ca.SX
-    s: ca.SX
-    acceleration: ca.SX
-    d2_of: ca.SX
-    s_of: ca.SX
-    thrust_rate: ca.SX
-    direct: ca.SX
-    divided: ca.SX
-    gap: ca.SX
-    singular: ca.SX
-    yaw: ca.SX
-    torque: ca.SX
-
-
-@cache
-def _chain(law: Law) -> _Chain:
-    """Put the derived controller into the variables δ2, s = κ δ3, Ω and T - m g.
-
-    κ is the coefficient of δ3 in U. Over the gap T - c q3* the horizontal Ω̇ is affine plus a
-    fraction: its numerator is divided by the gap as polynomials in T.
-    """
-    controller = derive_controller(law)
-    z, d = controller.measured, controller.design
-    arm, drag = ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
-    weight = d.mass * d.gravity
-    d1, d2, s, tilt = (ca.SX.sym(name, 3) for name in ("image_error", "d2", "s", "tilt"))
-    excess, alpha = ca.SX.sym("thrust_excess"), ca.SX.sym("alpha", 3)
-    thrust = weight + excess
-    e = law.errors(z, d)
-
-    unknown = ca.vertcat(z.centroid, z.velocity, z.gravity_direction)
-    d3 = ca.SX.sym("d3", 3)
-    back = solve_affine(ca.vertcat(e.d1, e.d2, e.d3) - ca.vertcat(d1, d2, d3), unknown)
-    back = ca.substitute(back, z.thrust, thrust)
-    old, new = ca.vertcat(unknown, z.thrust), ca.vertcat(back, thrust)
-    commands = [controller.thrust_rate, controller.angular_acceleration]
-    rate_of_thrust, turn = ca.substitute(commands, [old], [new])
-    scale = ca.jacobian(rate_of_thrust, d3[2])
-    old, new = ca.vertcat(d1, d3), ca.vertcat(ca.SX.zeros(3), s / scale)  # δ1 is in δ2 and δ3 alone
-    rate_of_thrust, turn = ca.substitute([rate_of_thrust, turn], [old], [new])
-
-    gap = law.lever(thrust, d)
-    numerator = turn[:2] * gap
-    direct = ca.jacobian(numerator, excess)
-    shifted = ca.vertcat(z.centroid, z.gravity_direction, z.thrust)
-    deviations = ca.vertcat(d1 + d.goal_centroid, tilt + rigid_body.E3, thrust)
-    d2_of, d3_of = ca.substitute([e.d2, e.d3], [shifted], [deviations])
-    torque = ca.SX.sym("torque", 3)
-    balance = rigid_body.torque_balance(z.rate, alpha, d.inertia, torque)
-    return _Chain(
-        law=law,
-        design=ca.vertcat(d.vector(), arm, drag),
-        parts=d,
-        arm=arm,
-        drag=drag,
-        velocity=z.velocity,
-        rate=z.rate,
-        gravity_direction=z.gravity_direction,
-        excess=excess,
-        image_error=d1,
-        tilt=tilt,
-        d2=d2,
-        s=s,
-        acceleration=alpha,
-        d2_of=d2_of,
-        s_of=scale * (d3_of - d2_of + d2),
-        thrust_rate=rate_of_thrust,
-        direct=direct,
-        divided=numerator - direct * gap,
-        gap=gap,
-        singular=solve_affine(gap, excess),
-        yaw=turn[2],
-        torque=solve_affine(balance, torque),
-    )
-
-
-def _scheme(chain: _Chain, numbers: Coefficients, seen: ca.SX) -> dict[str, ca.SX]:
+def _scheme(chain: Chain, numbers: Coefficients, seen: ca.SX, feature: ca.SX) -> dict[str, ca.SX]:
     """Build the graph; every value in it that has a meaning comes with a name."""
-    rate = _variables("rate", chain.rate)
+    rate = _variables("rate", chain.sensors["rate"])
 
     def over(*parts: tuple[str, ca.SX]) -> Variables:
         packed = [_variables(name, value) for name, value in parts]
         names = tuple(n for p in packed for n in p.names)
         return Variables(names, ca.vertcat(*(p.vector for p in packed)))
 
-    q = seen
-    if seen.shape[0] == 2:
-        q = chain.law.feature.seen(camera.spherical(seen))
     goal = quadratic(chain.parts.goal_centroid, [f"goal_{a}" for a in AXES], rate, numbers)
-    image_error = q - ca.vertcat(*goal)
-    tilt = chain.gravity_direction - rigid_body.E3
+    image_error = feature - ca.vertcat(*goal)
+    tilt = chain.sensors["gravity_direction"] - rigid_body.E3
+    sensed = over(*chain.sensors.items())
+    felt = quadratic(
+        chain.felt_of, [f"rest_{a}" for a in AXES[: chain.felt.shape[0]]], sensed, numbers
+    )
     d2 = quadratic(
         chain.d2_of,
         [f"d2_{a}" for a in AXES],
-        over(("velocity", chain.velocity), ("image", chain.image_error), ("tilt", chain.tilt)),
+        over(
+            ("velocity", chain.sensors["velocity"]),
+            ("image", chain.image_error),
+            ("tilt", chain.tilt),
+        ),
         numbers,
     )
     s = quadratic(
         chain.s_of,
         [f"s_{a}" for a in AXES],
-        over(("d2", chain.d2), ("tilt", chain.tilt), ("excess", chain.excess)),
+        over(
+            ("d2", chain.d2), ("tilt", chain.tilt), ("excess", chain.excess), ("felt", chain.felt)
+        ),
         numbers,
     )
-    state = over(("rate", chain.rate), ("s", chain.s), ("d2", chain.d2), ("excess", chain.excess))
+    known = over(("rate", rate.vector), ("felt", chain.felt))
+    lift, drift = chain.excess, ca.SX(0)
+    if chain.measures_thrust:
+        changes = ca.vertcat(chain.lift_of, chain.drift_of)
+        lift, drift = quadratic(changes, ["lift", "drift"], known, numbers)
+    state = over(
+        ("rate", rate.vector),
+        ("s", chain.s),
+        ("d2", chain.d2),
+        ("excess", chain.lift),
+        ("drift", chain.drift),
+    )
     outputs = ca.vertcat(chain.thrust_rate, chain.direct, chain.divided, chain.yaw, chain.gap)
     names = ["U", "roll", "pitch", "roll_gap", "pitch_gap", "yaw", "hover_gap"]
     U, *rest = quadratic(outputs, names, state, numbers, factored=3)
@@ -367,7 +315,7 @@ def _scheme(chain: _Chain, numbers: Coefficients, seen: ca.SX) -> dict[str, ca.S
     torque = quadratic(
         chain.torque,
         [f"torque_{a}" for a in AXES],
-        over(("rate", chain.rate), ("alpha", chain.acceleration)),
+        over(("rate", rate.vector), ("alpha", chain.acceleration)),
         numbers,
     )
     wrench = over(("thrust", chain.excess), ("torque", chain.s))  # any symbols do
@@ -376,21 +324,30 @@ def _scheme(chain: _Chain, numbers: Coefficients, seen: ca.SX) -> dict[str, ca.S
     )
     mixed = quadratic(mixing, ["rotor"] * 4, wrench, numbers)
 
-    graph = {"seen": seen, "centroid": q, "image_error": image_error, "tilt": tilt}
+    graph = {"seen": seen, "centroid": feature, "image_error": image_error, "tilt": tilt}
+    if chain.measures_thrust:
+        graph["felt"] = ca.vertcat(*felt)
+        graph["lift"], graph["drift"] = (
+            ca.substitute(value, chain.felt, graph["felt"]) for value in (lift, drift)
+        )
     held = ca.vertcat(chain.image_error, chain.tilt)
     graph["d2"] = ca.substitute(ca.vertcat(*d2), held, ca.vertcat(image_error, tilt))
     graph["s"] = ca.substitute(
-        ca.vertcat(*s), ca.vertcat(chain.d2, chain.tilt), ca.vertcat(graph["d2"], tilt)
+        ca.vertcat(*s),
+        ca.vertcat(chain.d2, chain.tilt, chain.felt),
+        ca.vertcat(graph["d2"], tilt, graph.get("felt", ca.SX(0, 1))),
     )
-    inner, outer = ca.vertcat(chain.d2, chain.s), ca.vertcat(graph["d2"], graph["s"])
-    graph["thrust_rate"] = ca.substitute(U, inner, outer)
-    graph["gap"] = gap
-    graph["alpha"] = ca.substitute(alpha, inner, outer)
+    inner = ca.vertcat(chain.d2, chain.s, chain.lift, chain.drift)
+    outer = ca.vertcat(graph["d2"], graph["s"], graph.get("lift", lift), graph.get("drift", drift))
+    graph["thrust_rate"], graph["gap"], graph["alpha"] = (
+        ca.substitute(value, inner, outer) for value in (U, gap, alpha)
+    )
     graph["torque"] = ca.substitute(ca.vertcat(*torque), chain.acceleration, graph["alpha"])
     graph["rotor"] = ca.substitute(ca.vertcat(*mixed), chain.s, graph["torque"])
     return graph
 
 
 def _variables(name: str, vector: ca.SX) -> Variables:
-    names = [name] if vector.shape[0] == 1 else [f"{name}_{a}" for a in AXES]
+    size = vector.shape[0]
+    names = [name] if size == 1 else [f"{name}_{a}" for a in AXES[:size]]
     return Variables(tuple(names), vector)

@@ -8,9 +8,12 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import casadi as ca
+
 from hoverproof.algebra.graph import fingerprint
+from hoverproof.export.chain import body_sensors
 from hoverproof.export.emitter import literals, statements
-from hoverproof.export.flight_law import BODY_SENSORS, FlightLaw
+from hoverproof.export.flight_law import FlightLaw
 from hoverproof.export.options import Options
 from hoverproof.export.precision import FLOAT64
 from hoverproof.export.vehicle import rate_function, sense_function
@@ -39,6 +42,9 @@ class LawText:
         From gains to the numbers that follow from them, and to m g less the singular thrust.
     image_square : str
         An expression: the sum of the squares of what the camera saw.
+    lift, spread : tuple of str
+        From the input to the T - m g that the law measures, and to n² - |q|²; empty where the law
+        does without.
     """
 
     sha256: str
@@ -49,6 +55,8 @@ class LawText:
     of_gains: tuple[str, ...]
     gap_of_gains: tuple[str, ...]
     image_square: str
+    lift: tuple[str, ...]
+    spread: tuple[str, ...]
 
     @property
     def numbers(self) -> int:
@@ -66,11 +74,14 @@ class VehicleText:
         Statements: the derivative of its state, and what its sensors deliver.
     start : str
         Where it starts: numbers of its state, with commas.
+    hover : str
+        The thrust with which it starts, N.
     """
 
     rate: tuple[str, ...]
     sense: tuple[str, ...]
     start: str
+    hover: str
 
 
 def law_text(mission: Mission, options: Options, law: FlightLaw) -> LawText:
@@ -85,18 +96,15 @@ def law_text(mission: Mission, options: Options, law: FlightLaw) -> LawText:
     """
     tuned = law.tuned if options.tunable else ()
     seen = options.seen(len(mission.target.points))
-    inputs = [
-        seen,
-        *([f"in->{v}[{k}]" for k in range(3)] for v in BODY_SENSORS),
-        ["thrust_excess"],
-        [f"params->{c}" if c in tuned else c for c in law.coefficients],
-    ]
+    body = [[f"in->{v}[{k}]" for k in range(3)] for v in body_sensors(law.source)]
+    numbers = literals(law.coefficients, options.precision)
+    named = [f"params->{c}" if c in tuned else c for c in law.coefficients]
+    inputs = [seen, *body, ["thrust_excess"], named]
     results = {
         "thrust_rate": ["out->thrust_rate"],
         "torque": [f"out->torque[{i}]" for i in range(3)],
         "rotor": [f"out->rotor[{i}]" for i in range(4)],
     }
-    numbers = literals(law.coefficients, options.precision)
     gap = {"hover_gap": f"const {options.precision.c_type} hover_gap"}
     return LawText(
         sha256=_law_sha256(law),
@@ -107,6 +115,8 @@ def law_text(mission: Mission, options: Options, law: FlightLaw) -> LawText:
         of_gains=_from_gains(law, options, {c: f"params->{c}" for c in tuned}),
         gap_of_gains=_from_gains(law, options, gap),
         image_square=_sum_of_squares(seen),
+        lift=_told(law.lift, [*body, list(numbers.values())], options),
+        spread=_told(law.spread, [seen], options),
     )
 
 
@@ -130,18 +140,31 @@ def vehicle_text(mission: Mission, options: Options, law: Law) -> VehicleText:
         FLOAT64,
     )
     points = [FLOAT64.literal(c) for p in mission.target.points for c in p]
-    fields = {u: [f"in->{u}[{k}]" for k in range(3)] for u in BODY_SENSORS}
-    sensors = sense_function(n, options.sensing, law)
-    sense = statements(sensors, [x, points], {"seen": options.seen(n), **fields}, FLOAT64)
+    fields = {u: [f"in->{u}[{k}]" for k in range(3)] for u in body_sensors(law)}
+    sensors, goal = sense_function(n, options.sensing, law), law.goal_feature(mission)
+    design = [FLOAT64.literal(c) for c in law.design.values(mission, goal)]
+    inputs = [x, points, ["vehicle->thrust"], design]
+    sense = statements(sensors, inputs, {"seen": options.seen(n), **fields}, FLOAT64)
     if options.precision.name == "float32":
         sense = [re.sub(r"^(in->.*?) = (.*);$", r"\1 = (float)(\2);", line) for line in sense]
     start = ", ".join(repr(float(s) + 0.0) for s in LoopNumbers.of(mission).start[:BODY_SIZE])
-    return VehicleText(tuple(rate), tuple(sense), start)
+    return VehicleText(tuple(rate), tuple(sense), start, FLOAT64.literal(v.weight))
 
 
 def _law_sha256(law: FlightLaw) -> str:
     exact = {name: str(value) for name, value in law.coefficients.items()}
     return hashlib.sha256(json.dumps([fingerprint(law.function), exact]).encode()).hexdigest()
+
+
+def _told(
+    function: ca.Function | None, inputs: Sequence[Sequence[str]], options: Options
+) -> tuple[str, ...]:
+    """Return the statements that compute the one number of a function, by the function's name."""
+    if function is None:
+        return ()
+    name = function.name_out(0)
+    results = {name: [f"const {options.precision.c_type} {name}"]}
+    return tuple(statements(function, inputs, results, options.precision))
 
 
 def _from_gains(law: FlightLaw, options: Options, targets: Mapping[str, str]) -> tuple[str, ...]:

@@ -49,7 +49,7 @@ SURROUNDINGS = """
     adapters camera loop main manifest readme selftest vehicle vector hoverproof
     controller controller_pid stabilizer_types stabilizer config cfassert debug log param
     ardupilot crazyflie px4 drivers uorb ap_common ap_hal ap_math ap_param
-    ac_customcontrol ac_customcontrol_backend ac_customcontrol_config
+    ap_inertialsensor     ac_customcontrol ac_customcontrol_backend ac_customcontrol_config
 """
 """Targets of CMake, libraries, what the package itself has, and what its adapters include."""
 

@@ -22,7 +22,7 @@ from hoverproof.export.targets import TARGETS, titles
 from hoverproof.files import write_text
 from hoverproof.mission.sections import LawChoice, Mission
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import choices_of, law_of, name_of
+from hoverproof.servo.laws.hamel_mahony import choices_of, law_of
 from hoverproof.version import __version__
 
 FILES = {
@@ -113,7 +113,7 @@ def write_package(
     law = law or law_of(mission)
     if standing.certificate is not None:
         own = law_of(mission)
-        about = f"a certificate of {mission.name} is about {own.name}, not about {name_of(law)}"
+        about = f"a certificate of {mission.name} is about {own.name}, not about {law.name}"
         checker.require(law == own, about)
         standing = replace(standing, thrust=_check(standing.certificate, mission))
     flown = flight_law(mission, sensing=sensing, tunable=tunable, law=law)
@@ -154,7 +154,7 @@ def _check(certificate: Mapping[str, Any], mission: Mission) -> tuple[Fraction, 
     checker.require(theirs == mission.law.name, about)
     same = certificate["mission"] == mission.exact()
     checker.require(same, "the certificate is about another mission")
-    low, high = checker.read_gains(certificate).thrust
+    low, high = checker.claim_of(certificate).thrust
     return low, high
 
 
@@ -226,11 +226,13 @@ def _manifest(filled: Contents, texts: Mapping[str, str], law: Law) -> dict[str,
 def _instruction_budget(filled: Contents) -> int:
     """Most instructions of a step: a part for each point, one for each number, and the rest."""
     points = 12 * filled.points if filled.options.of_points else 0
-    return points + 4 * filled.law.numbers + 175
+    felt, sized = 50 if filled.law.lift else 0, 24 + points if filled.law.spread else 0
+    return points + 4 * filled.law.numbers + 175 + felt + sized
 
 
 def _flash_budget(filled: Contents) -> int:
     """Most bytes of code and constants of NAME.c, without the self-test."""
     points = 40 * filled.points if filled.options.of_points else 0
     tuning = 900 if filled.options.tunable else 0
-    return points + 25 * filled.law.numbers + 1400 + tuning
+    felt, sized = 80 if filled.law.lift else 0, 60 + points if filled.law.spread else 0
+    return points + 25 * filled.law.numbers + 1400 + tuning + felt + sized

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.graph import evaluate
-from hoverproof.export.flight_law import BODY_SENSORS, FlightLaw
+from hoverproof.export.chain import body_sensors
+from hoverproof.export.flight_law import FlightLaw
 from hoverproof.export.options import Options
 from hoverproof.export.precision import Precision, Rounded
 from hoverproof.mission.sections import Mission
@@ -36,6 +39,10 @@ class InputBox:
         Length of the gravity direction, which should be 1: dimensionless.
     dt : Fraction
         Longest step, s.
+    specific_force : Fraction, optional
+        m/s², of a law that measures it; accelerometers of 16 g stay inside.
+    spread : (low, high), optional
+        n² - |q|², of a law whose feature tells the size of the target: dimensionless.
     """
 
     image: Fraction = Fraction(20)
@@ -43,6 +50,8 @@ class InputBox:
     rate: Fraction = Fraction(61)
     direction: tuple[Fraction, Fraction] = (Fraction(9, 10), Fraction(11, 10))
     dt: Fraction = Fraction(1, 10)
+    specific_force: Fraction | None = None
+    spread: tuple[Fraction, Fraction] | None = None
 
     def as_json(self, sensing: str, points: int) -> dict[str, Any]:
         """Return the box in words and numbers.
@@ -59,8 +68,16 @@ class InputBox:
             if sensing == "points"
             else {"centroid_length": [0, 1.01 * points]}
         )
+        if self.spread is not None:  # n times the root mean square of the angles from the middle
+            radii = [math.sqrt(s) / points for s in self.spread]
+            seen = {**seen, "angular_radius_rad": radii}
+        if self.specific_force is not None:
+            felt = {"specific_force_length_m_per_s2": [0, float(self.specific_force)]}
+        else:
+            felt = {}
         return {
             **seen,
+            **felt,
             "velocity_length_m_per_s": [0, float(self.speed)],
             "rate_length_rad_per_s": [0, float(self.rate)],
             "gravity_direction_length": [float(d) for d in self.direction],
@@ -79,6 +96,8 @@ class Step:
     velocity, rate, gravity_direction : (3,)
     excess, dt : scalar
         T - m g in N, and s.
+    specific_force : (3,)
+        m/s²; of no account to a law that does not measure it.
     """
 
     seen: NDArray[Any]
@@ -87,6 +106,7 @@ class Step:
     gravity_direction: NDArray[Any]
     excess: np.floating
     dt: np.floating
+    specific_force: NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -99,8 +119,10 @@ class Vector:
         In words.
     excess, dt : str
         T - m g in N, and s.
-    seen, velocity, rate, gravity_direction : str
-        In braces, the rest of the input; see `Step`.
+    seen : str
+        In braces; see `Step`.
+    body : sequence of str
+        What else is taken in of the body, each in braces, in the order of the input.
     target_seen : int
         A bare number: 0 if the camera missed the target.
     status : int
@@ -114,9 +136,7 @@ class Vector:
     what: str
     excess: str
     seen: str
-    velocity: str
-    rate: str
-    gravity_direction: str
+    body: Sequence[str]
     dt: str
     target_seen: int
     status: int
@@ -141,7 +161,7 @@ def random_step(
     draw : numpy.random.Generator
         The source of chance.
     mission : Mission
-        Gives the weight and how many target points there are.
+        Gives the vehicle and how many target points there are.
     precision : Precision
         The type of the numbers drawn.
     sensing : {"points", "centroid"}
@@ -154,7 +174,7 @@ def random_step(
     rays = np.vstack([image, np.ones(n)])
     tilt = draw.normal(0, 0.1, 2)
     down = np.array([*tilt, 1.0]) / np.sqrt(1 + tilt @ tilt)
-    return Step(
+    step = Step(
         seen=(
             image if sensing == "points" else (rays / np.linalg.norm(rays, axis=0)).sum(1)
         ).astype(real),
@@ -163,7 +183,12 @@ def random_step(
         gravity_direction=down.astype(real),
         excess=real(draw.uniform(float(thrust[0]) - weight, float(thrust[1]) - weight)),
         dt=real(draw.uniform(0.0005, 0.02)),
+        specific_force=np.zeros(3, real),
     )
+    (apart,) = draw.spawn(1)  # what few laws measure leaves what all of them do as it is
+    across, along = apart.normal(0, 0.5, 2), apart.uniform(float(thrust[0]), float(thrust[1]))
+    felt = np.array([*across, -along / float(mission.vehicle.mass)]).astype(real)
+    return replace(step, specific_force=felt)
 
 
 def law_at(law: FlightLaw, step: Step, precision: Precision) -> dict[str, list[np.floating]]:
@@ -180,7 +205,7 @@ def law_at(law: FlightLaw, step: Step, precision: Precision) -> dict[str, list[n
     """
     arguments: list[list[Any]] = [
         [Rounded(x) for x in step.seen.ravel(order="F")],
-        *([Rounded(x) for x in getattr(step, name)] for name in BODY_SENSORS),
+        *([Rounded(x) for x in getattr(step, name)] for name in body_sensors(law.source)),
         [Rounded(step.excess)],
         [Rounded(precision.round(c)) for c in law.coefficients.values()],
     ]
@@ -223,6 +248,7 @@ def test_vectors(
     draw, precision = np.random.default_rng(0), options.precision
     weight = mission.vehicle.weight
     highest = 4 * options.rotor_limits[1] - weight
+    write = partial(_written, precision, body_sensors(law.source))
     written: list[Vector] = []
     step = random_step(draw, mission, precision, options.sensing, thrust)
     for _ in range(100 * NOMINAL):
@@ -239,7 +265,7 @@ def test_vectors(
             if step.gravity_direction[2] < precision.round(tilt_cosine):
                 status += 16
             words = "a step of the law"
-            written.append(_written(precision, step, out, following, status, words))
+            written.append(write(step, out, following, status, words))
     zero = precision.scalar(0)
     safe = {
         "thrust": [precision.round(weight)],
@@ -248,23 +274,36 @@ def test_vectors(
         "thrust_rate": [zero],
     }
     huge = precision.scalar(1e30)
-    fast = Step(**{**vars(step), "velocity": np.array([huge, zero, zero])})
-    gone = Step(**{**vars(step), "excess": -precision.round(weight)})
-    written.append(_written(precision, fast, safe, zero, 1, "an input beyond all reason"))
-    written.append(_written(precision, step, safe, zero, 2, "target not seen", seen=False))
-    written.append(_written(precision, gone, safe, zero, 4, "no thrust"))
+    fast = replace(step, velocity=np.array([huge, zero, zero]))
+    gone = replace(step, excess=-precision.round(weight))
+    faults = [(fast, 1, "an input beyond all reason"), (step, 2, "target not seen")]
+    faults.append((gone, 4, "no thrust"))
+    if law.lift is not None:
+        falls = replace(step, specific_force=np.zeros(3, precision.scalar))
+        faults.append((falls, 4, "no thrust is felt"))
+    if law.spread is not None:
+        one = replace(step, seen=_one_point(step.seen, len(mission.target.points)))
+        faults.append((one, 1, "all points in one"))
+    for at, status, words in faults:
+        written.append(write(at, safe, zero, status, words))
     return written
+
+
+def _one_point(seen: NDArray[Any], points: int) -> NDArray[Any]:
+    """Return the image or the centroid of a target so small that its points are one."""
+    if seen.ndim == 2:
+        return np.broadcast_to(seen[:, :1], seen.shape)
+    return np.array([0, 0, points], seen.dtype)
 
 
 def _written(
     precision: Precision,
+    body: Sequence[str],
     step: Step,
     out: Mapping[str, list[Any]],
     following: Any,
     status: int,
     what: str,
-    *,
-    seen: bool = True,
 ) -> Vector:
     hexed = precision.hex_literal
 
@@ -277,11 +316,9 @@ def _written(
         what=what,
         excess=hexed(step.excess),
         seen=f"{{ {pairs} }}" if pairs else braces(image),
-        velocity=braces(step.velocity),
-        rate=braces(step.rate),
-        gravity_direction=braces(step.gravity_direction),
+        body=[braces(getattr(step, name)) for name in body],
         dt=hexed(step.dt),
-        target_seen=int(seen),
+        target_seen=int(status != 2),
         status=status,
         thrust=hexed(out["thrust"][0]),
         torque=braces(out["torque"]),

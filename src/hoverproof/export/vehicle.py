@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import casadi as ca
 
-from hoverproof.export.flight_law import BODY_SENSORS
+from hoverproof.export.chain import body_sensors
+from hoverproof.plant import camera
 from hoverproof.plant.rigid_body import BODY_SIZE, RigidBodyState, held_rate
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
-from hoverproof.servo.loop import sense
+from hoverproof.servo.loop import parameters, sense
 
 
 def rate_function() -> ca.Function:
@@ -26,9 +27,10 @@ def rate_function() -> ca.Function:
 
 
 def sense_function(n: int, sensing: str, law: Law = HAMEL_MAHONY) -> ca.Function:
-    """Return (state, target points (3, n) in m) ↦ what the sensors deliver.
+    """Return (state, target points (3, n) in m, thrust in N, design) ↦ what the sensors deliver.
 
-    Outputs: seen (image points (2, n), or the centroid (3,)), velocity, rate, gravity_direction.
+    Outputs: seen (image points (2, n), or the centroid (3,)), and what the law takes in of the
+    body.
 
     Parameters
     ----------
@@ -38,12 +40,14 @@ def sense_function(n: int, sensing: str, law: Law = HAMEL_MAHONY) -> ca.Function
         What the camera delivers.
     law : Law
     """
-    x, points = ca.SX.sym("x", BODY_SIZE), ca.SX.sym("points", 3, n)
-    body = RigidBodyState.from_vector(ca.vertcat(x, 0))
-    measured, image, _ = sense(body, points, law)
+    x, T, (design, points) = ca.SX.sym("x", BODY_SIZE), ca.SX.sym("T"), parameters(n, law)
+    body = RigidBodyState.from_vector(ca.vertcat(x, T))
+    measured, image, _ = sense(body, points, law, design)
+    centroid = camera.centroid(camera.spherical(image))
     outputs = {
-        "seen": image if sensing == "points" else measured.centroid,
-        **{name: getattr(measured, name) for name in BODY_SENSORS},
+        "seen": {"points": image, "centroid": centroid}[sensing],
+        **{name: getattr(measured, name) for name in body_sensors(law)},
     }
     values = ca.cse(list(outputs.values()))
-    return ca.Function("sense", [x, points], values, ["x", "points"], list(outputs))
+    inputs = {"x": x, "points": points, "thrust": T, "design": design.vector()}
+    return ca.Function("sense", list(inputs.values()), values, list(inputs), list(outputs))

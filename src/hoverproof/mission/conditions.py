@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, model_validator
 
-from hoverproof.mission.fields import Section, array, one_of, quantity, reject, shown
+from hoverproof.mission.fields import Section, array, one_of, quantity, reject, shown, true_or_false
 
 _ZERO = Fraction(0)
 _ZEROS = (_ZERO, _ZERO, _ZERO)
@@ -22,6 +22,7 @@ _PositiveTime = Annotated[Fraction, quantity("s", "0", "1e6", open_low=True)]
 _Pixels = Annotated[Fraction, quantity("px", "0", "1e6")]
 _PositivePixels = Annotated[Fraction, quantity("px", "0", "1e6", open_low=True)]
 _BodyRate = Annotated[Fraction, quantity("rad/s", "0", "1e3")]
+_Acceleration = Annotated[Fraction, quantity("m/s²", "0", "1e3")]
 _Speed = Annotated[Fraction, quantity("m/s", "0", "1e4")]
 _SignedSpeed = Annotated[Fraction, quantity("m/s", "-1e4", "1e4")]
 _SmallAngle = Annotated[Fraction, quantity("rad", "0", "1")]
@@ -39,6 +40,10 @@ _Wind = Annotated[
 _Tilts = Annotated[tuple[_Tilt, _Tilt, _Tilt], BeforeValidator(array("roll", "pitch", "yaw"))]
 _Relatives = Annotated[
     tuple[_Relative, _Relative, _Relative], BeforeValidator(array("I1", "I2", "I3"))
+]
+_OfRotors = Annotated[
+    tuple[_Relative, _Relative, _Relative, _Relative],
+    BeforeValidator(array("rear right", "rear left", "front right", "front left")),
 ]
 _Lengths = Annotated[tuple[_Length, _Length, _Length], BeforeValidator(array("x", "y", "z"))]
 _Speeds = Annotated[tuple[_Speed, _Speed, _Speed], BeforeValidator(array("v1", "v2", "v3"))]
@@ -78,6 +83,14 @@ class Sensors(Section):
         Of each component of the velocity, body frame.
     gravity_noise, gravity_bias : rad
         Of the direction of gravity that an attitude filter makes of the accelerometer.
+    accelerometer_noise, accelerometer_bias : m/s²
+        Of each component of the specific force, for a law that measures the force (`law.force`).
+    accelerometer_time_constant : s
+        Of its first-order low-pass, before the noise; 0 is none.
+    gyro_turned : true or false
+        Whether the controller turns the feature it holds with the gyro, from when the frame was
+        taken, so that late and rare frames tell old positions and no old attitudes. The gyro is
+        read for that at each step of the flight.
     """
 
     control_rate: _Rate | None = None
@@ -95,6 +108,10 @@ class Sensors(Section):
     velocity_bias: _Speed = _ZERO
     gravity_noise: _SmallAngle = _ZERO
     gravity_bias: _SmallAngle = _ZERO
+    accelerometer_noise: _Acceleration = _ZERO
+    accelerometer_bias: _Acceleration = _ZERO
+    accelerometer_time_constant: _Time = _ZERO
+    gyro_turned: Annotated[bool, true_or_false()] = False
 
     @model_validator(mode="after")
     def _has_a_camera(self) -> Self:
@@ -115,7 +132,7 @@ class Rotors(Section):
     time_constant : s
         Of the first-order lag of each rotor's thrust.
     min_thrust, max_thrust : N
-        Of each rotor; by default without limits.
+        Of what each rotor is asked for; by default without limits.
     """
 
     time_constant: _Time = _ZERO
@@ -168,11 +185,20 @@ class ModelError(Section):
         The same for each principal moment.
     camera_tilt : rad
         Roll, pitch and yaw of the camera in the body.
+    thrust : share
+        True thrust of each rotor over what it is asked for, less 1.
+    rotors : shares
+        The same of single rotors, beside that of all.
+    arm : share
+        True arm of the rotors over that of the mission, less 1.
     """
 
     mass: _Relative = _ZERO
     inertia: _Relatives = _ZEROS
     camera_tilt: _Tilts = _ZEROS
+    thrust: _Relative = _ZERO
+    rotors: _OfRotors = (_ZERO, _ZERO, _ZERO, _ZERO)
+    arm: _Relative = _ZERO
 
 
 class Scatter(Section):
@@ -194,6 +220,8 @@ class Scatter(Section):
         Of the true vehicle; the controller keeps the mission's.
     camera_tilt : rad
         Roll, pitch and yaw of the camera in the body.
+    thrust, arm : shares
+        Of the true rotors, all four alike.
     """
 
     distribution: Annotated[Literal["uniform", "normal"], one_of("uniform", "normal")] = "uniform"
@@ -204,8 +232,11 @@ class Scatter(Section):
     mass: _Share = _ZERO
     inertia: _Shares = _ZEROS
     camera_tilt: _Angles = _ZEROS
+    thrust: _Share = _ZERO
+    arm: _Share = _ZERO
 
     @property
     def of_the_vehicle(self) -> bool:
         """Whether vehicles differ, and not their starts alone."""
-        return bool(self.mass or any(self.inertia) or any(self.camera_tilt))
+        single = (self.mass, self.thrust, self.arm)
+        return any((*single, *self.inertia, *self.camera_tilt))

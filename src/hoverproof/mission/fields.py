@@ -121,6 +121,17 @@ def one_of(*words: str) -> BeforeValidator:
     return BeforeValidator(check)
 
 
+def true_or_false() -> BeforeValidator:
+    """Accept true and false, and nothing that stands for them."""
+
+    def check(value: object) -> object:
+        if not isinstance(value, bool):
+            raise reject(f"must be true or false, not {shown(value)}")
+        return value
+
+    return BeforeValidator(check)
+
+
 class Section(BaseModel):
     """A section of a mission file: frozen, and no key but those it names."""
 

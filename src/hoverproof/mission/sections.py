@@ -212,7 +212,7 @@ class Start(_Section):
 
 
 class Mission(_Section):
-    """A vehicle, a camera target, a goal and gains, with the bounds assumed and the start.
+    """A vehicle, a camera target, a goal and gains, with the bounds assumed, the start and the law.
 
     All numbers are `fractions.Fraction`. Made by `load`; `source` says from where. The name is also
     that of the files that commands write. The sections `sensors`, `rotors`, `wind`, `model_error`
@@ -331,4 +331,4 @@ def _as_text(value: Any) -> Any:
         return {key: _as_text(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
         return [_as_text(entry) for entry in value]
-    return str(value)
+    return str(value).lower() if isinstance(value, bool) else str(value)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import casadi as ca
@@ -57,6 +57,17 @@ def hover_goal(mission: Mission) -> HoverGoal:
     InputError
         If no hover above the target sees the wanted centroid.
     """
+    key = (tuple(mission.target.points), mission.goal.height, mission.goal.centroid)
+    if key not in _held:
+        _held[key] = _found(mission)
+    return _held[key]
+
+
+_held: dict[object, HoverGoal] = {}
+"""Hovers by target and goal: one verdict asks several times, and a search for gains again."""
+
+
+def _found(mission: Mission) -> HoverGoal:
     points = mission.target.points
     n = len(points)
     middle = [sum((p[i] for p in points), Fraction(0)) / n for i in range(3)]
@@ -126,8 +137,8 @@ def hover_at_height(
 
 
 def centroid_seen(
-    points: list[tuple[Fraction, Fraction, Fraction]], position: tuple[Fraction, ...]
-) -> list[Surd]:
+    points: Sequence[tuple[Fraction, Fraction, Fraction]], position: tuple[Fraction, ...]
+) -> tuple[Surd, ...]:
     """Return the image centroid of a level camera, exactly, (3,).
 
     Parameters
@@ -135,10 +146,17 @@ def centroid_seen(
     points : (n, 3), world frame, m
     position : (3,), world frame, m
     """
+    return _centroid_seen(tuple(points), position)
+
+
+@lru_cache(maxsize=64)  # a command asks for the goal of its mission many times
+def _centroid_seen(
+    points: tuple[tuple[Fraction, ...], ...], position: tuple[Fraction, ...]
+) -> tuple[Surd, ...]:
     arguments = [[c for p in points for c in p], position]
     look = level_view(len(points)).factory("centroid", ["points", "xi"], ["q"])
     (q,) = evaluate(look, [[Surd.of(c) for c in a] for a in arguments], Surd.of)
-    return [row[0] for row in q]
+    return tuple(row[0] for row in q)
 
 
 @cache
@@ -162,7 +180,7 @@ def level_view(n: int) -> ca.Function:
     )
 
 
-def _goal(position: tuple[Fraction, ...], seen: list[Surd]) -> HoverGoal:
+def _goal(position: tuple[Fraction, ...], seen: Sequence[Surd]) -> HoverGoal:
     return HoverGoal(position, tuple(q.enclosure() for q in seen))
 
 
@@ -182,7 +200,9 @@ def _solve(
         return float(np.linalg.norm(points - xi, axis=1).sum() + wanted @ xi)
 
     xi, seen = np.array([float(c) for c in start]), np.full(3, np.nan)
-    for _ in range(200):
+    visited: set[bytes] = set()  # once rounding is all that is left, it goes round in a circle
+    while len(visited) < 200 and xi.tobytes() not in visited:
+        visited.add(xi.tobytes())
         q, Q = (np.array(m) for m in look(points.T, xi))
         seen, step = q[:, 0], np.zeros(3)
         if not (np.isfinite(seen).all() and np.isfinite(Q).all()):

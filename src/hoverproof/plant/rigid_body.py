@@ -110,6 +110,21 @@ def force(thrust: ca.SX, gravity_direction: ca.SX, mass: ca.SX, gravity: ca.SX) 
     return -thrust * E3 + mass * gravity * gravity_direction
 
 
+def specific_force(thrust: ca.SX, mass: ca.SX, drag: ca.SX) -> ca.SX:
+    """Return a = V̇ + Ω × V - g ρ, (3, 1), body frame, m/s²: what an accelerometer measures.
+
+    Parameters
+    ----------
+    thrust : SX
+        T, (1, 1), N.
+    mass : SX
+        (1, 1), kg.
+    drag : SX
+        A force beside thrust and weight, (3, 1), body frame, N.
+    """
+    return (drag - thrust * E3) / mass
+
+
 def acceleration(velocity: ca.SX, rate: ca.SX, force: ca.SX, mass: ca.SX) -> ca.SX:
     """Return V̇ = -Ω × V + F/m, (3, 1), body frame, m/s² (eq. 2).
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from hoverproof.algebra.linear import is_zero, lie_derivative, solve_affine
+from hoverproof.errors import InputError
 from hoverproof.plant.rigid_body import torque_balance
 from hoverproof.servo.law import Design, Law, Measurement
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
@@ -74,7 +75,7 @@ def derive_controller(law: Law = HAMEL_MAHONY) -> Controller:
 
     Raises
     ------
-    AssertionError
+    InputError
         If the unknown depths do not drop out of the equations to be solved.
     """
     z, d = law.measurement.symbols(), law.design.symbols()
@@ -90,9 +91,9 @@ def derive_controller(law: Law = HAMEL_MAHONY) -> Controller:
     residual_3 = lie_derivative(e.d3, z.vector(), flow)[2] - wanted.d3_vertical
     residual_4 = lie_derivative(e.d4, z.vector(), flow) - wanted.d4
 
-    solved_rate = solve_affine(_without_depth(residual_3, depth_flow), thrust_rate)
+    solved_rate = solve_affine(_without_depth(residual_3, depth_flow, law), thrust_rate)
     residual_4 = ca.substitute(
-        _without_depth(residual_4, depth_flow),
+        _without_depth(residual_4, depth_flow, law),
         ca.vertcat(thrust_rate, alpha[2]),
         ca.vertcat(solved_rate, wanted.yaw),
     )
@@ -103,8 +104,12 @@ def derive_controller(law: Law = HAMEL_MAHONY) -> Controller:
     return Controller(law, z, d, solved_rate, acceleration, solved_torque)
 
 
-def _without_depth(residual: ca.SX, depth_flow: ca.SX) -> ca.SX:
+def _without_depth(residual: ca.SX, depth_flow: ca.SX, law: Law) -> ca.SX:
     """Drop the depth flow from an equation in which its coefficient is literally zero."""
     if not is_zero(ca.jacobian(residual, depth_flow)):
-        raise AssertionError("the controller would need the depths")
+        raise InputError(
+            law.name,
+            "wanted_rates",
+            "what it wants can be had only by a controller with the depths",
+        )
     return ca.substitute(residual, depth_flow, ca.SX.zeros(3))

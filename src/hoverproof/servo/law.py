@@ -237,6 +237,9 @@ class Force:
         (Measurement, Design) ↦ its own measurement: with what ideal sensors deliver besides.
     rate : callable
         (Measurement, Design, U in N/s) ↦ the time derivative of what it measures besides, (m, 1).
+    sensed : callable, optional
+        (Measurement, a in m/s², (3, 1), body frame) ↦ its own measurement, with that reading of an
+        accelerometer; None if it needs none.
     """
 
     name: str
@@ -245,6 +248,7 @@ class Force:
     measurement: type[Measurement]
     ideal: Callable[[Measurement, Any], Measurement]
     rate: Callable[[Any, Any, ca.SX], ca.SX]
+    sensed: Callable[[Measurement, ca.SX], Measurement] | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -272,6 +276,8 @@ class Law:
         δ3 and δ4. Of exact numbers, floats or arrays.
     design : type of Design
         The layout of what it is made of.
+    variant : str
+        What tells it from another law of the same choices.
     """
 
     feature: Feature
@@ -282,11 +288,13 @@ class Law:
     turning: Callable[[Any], ca.SX]
     bandwidth: Callable[..., Any]
     design: type[Design] = Design
+    variant: str = ""
 
     @property
     def name(self) -> str:
-        """Its choices: feature, goal and force."""
-        return f"{self.feature.name}/{self.goal.name}/{self.force.name}"
+        """Its choices: feature, goal and force, and its variant."""
+        choices = f"{self.feature.name}/{self.goal.name}/{self.force.name}"
+        return f"{choices} ({self.variant})" if self.variant else choices
 
     def __repr__(self) -> str:
         return f"Law({self.name!r})"

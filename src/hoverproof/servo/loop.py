@@ -47,6 +47,7 @@ def sense(
     design: Design | None = None,
     *,
     all_round: bool = False,
+    specific_force: ca.SX | None = None,
 ) -> tuple[Measurement, ca.SX, ca.SX]:
     """Return what the vehicle measures, the pinhole image (2, n) and the depths (1, n) in m.
 
@@ -62,6 +63,9 @@ def sense(
         Whether the centroid is that of a camera that sees behind itself too. A pinhole takes a
         point behind it for one in front; motions and regions go on where a vehicle leans so far,
         or has sunk to the target. In front both are the same but for rounding.
+    specific_force : SX, optional
+        That of the true vehicle, (3, 1), body frame, m/s², for a law that measures it; by default
+        it follows from the model.
     """
     seen = camera.body_points(points, state.position, state.rotation)
     image = camera.pinhole(seen)
@@ -73,7 +77,9 @@ def sense(
         rate=state.rate,
         thrust=state.thrust,
     )
-    return law.force.ideal(measured, design), image, seen[2, :]
+    if specific_force is None or law.force.sensed is None:
+        return law.force.ideal(measured, design), image, seen[2, :]
+    return law.force.sensed(measured, specific_force), image, seen[2, :]
 
 
 def command(measured: Measurement, design: Design, law: Law = HAMEL_MAHONY) -> tuple[ca.SX, ca.SX]:
@@ -135,6 +141,7 @@ def readout(
     arm: ca.SX,
     drag_ratio: ca.SX,
     law: Law = HAMEL_MAHONY,
+    specific_force: ca.SX | None = None,
 ) -> dict[str, ca.SX]:
     """Return the outputs of `readout_function` as expressions of its inputs.
 
@@ -148,8 +155,11 @@ def readout(
     arm, drag_ratio : SX
         Of the rotors, (1, 1), m.
     law : Law
+    specific_force : SX, optional
+        (3, 1), body frame, m/s²; see `sense`.
     """
-    measured, image, _ = sense(RigidBodyState.from_vector(x), points, law, design)
+    body = RigidBodyState.from_vector(x)
+    measured, image, _ = sense(body, points, law, design, specific_force=specific_force)
     e = law.errors(measured, design)
     _, torque = command(measured, design, law)
     return {
@@ -166,7 +176,9 @@ def readout(
 
 
 @kept_graph
-def readout_function(n: int, law: Law = HAMEL_MAHONY) -> ca.Function:
+def readout_function(
+    n: int, law: Law = HAMEL_MAHONY, *, with_specific_force: bool = False
+) -> ca.Function:
     """Return (state, design, points, arm, drag_ratio) ↦ what a flight record holds.
 
     Outputs: image (2, n), centroid (3,), δ1, δ2, δ3 (3,), δ4 (2,), lyapunov, torque (3,) in N m,
@@ -177,16 +189,17 @@ def readout_function(n: int, law: Law = HAMEL_MAHONY) -> ca.Function:
     n : int
         Number of target points.
     law : Law
+    with_specific_force : bool
+        Whether the last input is the true specific force, (3,), body frame, m/s²; see `sense`.
     """
     design, points = parameters(n, law)
     x, arm, drag = ca.SX.sym("x", STATE_SIZE), ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
-    outputs = readout(x, design, points, arm, drag, law)
+    inputs = {"x": x, "design": design.vector(), "points": points, "arm": arm, "drag_ratio": drag}
+    felt = ca.SX.sym("specific_force", 3) if with_specific_force else None
+    outputs = readout(x, design, points, arm, drag, law, felt)
+    inputs |= {} if felt is None else {"specific_force": felt}
     return ca.Function(
-        "readout",
-        [x, design.vector(), points, arm, drag],
-        list(outputs.values()),
-        ["x", "design", "points", "arm", "drag_ratio"],
-        list(outputs),
+        "readout", list(inputs.values()), list(outputs.values()), list(inputs), list(outputs)
     )
 
 
@@ -356,7 +369,8 @@ def slowest_rate(mission: Mission, law: Law | None = None) -> float:
 
 
 def _slowest_rates(numbers: LoopNumbers, designs: Array) -> Array:
-    inputs: list[Any] = [designs, numbers.depth_matrix().ravel(), [numbers.hover_thrust]]
+    columns = numbers.depth_matrix().T.ravel()  # a slope need not be symmetric
+    inputs: list[Any] = [designs, columns, [numbers.hover_thrust]]
     rows = evaluate(_loop_at_goal(numbers.law), inputs, float)[0]
     count = designs.shape[1]
     B = np.array([[np.broadcast_to(entry, count) for entry in row] for row in rows])

@@ -15,8 +15,8 @@ from hoverproof.simulation.draws import memory_and_parameters
 from hoverproof.simulation.flight_log import ending, settled_at
 from hoverproof.simulation.numbers import euler_angles
 from hoverproof.simulation.plan import Plan
-from hoverproof.simulation.realistic import LAYOUT
 from hoverproof.simulation.step import GUARDED_SIZE
+from hoverproof.simulation.surroundings import LAYOUT
 from hoverproof.version import __version__
 
 Array = NDArray[np.float64]

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.servo.layout import place
-from hoverproof.simulation import noise
+from hoverproof.simulation import gyro, noise
 from hoverproof.simulation.flight_log import begin
 from hoverproof.simulation.plan import Plan
-from hoverproof.simulation.realistic import IMU_NOISE, LAYOUT, Surroundings
+from hoverproof.simulation.realistic import IMU_NOISE
 from hoverproof.simulation.step import flight_states
+from hoverproof.simulation.surroundings import FurtherSurroundings
 
 Array = NDArray[np.float64]
 
@@ -48,14 +49,15 @@ def memory_and_parameters(plan: Plan, runs: NDArray[np.int64]) -> tuple[Array, A
         memory = flight_states(start, numbers.goal, numbers.points)
         return memory, np.hstack([design, np.tile([plan.step, arm, drag], (count, 1))])
 
-    around = _surroundings(plan, runs, drawn)
-    params = np.hstack([design, *(around[f].reshape(count, -1) for f in Surroundings.sizes())])
-    memory = np.zeros((count, sum(LAYOUT.values())))
-    low, high = around["rotor_min"][0], around["rotor_max"][0]
+    values = _surroundings(plan, runs, drawn)
+    around = plan.features.surroundings(numbers.law)
+    held = np.hstack([values[f].reshape(count, -1) for f in around.sizes()])
+    low, high = values["rotor_min"][0], values["rotor_max"][0]
     hover = np.clip(float(mission.vehicle.weight) / 4, low, high)
     most = np.finfo(float).max
+    start[:, -1] = hover * values["rotor_shares"].sum(axis=1)
     parts = {
-        "state": np.hstack([start[:, :-1], np.full((count, 1), 4 * hover)]),
+        "state": start,
         "depth": most,
         "thrust_margin": most,
         "view": most,
@@ -64,26 +66,48 @@ def memory_and_parameters(plan: Plan, runs: NDArray[np.int64]) -> tuple[Array, A
         "rotor_commands": hover,
         "gust": float(mission.wind.gust) * _normals(plan, runs, GUST_DRAW, 3),
         "log": begin(numbers.goal, numbers.points, start[:, :3]),
+        "attitude": gyro.START,
     }
-    for name, values in parts.items():
-        memory[:, place(LAYOUT, name)] = values
-    return memory, params
+    layout = plan.features.layout(numbers.law)
+    if "accelerometer" in layout:  # it has felt the forces of the start for long
+        forces = plan.felt.map(count)(start.T, parts["gust"].T, held.T)
+        parts["accelerometer"] = np.array(forces).T
+    memory = np.zeros((count, sum(layout.values())))
+    for name in layout.keys() & parts.keys():
+        memory[:, place(layout, name)] = parts[name]
+    return memory, np.hstack([design, held])
+
+
+def lag_shares(time_constant: float, step: float) -> tuple[float, float]:
+    """Return what share a first-order low-pass keeps over a step, and takes of the newest value.
+
+    Parameters
+    ----------
+    time_constant, step : float
+        s; without a time constant it takes the newest value alone.
+    """
+    if not time_constant:
+        return 0.0, 1.0
+    taken = -math.expm1(-step / time_constant)
+    return 1 - taken, 1 - taken * time_constant / step
 
 
 def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) -> dict[str, Array]:
-    """Return the values of `Surroundings` for each run, each (count,) or (count, 3)."""
+    """Return the numbers of all that may surround runs, (count, size) each."""
     m, count = plan.mission, len(runs)
     s, r, w, wrong, vehicle = m.sensors, m.rotors, m.wind, m.model_error, m.vehicle
     tilt = [float(a) + d for a, d in zip(wrong.camera_tilt, drawn["camera_tilt"].T, strict=True)]
     mounted = rotation_matrix(*tilt)  # (3, 3, count)
     focal = float(s.focal_length or 1)
-    bias = _normals(plan, runs, IMU_BIAS_DRAW, IMU_NOISE)
+    bias = _normals(plan, runs, IMU_BIAS_DRAW, IMU_NOISE + 3)
     time_constant = float(r.time_constant)
     lag = [math.exp(-k * plan.step / time_constant) if time_constant else 0.0 for k in (0, 0.5, 1)]
     gust, kept = float(w.gust), math.exp(-plan.step / float(w.gust_time))
     period = plan.step if s.control_rate is None else 1 / float(s.control_rate)
     inertia = np.array([float(i) for i in vehicle.inertia])
     inertia_error = np.array([float(e) for e in wrong.inertia]) + drawn["inertia"]
+    strength = 1 + float(wrong.thrust) + drawn["thrust"]
+    felt_late, felt_new = lag_shares(float(s.accelerometer_time_constant), plan.step)
     values: dict[str, Any] = {
         "mass": float(vehicle.mass) * (1 + float(wrong.mass) + drawn["mass"][:, 0]),
         "inertia": inertia * (1 + inertia_error),
@@ -93,7 +117,7 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
         "wind": np.array([float(c) for c in w.mean]),
         "gyro_bias": float(s.gyro_bias) * bias[:, :3],
         "velocity_bias": float(s.velocity_bias) * bias[:, 3:6],
-        "gravity_bias": float(s.gravity_bias) * bias[:, 6:],
+        "gravity_bias": float(s.gravity_bias) * bias[:, 6:9],
         "arm": float(vehicle.arm),
         "drag_ratio": float(vehicle.drag_ratio),
         "air_drag": float(w.drag),
@@ -113,10 +137,16 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
         "gyro_noise": float(s.gyro_noise),
         "velocity_noise": float(s.velocity_noise),
         "gravity_noise": float(s.gravity_noise),
+        "accelerometer_bias": float(s.accelerometer_bias) * bias[:, 9:],
+        "accelerometer_noise": float(s.accelerometer_noise),
+        "accelerometer_kept": felt_late,
+        "accelerometer_newest": felt_new,
+        "rotor_shares": strength * (1 + np.array([float(e) for e in wrong.rotors])),
+        "true_arm": float(vehicle.arm) * (1 + float(wrong.arm) + drawn["arm"][:, 0]),
     }
     return {
         name: np.broadcast_to(np.reshape(values[name], (-1, size)), (count, size))
-        for name, size in Surroundings.sizes().items()
+        for name, size in FurtherSurroundings.sizes().items()
     }
 
 

@@ -27,9 +27,9 @@ from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.flight_log import ending, ending_words, is_noted, settled_at
 from hoverproof.simulation.numbers import settled_index
 from hoverproof.simulation.plan import Plan, check_seed, is_ideal
-from hoverproof.simulation.realistic import LAYOUT
-from hoverproof.simulation.record import Record, flight_record
+from hoverproof.simulation.record import Record, feature_words, flight_record
 from hoverproof.simulation.step import GUARDED_SIZE, flight_states
+from hoverproof.simulation.surroundings import LAYOUT
 from hoverproof.simulation.timing import MAX_SLOW_STEPS, Timing, check_patience, flight_step
 from hoverproof.simulation.timing import default_duration as default_duration
 from hoverproof.spread import interruptibly
@@ -295,17 +295,27 @@ def _fly_as_built(plan: Plan, compiler: str | None, finer: int | None) -> Record
         kept, taken = up_to(fly, kept, plan.every, end, finer)
         outcome = ending_words(code, (end if told is not None else end + 1) * plan.step)
     parts = {name: kept[:, place(plan.record, name)] for name in plan.record}
-    flight = flight_record(mission, plan.numbers, parts["state"], plan.step * taken)
-    arm, drag = (ca.SX(float(x)) for x in (mission.vehicle.arm, mission.vehicle.drag_ratio))
+    felt = parts.get("specific_force")
+    flight = flight_record(mission, plan.numbers, parts["state"], plan.step * taken, felt)
+    lengths = mission.vehicle.arm * (1 + mission.model_error.arm), mission.vehicle.drag_ratio
+    arm, drag = (ca.SX(float(x)) for x in lengths)
     thrusts = ca.SX.sym("thrusts", 4)
     made = ca.Function("made", [thrusts], [wrench(thrusts, arm, drag)[1:]])
     flight["rotor_thrust"].values[:] = parts["rotor_thrust"]
     flight["torque"].values[:] = np.array(made.map(len(kept))(parts["rotor_thrust"].T)).T
     for name, dims, units, words in (
         ("thrust_command", ("time",), "N", "thrust that the controller asks for"),
-        ("centroid_held", ("time", "body_axis"), "1", "image centroid that the controller uses"),
+        (
+            "centroid_held",
+            ("time", "body_axis"),
+            "1",
+            f"{feature_words(plan.numbers.law)} that the controller uses",
+        ),
         ("wind", ("time", "axis"), "m/s", "wind, world frame"),
+        ("specific_force", ("time", "body_axis"), "m/s²", "true specific force a, body frame"),
     ):
+        if name not in parts:
+            continue
         values = parts[name].reshape(len(kept), *([3] if len(dims) > 1 else []))
         flight.add(name, dims, values, units=units, long_name=words)
     flight.attrs.update(

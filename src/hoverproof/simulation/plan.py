@@ -10,6 +10,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,7 +20,8 @@ from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import kernel
-from hoverproof.simulation.realistic import REALISTIC_RECORD, Features, realistic_loop
+from hoverproof.simulation.realistic import realistic_loop, specific_force_function
+from hoverproof.simulation.surroundings import Features
 from hoverproof.version import __version__
 
 Array = NDArray[np.float64]
@@ -64,7 +66,8 @@ def check_runs_differ(mission: Mission, runs: int) -> None:
     s = mission.sensors
     noises = (s.pixel_noise, s.gyro_noise, s.velocity_noise, s.gravity_noise)
     biases = (s.gyro_bias, s.velocity_bias, s.gravity_bias)
-    if runs > 1 and not any((*drawn, *noises, *biases, mission.wind.gust)):
+    felt = (s.accelerometer_noise, s.accelerometer_bias) if mission.law.force == "measured" else ()
+    if runs > 1 and not any((*drawn, *noises, *biases, *felt, mission.wind.gust)):
         raise InputError(
             "--runs",
             "",
@@ -123,6 +126,7 @@ class Plan:
         """Derive and compile, one thread at a time: CasADi has settings that all threads share."""
         with _PREPARING:
             _ = self.numbers, kernel.source(self.loop, self.schedule)
+            _ = None if self.ideal else self.felt
 
     @cached_property
     def ideal(self) -> bool:
@@ -140,15 +144,32 @@ class Plan:
         n = self.numbers.target_size
         if self.ideal:
             return kernel.ideal_loop(n, self.numbers.law)
-        s, w = self.mission.sensors, self.mission.wind
-        features = Features(
+        return realistic_loop(n, self.features, self.numbers.law)
+
+    @cached_property
+    def features(self) -> Features:
+        """What the loop has beside its numbers, if it is not the ideal one."""
+        mission, law = self.mission, self.numbers.law
+        s, wrong, drawn = mission.sensors, mission.model_error, mission.scatter
+        noises = [s.gyro_noise, s.velocity_noise, s.gravity_noise]
+        noises += [s.accelerometer_noise] if law.force.sensed else []
+        errors = [wrong.thrust, wrong.arm, *wrong.rotors]
+        errors += [drawn.thrust, drawn.arm] if self.scattered else []
+        return Features(
             camera_noise=bool(s.pixel_noise),
             rounded=bool(s.pixel_resolution),
-            imu_noise=bool(s.gyro_noise or s.velocity_noise or s.gravity_noise),
-            gusts=bool(w.gust),
+            imu_noise=any(noises),
+            gusts=bool(mission.wind.gust),
             abort=s.out_of_view == "abort",
+            turned=s.gyro_turned,
+            rotors_differ=any(errors),
+            lag=bool(s.accelerometer_time_constant),
         )
-        return realistic_loop(n, features, self.numbers.law)
+
+    @cached_property
+    def felt(self) -> ca.Function:
+        """(state, gust, surroundings) ↦ true specific force; see `specific_force_function`."""
+        return specific_force_function(self.features.surroundings(self.numbers.law))
 
     @cached_property
     def model_sha256(self) -> str:
@@ -159,7 +180,7 @@ class Plan:
     @property
     def record(self) -> dict[str, int]:
         """What a record holds, and the size of each part."""
-        return kernel.IDEAL_RECORD if self.ideal else REALISTIC_RECORD
+        return kernel.IDEAL_RECORD if self.ideal else self.features.record(self.numbers.law)
 
     @cached_property
     def schedule(self) -> kernel.Schedule:

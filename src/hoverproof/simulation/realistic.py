@@ -2,13 +2,14 @@
 
 Three graphs of the same model functions as the paper's loop, which the driver calls when they are
 due: ``frame`` (what the camera sees), ``control`` (what the controller makes of it and holds) and
-``move`` (the body over one step). `Memory` is all that a vehicle remembers between them.
+``move`` (the body over one step). All that a vehicle remembers between them is in its memory.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import casadi as ca
 
@@ -17,142 +18,24 @@ from hoverproof.plant import camera, rotors
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, held_rate
 from hoverproof.servo.law import Design, Law, Measurement
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
-from hoverproof.servo.layout import Packed, column, place, scalar
+from hoverproof.servo.layout import place
 from hoverproof.servo.loop import command, parameters, readout
-from hoverproof.simulation.flight_log import LOG_SIZE, noted
+from hoverproof.simulation.flight_log import noted
+from hoverproof.simulation.gyro import held_still, in_body, turned_on
 from hoverproof.simulation.kernel import Loop
 from hoverproof.simulation.noise import normal_pair
 from hoverproof.simulation.step import nearest_rotation, runge_kutta
-
-LAYOUT = {
-    "state": STATE_SIZE,
-    "depth": 1,
-    "thrust_margin": 1,
-    "view": 1,
-    "lost": 1,
-    "lost_at": 1,
-    "held": 3,
-    "command": 1,
-    "rotors": 4,
-    "rotor_commands": 4,
-    "gust": 3,
-    "log": LOG_SIZE,
-}
-"""What a vehicle remembers: its state; the lowest depth (m), thrust margin (N) and view margin so
-far; frames lost and the step of the first; the image centroid held; the thrust commanded (N); the
-rotors' thrusts and commands (N); the gust (m/s, world frame); the log of the flight."""
-
-REALISTIC_RECORD = {
-    "state": STATE_SIZE,
-    "lyapunov": 1,
-    "rotor_thrust": 4,
-    "thrust_command": 1,
-    "centroid_held": 3,
-    "wind": 3,
-}
+from hoverproof.simulation.surroundings import (
+    LAYOUT,
+    Features,
+    FurtherSurroundings,
+    Surroundings,
+)
 
 IMU_NOISE = 9
+"""Numbers that a tick draws: gyro, velocity and gravity; an accelerometer takes three more."""
+
 IMU_CHANNEL, GUST_CHANNEL = 64, 72  # a camera has at most 64 points: channels 0 to 63
-
-
-@dataclass(frozen=True)
-class Surroundings(Packed):
-    """The true vehicle, its sensors, rotors and air; every field is an SX, scalar or (3, 1).
-
-    Attributes
-    ----------
-    mass, inertia : SX
-        Of the true vehicle, kg and kg m².
-    camera_x, camera_y, camera_z : SX
-        Axes of the camera in the body frame, (3, 1), dimensionless.
-    wind : SX
-        Mean, world frame, m/s.
-    gyro_bias, velocity_bias, gravity_bias : SX
-        rad/s, m/s and rad, body frame.
-    arm, drag_ratio : SX
-        Of the rotors, m.
-    air_drag : SX
-        kg/s.
-    step, period : SX
-        Of the integrator and of the controller, s.
-    left_now, left_half, left_whole : SX
-        What share of the gap to its command a rotor keeps at once, after half a step and a step;
-        dimensionless.
-    gust_kept, gust_added : SX
-        A gust's share kept over a step, dimensionless, and the deviation added, m/s.
-    rotor_min, rotor_max : SX
-        N.
-    image_noise, image_resolution, half_width, half_height : SX
-        In focal lengths, dimensionless.
-    gyro_noise, velocity_noise, gravity_noise : SX
-        rad/s, m/s and rad.
-    """
-
-    mass: ca.SX = scalar("kg")
-    inertia: ca.SX = column("kg m²")
-    camera_x: ca.SX = column("1")
-    camera_y: ca.SX = column("1")
-    camera_z: ca.SX = column("1")
-    wind: ca.SX = column("m/s")
-    gyro_bias: ca.SX = column("rad/s")
-    velocity_bias: ca.SX = column("m/s")
-    gravity_bias: ca.SX = column("rad")
-    arm: ca.SX = scalar("m")
-    drag_ratio: ca.SX = scalar("m")
-    air_drag: ca.SX = scalar("kg/s")
-    step: ca.SX = scalar("s")
-    period: ca.SX = scalar("s")
-    left_now: ca.SX = scalar("1")
-    left_half: ca.SX = scalar("1")
-    left_whole: ca.SX = scalar("1")
-    gust_kept: ca.SX = scalar("1")
-    gust_added: ca.SX = scalar("m/s")
-    rotor_min: ca.SX = scalar("N")
-    rotor_max: ca.SX = scalar("N")
-    image_noise: ca.SX = scalar("1")
-    image_resolution: ca.SX = scalar("1")
-    half_width: ca.SX = scalar("1")
-    half_height: ca.SX = scalar("1")
-    gyro_noise: ca.SX = scalar("rad/s")
-    velocity_noise: ca.SX = scalar("m/s")
-    gravity_noise: ca.SX = scalar("rad")
-
-    def seen(self, body: RigidBodyState, points: ca.SX) -> ca.SX:
-        """Return the target points in the frame of the camera as it is mounted, (3, n), m.
-
-        Parameters
-        ----------
-        body : RigidBodyState
-        points : SX
-            (3, n), world frame, m.
-        """
-        mounted = ca.horzcat(self.camera_x, self.camera_y, self.camera_z)
-        return camera.body_points(points, body.position, body.rotation @ mounted)
-
-
-@dataclass(frozen=True)
-class Features:
-    """What a loop has beside its numbers, each a reason to compile another one.
-
-    Attributes
-    ----------
-    camera_noise : bool
-        Whether image points are noisy.
-    rounded : bool
-        Whether image coordinates are rounded.
-    imu_noise : bool
-        Whether gyro, velocity or gravity are noisy.
-    gusts : bool
-        Whether the wind has gusts.
-    abort : bool
-        Whether a flight ends when a target point leaves the view.
-    """
-
-    camera_noise: bool = False
-    rounded: bool = False
-    imu_noise: bool = False
-    gusts: bool = False
-    abort: bool = False
 
 
 @cache
@@ -166,11 +49,13 @@ def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY) -> Loop:
     features : Features
     law : Law
     """
-    (design, points), around = parameters(n, law), Surroundings.symbols()
-    memory = {name: ca.SX.sym(name, size) for name, size in LAYOUT.items()}
+    design, points = parameters(n, law)
+    around = features.surroundings(law).symbols()
+    memory = {name: ca.SX.sym(name, size) for name, size in features.layout(law).items()}
     packed = ca.vertcat(*memory.values())
     params = ca.vertcat(design.vector(), around.vector())
-    pixels, imu, gust = ca.SX.sym("pixels", 2 * n), ca.SX.sym("imu", 9), ca.SX.sym("gust", 3)
+    imu = ca.SX.sym("imu", IMU_NOISE + (3 if law.force.sensed else 0))
+    pixels, gust = ca.SX.sym("pixels", 2 * n), ca.SX.sym("gust", 3)
 
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
         outputs = [ca.densify(output) for output in ca.cse(outputs)]
@@ -202,7 +87,7 @@ def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY) -> Loop:
             "CAMERA_NOISE": 2 * n,
             "CAMERA_CHANNEL": 0,
             "CAMERA_NOISY": int(features.camera_noise),
-            "IMU_NOISE": IMU_NOISE,
+            "IMU_NOISE": imu.numel(),
             "IMU_CHANNEL": IMU_CHANNEL,
             "IMU_NOISY": int(features.imu_noise),
             "GUST_CHANNEL": GUST_CHANNEL,
@@ -218,7 +103,7 @@ def packed_with(memory: dict[str, ca.SX], changes: dict[str, ca.SX]) -> ca.SX:
     Parameters
     ----------
     memory : dict of SX
-        By name, each (k, 1), with k and unit as in `LAYOUT`.
+        By name, each (k, 1), with k and unit as in `Features.layout`.
     changes : dict of SX
         The new parts, each (k, 1) likewise.
     """
@@ -236,10 +121,12 @@ def look(
 ) -> tuple[ca.SX, ca.SX]:
     """Return the feature of a frame, (3, 1), and a margin above 0 if all points are in it.
 
+    With a gyro that turns what is held, it is in the axes of the attitude that has been added up.
+
     Parameters
     ----------
     memory : dict of SX
-        By name, each (k, 1), with k and unit as in `LAYOUT`.
+        By name, each (k, 1), with k and unit as in `Features.layout`.
     around : Surroundings
     points : SX
         (3, n), world frame, m.
@@ -259,11 +146,42 @@ def look(
     image = image + around.image_noise * ca.reshape(noise, 2, points.shape[1])
     if rounded:
         image = ca.floor(image / around.image_resolution + 0.5) * around.image_resolution
-    return law.feature.seen(camera.spherical(image)), margin
+    feature = law.feature.seen(camera.spherical(image))
+    turned = "attitude" in memory
+    return held_still(memory["attitude"], feature) if turned else feature, margin
+
+
+def used(memory: dict[str, ca.SX]) -> ca.SX:
+    """Return the feature that the controller uses, (3, 1), body frame, dimensionless.
+
+    Parameters
+    ----------
+    memory : dict of SX
+        By name, each (k, 1), with k and unit as in `Features.layout`.
+    """
+    held = memory["held"]
+    return in_body(memory["attitude"], held) if "attitude" in memory else held
+
+
+def felt(memory: dict[str, ca.SX], around: FurtherSurroundings, noise: ca.SX) -> ca.SX:
+    """Return the reading of the accelerometer, (3, 1), body frame, m/s².
+
+    Parameters
+    ----------
+    memory : dict of SX
+        By name, each (k, 1), with k and unit as in `Features.layout`.
+    around : FurtherSurroundings
+    noise : SX
+        (3, 1), standard normal.
+    """
+    now = memory.get("accelerometer")
+    if now is None:
+        now = around.specific_force(RigidBodyState.from_vector(memory["state"]), memory["gust"])
+    return now + around.accelerometer_bias + around.accelerometer_noise * noise
 
 
 def decide(
-    memory: dict[str, ca.SX], design: Design, around: Surroundings, noise: ca.SX, law: Law
+    memory: dict[str, ca.SX], design: Design, around: Any, noise: ca.SX, law: Law
 ) -> dict[str, ca.SX]:
     """Return what a tick of the controller changes in the memory.
 
@@ -273,48 +191,58 @@ def decide(
     Parameters
     ----------
     memory : dict of SX
-        By name, each (k, 1), with k and unit as in `LAYOUT`.
+        By name, each (k, 1), with k and unit as in `Features.layout`.
     design : Design
     around : Surroundings
+        Those that `Features.surroundings` says.
     noise : SX
-        (9, 1), standard normal: gyro, velocity, gravity.
+        (9, 1), standard normal: gyro, velocity, gravity; (12, 1) with an accelerometer.
     law : Law
     """
     body = RigidBodyState.from_vector(memory["state"])
     down = body.gravity_direction + around.gravity_bias + around.gravity_noise * noise[6:9]
     measured = Measurement(
-        centroid=memory["held"],
+        centroid=used(memory),
         velocity=body.velocity + around.velocity_bias + around.velocity_noise * noise[3:6],
         gravity_direction=down / ca.norm_2(down),
         rate=body.rate + around.gyro_bias + around.gyro_noise * noise[0:3],
         thrust=memory["command"],
     )
-    thrust_rate, torque = command(law.force.ideal(measured, design), design, law)
+    if law.force.sensed is None:
+        measured = law.force.ideal(measured, design)
+    else:
+        measured = law.force.sensed(measured, felt(memory, around, noise[IMU_NOISE:]))
+    thrust_rate, torque = command(measured, design, law)
     low, high = around.rotor_min, around.rotor_max
     thrust = measured.thrust + around.period * thrust_rate
     thrust = ca.fmin(ca.fmax(thrust, 4 * low), 4 * high)
     wanted = rotors.rotor_thrusts(thrust, torque, around.arm, around.drag_ratio)
-    margin = ca.fmin(memory["thrust_margin"], law.lever(measured.thrust, design))
-    return {
-        "thrust_margin": margin,
+    lever = law.lever(law.force.thrust(measured, design), design)
+    changes = {
+        "thrust_margin": ca.fmin(memory["thrust_margin"], lever),
         "command": thrust,
         "rotor_commands": ca.fmin(ca.fmax(wanted, low), high),
     }
+    if "attitude" in memory:
+        changes["gyro_error"] = around.gyro_bias + around.gyro_noise * noise[0:3]
+    return changes
 
 
 def move(
-    memory: dict[str, ca.SX], design: Design, around: Surroundings, points: ca.SX, noise: ca.SX
+    memory: dict[str, ca.SX], design: Design, around: Any, points: ca.SX, noise: ca.SX
 ) -> dict[str, ca.SX]:
     """Return what one step of the integrator changes in the memory.
 
-    Commands are held over a step, so the lag of the rotors is solved exactly.
+    Commands are held over a step, so the lag of the rotors is solved exactly. The gyro adds up the
+    mean of the body rates at both ends of the step, with the error of its last reading.
 
     Parameters
     ----------
     memory : dict of SX
-        By name, each (k, 1), with k and unit as in `LAYOUT`.
+        By name, each (k, 1), with k and unit as in `Features.layout`.
     design : Design
     around : Surroundings
+        Likewise.
     points : SX
         (3, n), world frame, m.
     noise : SX
@@ -323,18 +251,17 @@ def move(
     gap = memory["rotors"] - memory["rotor_commands"]
     left = (around.left_now, around.left_half, around.left_whole)
     thrusts = [memory["rotor_commands"] + share * gap for share in left]
-    wrenches = [rotors.wrench(t, around.arm, around.drag_ratio) for t in thrusts]
+    wrenches = [around.wrench(t) for t in thrusts]
 
     def rate(x: ca.SX, half: int) -> ca.SX:
         body = RigidBodyState.from_vector(ca.vertcat(x, wrenches[half][0]))
-        air = body.rotation.T @ (around.wind + memory["gust"])
         return held_rate(
             body,
             torque=wrenches[half][1:],
             mass=around.mass,
             inertia=around.inertia,
             gravity=design.gravity,
-            drag=around.air_drag * (air - body.velocity),
+            drag=around.drag(body, memory["gust"]),
         )
 
     now = memory["state"]
@@ -343,7 +270,7 @@ def move(
     )
     before = RigidBodyState.from_vector(now)
     depth = ca.mmin(around.seen(before, points)[2, :])
-    return {
+    changes = {
         "state": RigidBodyState(
             after.position,
             after.velocity,
@@ -356,30 +283,55 @@ def move(
         "gust": around.gust_kept * memory["gust"] + around.gust_added * noise,
         "log": noted(memory["log"], before, after.position, depth, memory["thrust_margin"]),
     }
+    if "attitude" in memory:
+        rate_read = (before.rate + after.rate) / 2 + memory["gyro_error"]
+        changes["attitude"] = turned_on(memory["attitude"], around.step * rate_read)
+    if "accelerometer" in memory:
+        first = replace(before, thrust=wrenches[0][0])  # rotors may have jumped at the last tick
+        ends = (around.specific_force(body, memory["gust"]) for body in (first, after))
+        changes["accelerometer"] = around.lagging(memory["accelerometer"], *ends)
+    return changes
 
 
 def recorded(
     memory: dict[str, ca.SX], design: Design, around: Surroundings, points: ca.SX, law: Law
 ) -> ca.SX:
-    """Return a record, in the order of `REALISTIC_RECORD`.
+    """Return a record, in the order of `Features.record`.
 
     Parameters
     ----------
     memory : dict of SX
-        By name, each (k, 1), with k and unit as in `LAYOUT`.
+        By name, each (k, 1), with k and unit as in `Features.layout`.
     design : Design
     around : Surroundings
     points : SX
         (3, n), world frame, m.
     law : Law
     """
-    read = readout(memory["state"], design, points, around.arm, around.drag_ratio, law)
     wind = around.wind + memory["gust"]
+    own = []
+    if law.force.sensed is not None:
+        body = RigidBodyState.from_vector(memory["state"])
+        own = [around.specific_force(body, memory["gust"])]
+    read = readout(memory["state"], design, points, around.arm, around.drag_ratio, law, *own)
     return ca.vertcat(
         memory["state"],
         read["lyapunov"],
-        memory["rotors"],
+        around.thrusts(memory["rotors"]),
         memory["command"],
-        memory["held"],
+        used(memory),
         wind,
+        *own,
     )
+
+
+def specific_force_function(around: type[Surroundings]) -> ca.Function:
+    """Return (state (19,), gust (3,) in m/s, surroundings) ↦ true specific force, (3,), m/s².
+
+    Parameters
+    ----------
+    around : type of Surroundings
+    """
+    state, gust, symbols = ca.SX.sym("state", STATE_SIZE), ca.SX.sym("gust", 3), around.symbols()
+    force = symbols.specific_force(RigidBodyState.from_vector(state), gust)
+    return ca.Function("specific_force", [state, gust, symbols.vector()], [force])

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,7 +20,7 @@ from hoverproof.algebra.graph import fingerprint
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rotors import ROTORS
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, name_of
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers, readout_function
 from hoverproof.simulation.numbers import euler_angles
 from hoverproof.simulation.step import step_function
@@ -148,8 +147,23 @@ def model_fingerprint(n: int, law: Law = HAMEL_MAHONY) -> str:
     return fingerprint(step_function(n, law))
 
 
+def feature_words(law: Law) -> str:
+    """Say what a law makes of the image.
+
+    Parameters
+    ----------
+    law : Law
+    """
+    name = law.feature.name
+    return "image centroid" if name == "centroid" else f"{name} feature of the image"
+
+
 def flight_record(
-    mission: Mission, numbers: LoopNumbers, states: Array, times: NDArray[Any]
+    mission: Mission,
+    numbers: LoopNumbers,
+    states: Array,
+    times: NDArray[Any],
+    specific_force: Array | None = None,
 ) -> Record:
     """Return states of a flight as a record, with all that is read off them.
 
@@ -162,6 +176,9 @@ def flight_record(
         Packed, a row each sample; see `hoverproof.plant.rigid_body.RigidBodyState`.
     times : (n,)
         Of the samples, s.
+    specific_force : (n, 3), optional
+        Of the true vehicle, body frame, m/s², which is in the errors of a law that measures it; by
+        default it follows from the model.
 
     Returns
     -------
@@ -169,11 +186,11 @@ def flight_record(
         As `flown` returns it, but for the attributes that tell what flew, and how it ended.
     """
     n = numbers.points.shape[1]
-    read = _columns(readout_function(n, numbers.law), mission, numbers, states)
+    read = _columns(mission, numbers, states, specific_force)
     rotation = states[:, 6:15].reshape(-1, 3, 3).transpose(0, 2, 1)
     body, world, point = ("time", "body_axis"), ("time", "axis"), ("time", "point", "image_axis")
-    paper = numbers.law.feature == HAMEL_MAHONY.feature
-    seen = "image centroid q" if paper else f"feature in place of q: {numbers.law.feature.name}"
+    seen = feature_words(numbers.law)
+    seen += " q" if seen == "image centroid" else ""
     tilt = np.arctan2(np.hypot(rotation[:, 2, 0], rotation[:, 2, 1]), rotation[:, 2, 2])
     variables: dict[str, tuple[Any, Array, str, str]] = {
         "position": (world, states[:, 0:3], "m", "position ξ, world frame, z down"),
@@ -224,7 +241,6 @@ def flight_record(
             "goal_position": numbers.goal,
             "goal_centroid": numbers.goal_centroid,
             "mission": json.dumps(mission.exact()),
-            "law": name_of(numbers.law),
             "model_sha256": model_fingerprint(n, numbers.law),
             "hoverproof_version": __version__,
             "casadi_version": version("casadi"),
@@ -233,17 +249,20 @@ def flight_record(
 
 
 def _columns(
-    read: ca.Function, mission: Mission, numbers: LoopNumbers, states: Array
+    mission: Mission, numbers: LoopNumbers, states: Array, specific_force: Array | None
 ) -> dict[str, Array]:
-    """Evaluate a readout along the flight; each result is (samples, size)."""
-    samples = len(states)
+    """Evaluate the readout along the flight; each result is (samples, size)."""
+    n, samples, own = numbers.target_size, len(states), []
+    if specific_force is None:
+        read = readout_function(n, numbers.law)
+    else:
+        read, own = readout_function(n, numbers.law, with_specific_force=True), [specific_force.T]
     names: Callable[[int], str] = read.name_out
-    mapped = read.map(samples)
     held = (
         np.tile(numbers.design[:, None], samples),
         np.tile(numbers.points, samples),
         np.full((1, samples), float(mission.vehicle.arm)),
         np.full((1, samples), float(mission.vehicle.drag_ratio)),
     )
-    outputs = mapped(states.T, *held)
+    outputs = read.map(samples)(states.T, *held, *own)
     return {names(i): np.array(output).T.reshape(samples, -1) for i, output in enumerate(outputs)}

@@ -29,7 +29,6 @@ from numpy.typing import NDArray
 from hoverproof.errors import InputError
 from hoverproof.files import replacing
 from hoverproof.plant.rotors import ROTORS
-from hoverproof.servo.laws.hamel_mahony import name_of
 from hoverproof.simulation.flight_log import OUTCOMES
 from hoverproof.simulation.plan import Plan
 from hoverproof.version import __version__
@@ -291,7 +290,7 @@ def _skeleton(plan: Plan, runs: int, precision: Precision) -> xr.Dataset:
             "goal_position": plan.numbers.goal,
             "goal_centroid": plan.numbers.goal_centroid,
             "mission": json.dumps(mission.exact()),
-            "law": name_of(plan.numbers.law),
+            "law": plan.numbers.law.name,
             "conditions": json.dumps(mission.conditions()),
             "seed": np.uint64(plan.seed),
             "step": plan.step,

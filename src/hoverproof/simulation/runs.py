@@ -23,8 +23,8 @@ from hoverproof.simulation import kernel
 from hoverproof.simulation.block import fly_block
 from hoverproof.simulation.flight_log import OUTCOMES
 from hoverproof.simulation.plan import AT_LEAST, Plan, check_seed
-from hoverproof.simulation.realistic import REALISTIC_RECORD
 from hoverproof.simulation.results import Precision, create, reopen
+from hoverproof.simulation.surroundings import RECORD
 from hoverproof.simulation.timing import Timing
 from hoverproof.spread import spread
 
@@ -114,7 +114,7 @@ def simulate_batch(
         If anything asked for is not possible, or the file cannot be written, or is being written by
         another process.
     """
-    in_memory = 8 * AT_LEAST * sum(REALISTIC_RECORD.values())
+    in_memory = 8 * AT_LEAST * sum(RECORD.values())
     steps = Timing(duration, step, every).steps(mission, SAMPLES, in_memory, law)
     check_seed(seed)
     if not 1 <= runs <= MAX_RUNS:

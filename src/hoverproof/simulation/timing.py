@@ -98,8 +98,11 @@ def fastest_rate(mission: Mission, law: Law | None = None) -> float:
         slope, margins = (np.array(m) for m in linearise(state, numbers.design, numbers.points))
         if (margins > 0).all() and np.isfinite(slope).all():
             rates.append(float(np.abs(np.linalg.eigvals(slope)).max()))
-    error = mission.model_error  # what is lighter than the controller knows moves faster
-    return max(rates) / min(1.0, *(float(1 + e) for e in (error.mass, *error.inertia)))
+    error = mission.model_error  # what is lighter, or stronger, than the controller knows is faster
+    lighter = min(1.0, *(float(1 + e) for e in (error.mass, *error.inertia)))
+    levers = [float((1 + error.thrust) * (1 + e) * (1 + error.arm)) for e in error.rotors]
+    stronger = max(1.0, float(1 + error.thrust), *levers)
+    return max(rates) * stronger / lighter
 
 
 @kept_graph
@@ -166,7 +169,7 @@ class Timing:
         sample_bytes : int
             Number of bytes that each takes in memory.
         law : Law, optional
-        By default that of the mission.
+            By default that of the mission.
 
         Raises
         ------

@@ -40,4 +40,9 @@ public:
 class AP_MotorsMulticopter : public AP_Motors {};
 class AC_AttitudeControl;
 class AC_CustomControl;
+class AP_InertialSensor {
+public:
+  const Vector3f &get_accel() const;
+};
+namespace AP { AP_InertialSensor &ins(); }
 namespace AP_HAL { uint32_t millis(); }

@@ -10,7 +10,7 @@ typedef struct {
   uint32_t timestamp;
   union { struct { float q0, q1, q2, q3; }; struct { float x, y, z, w; }; };
 } quaternion_t;
-typedef struct { Axis3f acc, gyro, mag; } sensorData_t; /* gyro in degrees/s */
+typedef struct { Axis3f acc, gyro, mag; } sensorData_t; /* acc in g, gyro in degrees/s */
 typedef struct {
   attitude_t attitude;
   quaternion_t attitudeQuaternion;

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import binary_above, binary_below, decimal_above, decimal_below
-from hoverproof.certification.attraction.inequality import Loop, rate_and_multiplier
+from hoverproof.certification.attraction.inequality import Loop
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.search import Found, reach_along
 from hoverproof.certification.attraction.sinking import Sinking
-from hoverproof.certification.attraction.start_terms import added
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.trees import Set
 from hoverproof.certification.problem import force_bound
+from hoverproof.certification.robust import margins
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 
@@ -117,11 +117,10 @@ def _inequality(
     factor = [decimal_below(ends[0] * (1 - SPARE), 12), decimal_above(ends[1] * (1 + SPARE), 12)]
     rates, multipliers = [], []
     for f in factor:
-        least, tau = rate_and_multiplier(
-            loop, sizes, f=float(f), theta=float(tilt), largest=float(largest)
-        )
-        rates.append(least)
-        multipliers.append(decimal_below(tau, DIGITS))
+        corner = loop.corner(float(f), float(tilt), float(largest)).at([0, 1, *sizes])
+        least, tau = margins(corner)
+        rates.append(float(least))
+        multipliers.append(decimal_below(float(tau[0]), DIGITS))
     rate = decimal_below(min(rates) * (1 - 1e-6), DIGITS)
     if rate <= 0:
         raise NotShown("the inequality fails after rounding")
@@ -155,13 +154,9 @@ def _trees(
     side, up, down = reach["sideways"], reach["up"], reach["down"]
     disc = Start(((x - side, x + side), (y - side, y + side), (z, z)))
     line = Start(((x, x), (y, y), (z - up, z + down)))
-    sets = [disc, line, *starts]
-    trees = []
-    for start, radius in zip(sets, [float(side), *[None] * (len(sets) - 1)], strict=True):
-        add = added(mission, region.potential, region.loop, start)
-        box = [[float(end) for end in sides] for sides in start.position]
-        trees.append(region.start(box, radius, add))
-    barrier = region.barrier(Sinking.of(mission, sets))
+    trees = [region.start(mission, disc, float(side))]
+    trees += [region.start(mission, start) for start in (line, *starts)]
+    barrier = region.barrier(Sinking.of(mission, [disc, line, *starts]))
     if region.bottom is not None and barrier is None:
         raise NotShown("the barrier is not shown to hold")
     positions = region.positions()

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.form import derive_form
-from hoverproof.certification.robust import Inequality, Term, margins, optimise, reciprocals
+from hoverproof.certification.robust import Inequality, Term, optimise, reciprocals
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Design
 from hoverproof.servo.lyapunov import ERROR_SIZE, force_function
@@ -130,6 +130,30 @@ class Loop:
 
 
 @dataclass(frozen=True)
+class Bounds:
+    """What the program is given beside the loop.
+
+    Attributes
+    ----------
+    force : float
+        Bound of |F|, N.
+    largest : float
+        λ₊, bound of the eigenvalues of Q, 1/m.
+    most_level : float
+        Bound of ℓ, m.
+    bottom, omega : float or None
+        For a barrier: its z, m, and a bound of what tilt may add to the height's equation,
+        dimensionless.
+    """
+
+    force: float
+    largest: float
+    most_level: float = np.inf
+    bottom: float | None = None
+    omega: float | None = None
+
+
+@dataclass(frozen=True)
 class Solution:
     """What the program found: weights, level, and how near the hovers come to it.
 
@@ -140,7 +164,7 @@ class Solution:
     level : float
         ℓ, m.
     fill : float
-        Largest Λ/ℓ of the hovers, dimensionless.
+        Largest Λ/ℓ of the hovers, dimensionless; they are inside if it is below 1.
     """
 
     weights: Array
@@ -148,73 +172,45 @@ class Solution:
     fill: float
 
 
-def solve(
-    loop: Loop,
-    *,
-    force: float,
-    largest: float,
-    hovers: Array,
-    most_level: float = np.inf,
-    omega: float | None = None,
-) -> Solution | None:
+def solve(loop: Loop, bounds: Bounds, hovers: Array) -> Solution | None:
     """Find weights and a level that bring the hovers as deep as can be below the level.
 
     Parameters
     ----------
     loop : Loop
-    force : float
-        Bound of |F|, N.
-    largest : float
-        Bound of the eigenvalues of Q, 1/m.
+    bounds : Bounds
     hovers : (k, 4)
         `Potential.hover_terms` of hovers that are to be inside.
-    most_level : float
-        Bound of ℓ, m.
-    omega : float, optional
-        Bound of what tilt may add to the height's equation, for a barrier; dimensionless.
 
     Returns
     -------
     Solution, or None if there is none
     """
+    force, omega = bounds.force, bounds.omega
     sine, cosine, theta = loop.tilt(force)
     asked = LEAST_RATE * np.array([np.zeros((ERROR_SIZE, ERROR_SIZE)), np.eye(ERROR_SIZE)])
-    corners = [loop.corner(f, theta, largest).less(asked) for f in loop.factor(force)]
+    ends = loop.factor(force)
+    corners = [loop.corner(f, theta, bounds.largest).less(asked) for f in ends]
     unit = (loop.stiffness / force) ** 2  # of μ, b and the largest Λ/ℓ, so that b is about 1
-    least = [-1 / (most_level * unit), 1, 0, 0, 0, 0]  # of 1, μ, b2, b3, b4 and the largest Λ/ℓ
+    least = [
+        -1 / (bounds.most_level * unit),
+        1,
+        0,
+        0,
+        0,
+        0,
+    ]  # of 1, μ, b2, b3, b4 and the largest Λ/ℓ
     inside = np.column_stack([np.zeros(len(hovers)), -hovers, np.ones(len(hovers))])
-    bounds = [reciprocals(0.5, {2: 1, 3: 1}, 6)]
+    pencils = [reciprocals(0.5, {2: 1, 3: 1}, 6)]
     if omega is not None:
         left = (omega - loop.q3 * (1 - cosine)) / sine
         if left <= 0:
             return None
         gamma = loop.turn_gain(force)
-        bounds.append(reciprocals(unit * left**2 / 2, {3: gamma**2, 4: (1 + gamma) ** 2}, 6))
+        pencils.append(reciprocals(unit * left**2 / 2, {3: gamma**2, 4: (1 + gamma) ** 2}, 6))
     rows = np.vstack([least, inside, np.eye(6)[2:5]])
-    found = optimise([0, 0, 0, 0, 1], corners, rows=rows, pencils=bounds)
+    found = optimise([0, 0, 0, 0, 1], corners, rows=rows, pencils=pencils)
     if found is None or not (found.x[:4] > 0).all():
         return None
     mu, *b, fill = found.x
     return Solution(np.array(b) / mu, float(1 / (mu * unit)), float(fill * unit))
-
-
-def rate_and_multiplier(
-    loop: Loop, weights: Array, *, f: float, theta: float, largest: float
-) -> tuple[float, float]:
-    """Return the largest ε found for given weights at one end of f, and its multiplier τ.
-
-    Parameters
-    ----------
-    loop : Loop
-    weights : (3,)
-        a2, a3, a4, m.
-    f : float
-        f(T), 1/m.
-    theta : float
-        tan(φ/2), dimensionless.
-    largest : float
-        Bound of the eigenvalues of Q, 1/m.
-    """
-    at = loop.corner(f, theta, largest).at([0, 1, *weights])
-    rate, tau = margins(at)
-    return float(rate), float(tau[0])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -25,8 +26,8 @@ from hoverproof.certification.attraction.search import (
     find,
 )
 from hoverproof.certification.attraction.sinking import Sinking
-from hoverproof.certification.attraction.start_terms import added, start_terms
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.attraction.trees import start_terms
 from hoverproof.certification.attraction.verdict import Attraction, AttractionVerdict, Reach
 from hoverproof.certification.certificate import Certificate, rejection, seal
 from hoverproof.certification.region import holds_target_point
@@ -102,6 +103,37 @@ def start_or_ball(mission: Mission) -> tuple[AttractionVerdict, Attraction | Non
     return start, start.proved or attraction(mission, objective="radius").proved
 
 
+@dataclass(frozen=True)
+class _Question:
+    """Which starts are to be inside, and what a search needs to know of the mission."""
+
+    mission: Mission
+    potential: Potential
+    loop: Loop
+    starts: tuple[Start, ...]
+
+    @classmethod
+    def of(cls, mission: Mission, starts: Sequence[Start]) -> _Question:
+        potential = Potential.of(mission)
+        return cls(mission, potential, Loop.of(mission, potential.q3), tuple(starts))
+
+    def search(self, slack: Slack, barrier: bool) -> Search:
+        sinking = Sinking.of(self.mission, self.starts) if barrier else None
+        return Search(self.potential, self.loop, slack, sinking)
+
+    def terms(self) -> np.ndarray[Any, Any]:
+        """Return the terms of Λ at the corners of each set of starts, (k, 4), a little enlarged."""
+        rows = []
+        for start in self.starts:
+            corners = itertools.product(*([float(end) for end in side] for side in start.position))
+            cells = np.array([[(x, x) for x in corner] for corner in corners])
+            found = start_terms(self.mission, self.potential, self.loop, start, cells)
+            rows.append(found * 1.001)
+        if not np.isfinite(rows).all():
+            raise InputError("--start", "", "is at a target point, or a hair's breadth from it")
+        return np.unique(np.concatenate(rows), axis=0) if rows else np.zeros((0, 4))
+
+
 def _search_and_prove(
     mission: Mission,
     objective: Objective,
@@ -110,16 +142,13 @@ def _search_and_prove(
     tell: Progress,
 ) -> Attraction | Undecided:
     """Try with and without a barrier."""
-    potential = Potential.of(mission)
-    loop = Loop.of(mission, potential.q3)
-    if loop.largest_force <= 0:
+    own = [Start.of(mission)] if objective == "start" else []
+    asked = _Question.of(mission, starts or own)
+    if asked.loop.largest_force <= 0:
         raise InputError(mission.source, "gains", "the hover is beyond the singularity T = c q3*")
-    wanted = tuple(starts) if starts is not None else ()
-    if objective == "start" and not wanted:
-        wanted = (Start.of(mission),)
-    if len(wanted) > MOST_STARTS:
+    if len(asked.starts) > MOST_STARTS:
         raise InputError("--start", "", f"at most {MOST_STARTS} starts go into one certificate")
-    if any(holds_target_point(mission, start.position) for start in wanted):
+    if any(holds_target_point(mission, start.position) for start in asked.starts):
         raise InputError(mission.source, "--start", "holds a target point")
     gains = mission.gains
     possible = gains.k3 >= 3 * gains.k1 * gains.k2
@@ -130,13 +159,13 @@ def _search_and_prove(
     for with_barrier in kinds:
         verdict: Attraction | str
         try:
-            verdict = _attempt(mission, potential, loop, objective, wanted, with_barrier, tell)
+            verdict = _attempt(asked, objective, with_barrier, tell)
         except (ArithmeticError, np.linalg.LinAlgError) as error:
             verdict = f"these numbers are beyond what can be computed with ({error})"
         if not isinstance(verdict, str):
             return verdict
         reasons.append(("with" if with_barrier else "without") + f" a barrier: {verdict}")
-    advice = _advice(mission, bool(wanted))
+    advice = _advice(mission, bool(asked.starts))
     return Undecided(mission=mission, reason="; ".join(reasons), advice=advice)
 
 
@@ -174,45 +203,21 @@ def estimate(mission: Mission, *, objective: Objective = "radius", barrier: bool
     ValueError
         If no weights satisfy the inequality.
     """
-    potential = Potential.of(mission)
-    loop = Loop.of(mission, potential.q3)
-    starts = (Start.of(mission),) if objective == "start" else ()
-    search = _search(mission, potential, loop, SLACKS[0], barrier, starts)
-    found = find(search, objective, _start_terms(mission, potential, loop, starts))
+    asked = _Question.of(mission, [Start.of(mission)] if objective == "start" else [])
+    found = find(asked.search(SLACKS[0], barrier), objective, asked.terms())
     if found is None:
         raise ValueError("no weights satisfy the inequality for these gains")
     return found
 
 
-def _search(
-    mission: Mission,
-    potential: Potential,
-    loop: Loop,
-    slack: Slack,
-    barrier: bool,
-    starts: Sequence[Start],
-) -> Search:
-    sinking = Sinking.of(mission, starts)
-    return Search(potential, loop, slack, barrier, sinking.deepest, sinking.lag)
-
-
 def _attempt(
-    mission: Mission,
-    potential: Potential,
-    loop: Loop,
-    objective: Objective,
-    starts: tuple[Start, ...],
-    barrier: bool,
-    tell: Progress,
+    asked: _Question, objective: Objective, barrier: bool, tell: Progress
 ) -> Attraction | str:
     """Search with more and more room for the proof; return what was proved, or why not."""
-    terms = _start_terms(mission, potential, loop, starts)
-    reason = ""
+    terms, starts, reason = asked.terms(), asked.starts, ""
     for slack in SLACKS:
         tell("searching for weights" + (" with a barrier" if barrier else ""))
-
-        search = _search(mission, potential, loop, slack, barrier, starts)
-        found = find(search, objective, terms)
+        found = find(asked.search(slack, barrier), objective, terms)
         if found is None:
             below = ", with a barrier below the starts" if barrier and starts else ""
             return reason or f"no weights were found that satisfy the inequality{below}"
@@ -222,7 +227,7 @@ def _attempt(
                 f"({found.binding})"
             )
         tell("proving")
-        proved = prove(mission, found, starts, slack)
+        proved = prove(asked.mission, found, starts, slack)
         if not isinstance(proved, str):
             return proved
         reason = proved
@@ -278,18 +283,3 @@ def _verdict(
 def model_fingerprint() -> str:
     """Return the SHA-256 of the graph of Λ' from which the region was found."""
     return fingerprint(derive_form().function())
-
-
-def _start_terms(
-    mission: Mission, potential: Potential, loop: Loop, starts: Sequence[Start]
-) -> np.ndarray[Any, Any]:
-    """Return the terms of Λ at the corners of each set of starts, (k, 4), a little enlarged."""
-    rows = []
-    for start in starts:
-        add = added(mission, potential, loop, start)
-        corners = itertools.product(*([float(end) for end in side] for side in start.position))
-        cells = np.array([[(x, x) for x in corner] for corner in corners])
-        rows.append(start_terms(potential, add, cells) * 1.001)
-    if not np.isfinite(rows).all():
-        raise InputError("--start", "", "is at a target point, or a hair's breadth from it")
-    return np.unique(np.concatenate(rows), axis=0) if rows else np.zeros((0, 4))

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from hoverproof.certification.attraction.inequality import Loop, Solution, solve
+from hoverproof.certification.attraction.inequality import Bounds, Loop, Solution, solve
 from hoverproof.certification.attraction.potential import Potential, sphere
+from hoverproof.certification.attraction.sinking import Sinking
 
 Array = NDArray[np.float64]
 Objective = Literal["start", "radius", "volume"]
@@ -46,7 +47,7 @@ SLACKS = (
 
 
 @dataclass(frozen=True)
-class Found:
+class Found(Solution):
     """A consistent set of numbers, to be rounded and proved.
 
     Attributes
@@ -55,50 +56,19 @@ class Found:
         a2, a3, a4, m.
     level : float
         ℓ, m.
-    force : float
-        Bound of |F|, N.
+    fill : float
+        Largest Λ/ℓ of the hovers, dimensionless.
     largest : float
         λ₊, 1/m.
     bottom : float or None
         z of the barrier, m.
-    fill : float
-        Largest Λ/ℓ of the wanted starts, dimensionless; they are inside if it is below 1.
     binding : str
         What keeps the level from being higher.
     """
 
-    weights: Array
-    level: float
-    force: float
     largest: float
     bottom: float | None
-    fill: float
     binding: str
-
-
-@dataclass(frozen=True)
-class Bounds:
-    """What a choice of parameters leaves to the semidefinite program.
-
-    Attributes
-    ----------
-    force : float
-        Bound of |F|, N.
-    largest : float
-        λ₊, 1/m.
-    bottom : float or None
-        z of the barrier, m.
-    omega : float or None
-        Bound of what tilt may add to the height's equation, dimensionless.
-    most_level : float
-        Bound of ℓ, m.
-    """
-
-    force: float
-    largest: float
-    bottom: float | None
-    omega: float | None
-    most_level: float
 
 
 @dataclass(frozen=True)
@@ -110,20 +80,14 @@ class Search:
     potential : Potential
     loop : Loop
     slack : Slack
-    barrier : bool
-    deepest : float
-        z, m, that the starts may sink to by their own motion: the barrier must not be above it.
-    lag : callable
-        Takes w_max; returns the lag of the height, m: how far a motion may still sink below where
-        w turns negative.
+    sinking : Sinking or None
+        Of the starts, for a barrier, which must not be above where they sink to; None without one.
     """
 
     potential: Potential
     loop: Loop
     slack: Slack
-    barrier: bool
-    deepest: float
-    lag: Callable[[float], float]
+    sinking: Sinking | None
 
     def bounds(self, x: Sequence[float]) -> Bounds | None:
         """Return the bounds of a point of the search, (2,); None if they contradict each other.
@@ -134,22 +98,22 @@ class Search:
             Logit of the part of the largest force; log of λ₊, 1/m, or of the barrier's height, m.
         """
         force = self.loop.largest_force / (1 + np.exp(-x[0]))
-        if not self.barrier:
+        if self.sinking is None:
             largest = float(np.exp(x[1]))
             limit = self.potential.level_limit(largest)
             if limit == 0:
                 return None
-            return Bounds(force, largest, None, None, limit * (1 - self.slack.level))
+            return Bounds(force, largest, limit * (1 - self.slack.level))
         p = self.potential
         z = p.plane - float(np.exp(x[1]))
         omega = (p.q3 - p.largest_height_part(z)) * (1 - self.slack.omega)
         if omega <= 0 or omega >= p.q3:
             return None
-        bottom = z + self.lag(p.n - p.q3 + omega) * (1 + self.slack.omega / 10)
-        if not self.deepest <= bottom <= p.points[:, 2].min() - 1e-3:
+        bottom = z + self.sinking.lag(p.n - p.q3 + omega) * (1 + self.slack.omega / 10)
+        if not self.sinking.deepest <= bottom <= p.points[:, 2].min() - 1e-3:
             return None
         largest = p.largest_eigenvalue(bottom) * (1 + self.slack.eigenvalue)
-        return Bounds(force, largest, bottom, omega, np.inf)
+        return Bounds(force, largest, bottom=bottom, omega=omega)
 
     def solve(self, x: Sequence[float], hovers: Array) -> tuple[Bounds, Solution] | None:
         """Return the best weights at a point of the search.
@@ -161,23 +125,14 @@ class Search:
         hovers : (k, 4)
             `Potential.hover_terms` of hovers that are to be inside.
         """
-        b = self.bounds(x)
-        if b is None:
-            return None
-        found = solve(
-            self.loop,
-            force=b.force,
-            largest=b.largest,
-            hovers=hovers,
-            most_level=b.most_level,
-            omega=b.omega,
-        )
-        return None if found is None else (b, found)
+        bounds = self.bounds(x)
+        found = None if bounds is None else solve(self.loop, bounds, hovers)
+        return None if bounds is None or found is None else (bounds, found)
 
     def first_guess(self) -> list[tuple[float, float]]:
         """Return points from which to search."""
         p = self.potential
-        if self.barrier:
+        if self.sinking is not None:
             above = p.height(float(p.goal[2]))
             second = [np.log(above * share) for share in (0.85, 0.6, 0.3, 0.15)]
         else:
@@ -213,7 +168,7 @@ class Search:
         if found is None:
             return None
         b, s = found
-        return Found(s.weights, s.level, b.force, b.largest, b.bottom, s.fill, _binding(self, b, s))
+        return Found(s.weights, s.level, s.fill, b.largest, b.bottom, _binding(self, b, s))
 
 
 def find(search: Search, objective: Objective, starts: Array) -> Found | None:

@@ -13,7 +13,7 @@ from hoverproof.mission.sections import Mission
 
 @dataclass(frozen=True)
 class Sinking:
-    """The lags of the height behind what drives it; see `checker.verify_barrier`.
+    """The lags of the height behind what drives it; see `checker.Attraction.verify_barrier`.
 
     Attributes
     ----------

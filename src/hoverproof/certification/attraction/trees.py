@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from hoverproof.certification.attraction.inequality import Loop
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.sinking import Sinking
-from hoverproof.certification.attraction.start_terms import start_terms
+from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.cells import (
     ROOM,
     Told,
@@ -20,6 +19,7 @@ from hoverproof.certification.cells import (
     largest_below,
     most_cells,
 )
+from hoverproof.mission.sections import Mission
 
 Array = NDArray[np.float64]
 
@@ -99,24 +99,22 @@ class Set:
         box = _widened(p.points[:, :2], float(heights.sum()) / limit)
         return grow_tree(box, hold, most_cells(p.n, 1))
 
-    def start(self, box: Sequence[Sequence[float]], radius: float | None, add: Array) -> str | None:
+    def start(self, mission: Mission, start: Start, radius: float | None = None) -> str | None:
         """Halve a set of states until Λ <= ℓ over each cell.
 
         Parameters
         ----------
-        box : (3, 2)
-            Positions, m.
+        mission : Mission
+        start : Start
         radius : float or None
-            Bound of the horizontal distance from the middle of the box, m.
-        add : (4,)
-            What its states add to those of a hover; see `added`.
+            Bound of the horizontal distance from the middle of its box, m.
         """
-        p, whole = self.potential, np.array(box, float)
+        p, whole = self.potential, np.array(start.position, float)
         middle, weights = whole[:2].mean(axis=1), np.array([1, *self.weights])
         limit = self.level * (1 - ROOM) - 1e-11 * np.abs(whole).max()
 
         def hold(cells: Array) -> Told:
-            inside = start_terms(p, add, cells) @ weights <= limit
+            inside = start_terms(mission, p, self.loop, start, cells) @ weights <= limit
             if radius is not None:
                 gaps = np.maximum(cells[:, :2, 0] - middle, middle - cells[:, :2, 1])
                 far = np.linalg.norm(np.maximum(gaps, 0), axis=1) > radius * (1 + ROOM) + 1e-9
@@ -129,3 +127,40 @@ class Set:
 def _widened(points: Array, room: float) -> Array:
     """Return the box around points (n, d) with room on all sides, (d, 2)."""
     return np.stack([points.min(axis=0) - room, points.max(axis=0) + room], axis=1)
+
+
+def start_terms(
+    mission: Mission, potential: Potential, loop: Loop, start: Start, cells: Array
+) -> Array:
+    """Return (k, 4): Λ <= terms · (1, a2, a3, a4) in cells, of states that move as in a start.
+
+    See `checker.Attraction.added` and `below_level` there. Infinite where a cell may hold a target
+    point.
+
+    Parameters
+    ----------
+    mission : Mission
+    potential : Potential
+    loop : Loop
+    start : Start
+    cells : (k, 3, 2)
+        Low and high ends, world frame, m.
+    """
+    m, gains, q3 = float(mission.vehicle.mass), mission.gains, potential.q3
+    speed, tilt, rate, thrust = map(float, (start.speed, start.tilt, start.rate, start.thrust))
+    moved, lean = m / float(gains.k1) * speed, loop.weight / loop.stiffness * tilt
+    quick = loop.stiffness * float(gains.k1 * gains.k2 + gains.k3)
+    turned = m / quick * (loop.weight + thrust - loop.stiffness * q3) * rate
+    view = View.of(potential.points, cells)
+    ends = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3)
+    corners = cells[:, np.arange(3)[None], ends]
+    value = potential.value(corners.reshape(-1, 3)).reshape(-1, 8).max(axis=1)
+    change = (view.radius[:, None] / view.apart).sum(axis=1)
+    d1 = view.centroid - [0, 0, q3]
+    level, whole = (np.linalg.norm(d1[:, :k], axis=1) + change for k in (2, 3))
+    d2 = whole + q3 * tilt + moved
+    d3 = d2 + thrust / loop.stiffness + lean
+    d4 = level + turned + lean + moved + potential.n * tilt
+    terms = np.stack([value, d2**2 / 2, d3**2 / 2, d4**2 / 2], axis=1)
+    terms[(view.distance <= view.radius[:, None]).any(axis=1)] = np.inf
+    return terms

@@ -90,8 +90,12 @@ def _measured_thrust(z: WithAccelerometer, d: Design) -> ca.SX:
     return -d.mass * z.specific_force[2]
 
 
+def _with_accelerometer(z: Measurement, specific_force: ca.SX) -> WithAccelerometer:
+    return WithAccelerometer(**vars(z), specific_force=specific_force)
+
+
 def _with_ideal_accelerometer(z: Measurement, d: Design) -> WithAccelerometer:
-    return WithAccelerometer(**vars(z), specific_force=-z.thrust / d.mass * E3)
+    return _with_accelerometer(z, -z.thrust / d.mass * E3)
 
 
 def _specific_force_rate(z: WithAccelerometer, d: Design, thrust_rate: ca.SX) -> ca.SX:
@@ -110,5 +114,6 @@ MEASURED = Force(
     WithAccelerometer,
     _with_ideal_accelerometer,
     _specific_force_rate,
+    _with_accelerometer,
 )
 """F = m(a + g ρ) of an accelerometer: errors of mass, thrust and steady wind are in δ3."""

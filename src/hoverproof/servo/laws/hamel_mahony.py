@@ -138,16 +138,6 @@ def choices_of(law: Law) -> dict[str, str]:
     return {"feature": law.feature.name, "goal": law.goal.name, "force": law.force.name}
 
 
-def name_of(law: Law) -> str:
-    """Return the choices of a law; of one that is not of the eight also that it is another's own.
-
-    Parameters
-    ----------
-    law : Law
-    """
-    return law.name if law in LAWS.values() else f"{law.name}, own"
-
-
 def law_of(mission: Mission) -> Law:
     """Return the law that a mission names.
 
