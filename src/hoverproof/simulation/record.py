@@ -241,6 +241,7 @@ def flight_record(
             "goal_position": numbers.goal,
             "goal_centroid": numbers.goal_centroid,
             "mission": json.dumps(mission.exact()),
+            "law": numbers.law.name,
             "model_sha256": model_fingerprint(n, numbers.law),
             "hoverproof_version": __version__,
             "casadi_version": version("casadi"),
