@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from hoverproof.certification import scaled
 from hoverproof.certification.cells import Told, View, largest_below, smallest_above
@@ -262,6 +261,8 @@ class OfJ:
         box : (3, 2)
             Low and high ends, m.
         """
+        from scipy.optimize import minimize_scalar
+
         J = scaled.slopes_at(points, samples(box, COARSE))
 
         def reach(j: float, J: Array = J) -> float:
