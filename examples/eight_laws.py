@@ -12,8 +12,8 @@ import itertools
 import tempfile
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 import hoverproof as hp
 from hoverproof.show.style import COLOURS
@@ -108,27 +108,31 @@ for law, *both in zip(LAWS, ideal, real, strict=True):
 # - **Image goal**: under the wind the vehicle leans, the image leans with it, and the hover is a
 #   few centimetres aside. Fixed to the vertical, the goal stays where it is.
 
+
 # %%
-figure, panels = plt.subplots(1, 2, figsize=(10, 4.2), sharey=True, layout="constrained")
-titles = ("as modelled", "15 % more mass, 15 % less thrust, wind")
-for axes, flown, title in zip(panels, (ideal, real), titles, strict=True):
-    for law, flight in zip(LAWS, flown, strict=True):
-        apart = flight["position"].values - flight.attrs["goal_position"]
-        feature, goal, force = law
-        colour = COLOURS[2 * (goal == "inertial") + (feature == "scaled")]
-        axes.semilogy(
-            flight["time"].values,
-            np.maximum(np.linalg.norm(apart, axis=1), 1e-4),
-            color=colour,
-            linestyle={"modelled": "--", "measured": "-"}[force],
-            label="/".join(law),
-        )
-        if flight.attrs["outcome"] != "flown":
-            axes.plot(flight["time"][-1], np.linalg.norm(apart[-1]), "x", color=colour)
-    axes.set(title=title, xlabel="time (s)", ylim=(1e-4, 3))
-    axes.grid(alpha=0.3)
-panels[0].set_ylabel("distance from the goal (m)")
-figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+def distances_figure():
+    """Draw how far each flight is from the goal."""
+    figure = Figure(figsize=(10, 4.2), layout="constrained")
+    panels = figure.subplots(1, 2, sharey=True)
+    titles = ("as modelled", "15 % more mass, 15 % less thrust, wind")
+    for axes, flown, title in zip(panels, (ideal, real), titles, strict=True):
+        for law, flight in zip(LAWS, flown, strict=True):
+            apart = flight["position"].values - flight.attrs["goal_position"]
+            far = np.maximum(np.linalg.norm(apart, axis=1), 1e-4)
+            feature, goal, force = law
+            colour = COLOURS[2 * (goal == "inertial") + (feature == "scaled")]
+            line = {"modelled": "--", "measured": "-"}[force]
+            axes.semilogy(flight["time"].values, far, line, color=colour, label="/".join(law))
+            if flight.attrs["outcome"] != "flown":
+                axes.plot(flight["time"][-1], far[-1], "x", color=colour)
+        axes.set(title=title, xlabel="time (s)", ylim=(1e-4, 3))
+        axes.grid(alpha=0.3)
+    panels[0].set_ylabel("distance from the goal (m)")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    return figure
+
+
+distances_figure()
 
 # %% [markdown]
 # ## What is proved of it

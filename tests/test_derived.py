@@ -25,13 +25,13 @@ GRAPHS = [
     (loop.readout_function, (3,)),
     (loop._controller, (HAMEL_MAHONY,)),
     (loop._loop_at_goal, (HAMEL_MAHONY,)),
-    (problem.sigma_function, ()),
+    (problem.sigma_function, (HAMEL_MAHONY,)),
     (timing._linearised, (3, HAMEL_MAHONY)),
 ]
 WORDS = [
     (compiled.c_source, (3,)),
     (record.model_fingerprint, (3,)),
-    (gains.model_fingerprint, ()),
+    (gains.model_fingerprint, (HAMEL_MAHONY,)),
 ]
 
 
