@@ -57,7 +57,8 @@ class Package:
 
     @property
     def sources(self):
-        return [self.folder / f"{self.name}.c", self.folder / f"{self.name}_selftest.c"]
+        own = [self.folder / f"{self.name}.c", self.folder / f"{self.name}_selftest.c"]
+        return [*own, *self.folder.glob(f"{self.name}_camera.c")]
 
     @property
     def includes(self):
@@ -124,12 +125,16 @@ def other_laws():
         Kind("crazyflie-2.1", best, (uncertified,)),
         Kind("x4-flyer", best, (uncertified, ("precision", "float64"), ("sensing", "centroid"))),
         Kind("x4-flyer", best, (uncertified, ("sensing", "centroid"))),
+        Kind("x4-flyer", best, (uncertified, ("camera", True))),
+        Kind(options=(("camera", True), ("sensing", "centroid"), ("precision", "float64"))),
     ]
 
 
 def names_header(package, steps=30_000):
     """Return the header by which the C harnesses call a package whatever its prefix."""
     name, weight = package.name, load_weight(package)
+    in_step = "camera" not in package.manifest
+    sized = in_step and "angular_radius_rad" in package.manifest["input_box"]
     pairs = {
         "real": "float" if package.manifest["precision"] == "float32" else "double",
         **{f"{t}_t": f"{name}_{t}_t" for t in ("params", "state", "input", "output")},
@@ -139,7 +144,7 @@ def names_header(package, steps=30_000):
         "HOVER": repr(weight),
         "STEPS": str(steps),
         "FELT": str(int("specific_force_length_m_per_s2" in package.manifest["input_box"])),
-        "SIZED": str(int("angular_radius_rad" in package.manifest["input_box"])),
+        "SIZED": str(int(sized)),
         "SENSED_POINTS": str(int(package.manifest["sensing"] == "points")),
         "PARAMS_HEADER": f'"{name}_params.h"',
     }
@@ -160,12 +165,13 @@ def names_header(package, steps=30_000):
     if "specific_force_length_m_per_s2" in package.manifest["input_box"]:
         macros += f"#define P_FORCE_SQUARE {prefix}_FORCE_SQUARE\n"
         macros += f"#define P_MASS {prefix}_MASS\n#define P_GRAVITY {prefix}_GRAVITY\n"
-    if "angular_radius_rad" in package.manifest["input_box"]:
+    if sized:
         low, high = package.manifest["input_box"]["angular_radius_rad"]
         macros += f"#define RADIUS_LOW {low!r}\n#define RADIUS_HIGH {high!r}\n"
         n = len(package.manifest["mission"]["target"]["points"])
         macros += f"#define TARGET_POINTS {n}\n"
-    seen = "IMAGE" if package.manifest["sensing"] == "points" else "CENTROID"
+    sensing = package.manifest["sensing"]
+    seen = "IMAGE" if sensing == "points" else sensing.upper()
     macros += f"#define SEEN_SQUARE {prefix}_{seen}_SQUARE\n"
     return f'#include <stddef.h>\n#include "{name}.h"\n{macros}'
 

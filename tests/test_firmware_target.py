@@ -288,7 +288,7 @@ def test_adapters_compile_against_the_headers_of_their_trees(kind, tmp_path):
     single = package.manifest["precision"] == "float32"
     name, adapters = package.name, package.folder / "adapters"
     n = len(package.manifest["mission"]["target"]["points"])
-    seen = 2 * n if package.manifest["sensing"] == "points" else 3
+    seen = 2 * n if package.manifest.get("camera", package.manifest["sensing"]) == "points" else 3
     topic = tmp_path / "uORB" / "topics" / f"{name}_image.h"
     topic.parent.mkdir(parents=True)
     topic.write_text(
@@ -332,3 +332,53 @@ def test_the_installer_names_the_packages_of_the_tools_used_here():
     script = (Path(__file__).parents[1] / "tools" / "install-system-tools.sh").read_text()
     for package in ("gcc-arm-none-eabi", "libnewlib-arm-none-eabi", "qemu-system-arm", "cppcheck"):
         assert package in script
+
+
+# --- the camera ---------------------------------------------------------------------------------
+
+WITH_CAMERA = [kind for kind in kinds() if ("camera", True) in kind.options]
+
+
+def camera_macros(package, calls):
+    """Return the flags by which the harness calls a package's camera whatever its prefix."""
+    name = package.name
+    macros = {
+        "CAMERA_HEADER": f'"{name}_camera.h"',
+        "OF_POINTS": int(package.manifest["camera"] == "points"),
+        "CALLS": calls,
+        **{f"{t}_t": f"{name}_{t}_t" for t in ("camera", "frame")},
+        **{f"camera_{v}": f"{name}_camera_{v}" for v in ("init", "turn")},
+        "camera_frame": f"{name}_camera",
+    }
+    return [f"-D{key}={value}" for key, value in macros.items()]
+
+
+@pytest.mark.parametrize("kind", WITH_CAMERA, ids=str)
+def test_boards_and_host_keep_the_same_frames_bit_for_bit(kind, tmp_path):
+    """Under sanitizers too, on two compilers and two boards: broken frames, gaps, large turns."""
+    package = kind.export(tmp_path / "fw")
+    (tmp_path / "firmware_names.h").write_text(names_header(package))
+    flags = ("-std=gnu99", *FLAGS[1:], *package.includes, f"-I{tmp_path}")
+    macros, said = camera_macros(package, 60_000), set()
+    for compiler, extra in (("gcc", ()), ("clang", SANITIZERS)):
+        sources = [TARGET / "camera.c", *package.sources]
+        made = tmp_path / compiler
+        run(tool(compiler), *flags, *macros, *extra, *sources, "-lm", "-o", made)
+        said.add(run(made).stdout)
+    for name, board in BOARDS.items():
+        image = build_for(board, package, [TARGET / "camera.c"], tmp_path / f"{name}.elf", *macros)
+        said.add(emulate(board, image))
+    assert len(said) == 1, said
+    counts = [int(n) for n in re.findall(r"\d+", said.pop().splitlines()[0])]
+    assert min(counts) > 100, counts  # each status has come up, of steps and of frames
+
+
+@pytest.mark.parametrize("kind", WITH_CAMERA, ids=str)
+def test_a_camera_takes_no_more_stack_than_a_step_may(kind, tmp_path):
+    package = kind.export(tmp_path / "fw")
+    made = tmp_path / "camera.o"
+    flags = (*M4F.flags, *(f.replace("c99", "gnu99") for f in FLAGS), *package.includes)
+    source = package.folder / f"{package.name}_camera.c"
+    run(tool("arm-none-eabi-gcc"), *flags, "-fstack-usage", "-c", source, "-o", made)
+    frames = made.with_suffix(".su").read_text()
+    assert max(int(n) for n in re.findall(r"\t(\d+)\t", frames)) <= 160

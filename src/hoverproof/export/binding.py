@@ -75,7 +75,10 @@ class Firmware:
                 (folder / "manifest.json").read_text("utf-8")
             )
             self.name = str(self.manifest["name"])
-            header = (folder / f"{self.name}.h").read_text("utf-8")
+            headers = [f"{self.name}.h"]
+            if "camera" in self.manifest:
+                headers.append(f"{self.name}_camera.h")
+            header = "".join((folder / path).read_text("utf-8") for path in headers)
         except (OSError, ValueError, KeyError):
             raise InputError(str(folder), "", "is no firmware package: see `export`") from None
         self._real = {"float32": ctypes.c_float, "float64": ctypes.c_double}[
@@ -151,20 +154,70 @@ class Firmware:
 
         Parameters
         ----------
-        seen : (n, 2) image points, or (3,) centroid
+        seen : (n, 2) image points, or (3,) centroid, or (3,) feature
         **rest
             velocity (3,) m/s, rate (3,) rad/s, gravity_direction (3,), dt in s; specific_force
             (3,) m/s², of a law that measures it; target_seen, by default True.
         """
-        of_points = self.manifest["sensing"] == "points"
-        values = {"image" if of_points else "centroid": seen, "target_seen": True, **rest}
-        given = self._new("input")
-        for key, value in values.items():
-            _put(given, key, value)
+        values = self._named("sensing", seen) | {"target_seen": True} | rest
+        given = self._filled("input", **values)
         out = self._new("output")
         status = self._call("step", self._params, self._state, given, out)
         rotor, torque = tuple(out.rotor), tuple(out.torque)
         return Output(status, out.thrust, out.thrust_rate, torque, rotor)
+
+    def watch(self, oldest: float) -> int:
+        """Forget all frames, use each until it is so old, and return the status.
+
+        Parameters
+        ----------
+        oldest : float
+            s.
+        """
+        self._camera = self._new("camera")
+        return self._call("camera_init", self._camera, oldest)
+
+    def frame(self, seen: Any, age: float) -> int:
+        """Take in a frame, after `watch`, and return the status.
+
+        Parameters
+        ----------
+        seen : (n, 2) image points, or (3,) centroid
+        age : float
+            From its exposure to the next step, s.
+        """
+        frame = self._filled("frame", **self._named("camera", seen), age=age)
+        return self._call("camera", self._camera, frame)
+
+    def turn(self, rate: Sequence[float], dt: float) -> tuple[int, tuple[float, ...]]:
+        """Turn the newest frame to this step, after `watch`; return the status and the feature.
+
+        Parameters
+        ----------
+        rate : (3,)
+            At this step, rad/s.
+        dt : float
+            To the next step, s.
+
+        Returns
+        -------
+        status, feature : int, (3,) float
+            The feature is for `step`, with the target seen if the status is 0.
+        """
+        given = self._filled("input", rate=rate, dt=dt)
+        status = self._call("camera_turn", self._camera, given)
+        return status, tuple(given.feature)
+
+    def _named(self, key: str, seen: Any) -> dict[str, Any]:
+        """Return what is seen by the name of its field."""
+        field = str(self.manifest[key])
+        return {"image" if field == "points" else field: seen}
+
+    def _filled(self, kind: str, **values: Any) -> ctypes.Structure:
+        given: ctypes.Structure = self._new(kind)
+        for key, value in values.items():
+            _put(given, key, value)
+        return given
 
     def fly(self, dt: float, samples: int, every: int) -> Mapping[str, Any]:
         """Fly the mission from its start with the package's simulated vehicle.
@@ -266,6 +319,7 @@ def _built(folder: Path, name: str, compiler: str | None, build: Path) -> Path:
     library = build / f"{name}.so"
     (build / "loop.c").write_text(loop.replace("NAME", name), encoding="utf-8")
     sources = [folder / f"{name}.c", folder / f"{name}_selftest.c", folder / "example/vehicle.c"]
+    sources += folder.glob(f"{name}_camera.c")
     words = command_words(compiler or find_compiler())
     if not words:
         reason = "firmware needs a C compiler; none was found (or set CC)"

@@ -8,9 +8,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+import casadi as ca
+
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.errors import InputError
+from hoverproof.export.camera import CameraText, camera_text
 from hoverproof.export.flight_law import FlightLaw
 from hoverproof.export.law_text import LawText, VehicleText, law_text, vehicle_text
 from hoverproof.export.options import Options
@@ -128,8 +131,8 @@ class Limits:
         That tilt, and where it comes from.
     box : InputBox
         What is accepted as input.
-    centroid_square : Fraction
-        The largest square of the centroid that is accepted, dimensionless.
+    centroid_square, feature_square : Fraction
+        The largest square of the centroid, and of the feature, that is accepted, dimensionless.
     """
 
     thrust: tuple[Fraction, Fraction]
@@ -140,6 +143,7 @@ class Limits:
     tilt_words: str
     box: InputBox
     centroid_square: Fraction
+    feature_square: Fraction
 
 
 @dataclass(frozen=True)
@@ -183,6 +187,8 @@ class Contents:
     limits : Limits
     law : LawText
     vehicle : VehicleText
+    camera : CameraText or None
+        If frames are kept between steps.
     adapter : Adapter
     hover_error : list of (str, str)
         What errors of thrust and mass do to the hover; empty where that is not known of the law.
@@ -201,6 +207,7 @@ class Contents:
     limits: Limits
     law: LawText
     vehicle: VehicleText
+    camera: CameraText | None
     adapter: Adapter
     hover_error: Sequence[tuple[str, str]]
     vectors: Sequence[Vector]
@@ -231,7 +238,10 @@ def contents(
         Prefix of files and symbols.
     options : Options
     """
-    evidence, limits = _evidence(standing), _limits(mission, standing, law, options)
+    camera = camera_text(law, options, len(mission.target.points))
+    sized = law.spread is not None or (camera is not None and bool(camera.spread))
+    spread = _spread(mission, options) if sized else None
+    evidence, limits = _evidence(standing), _limits(mission, standing, law, spread)
     text = law_text(mission, options, law)
     return Contents(
         name=name,
@@ -245,6 +255,7 @@ def contents(
         limits=limits,
         law=text,
         vehicle=vehicle_text(mission, options, law.source),
+        camera=camera,
         adapter=_adapter(mission, options),
         hover_error=hover_error(mission, law.source).rows()
         if rests_as_modelled(law.source)
@@ -297,7 +308,12 @@ def _design(mission: Mission, law: Law) -> Design:
     )
 
 
-def _limits(mission: Mission, standing: Standing, law: FlightLaw, options: Options) -> Limits:
+def _limits(
+    mission: Mission,
+    standing: Standing,
+    law: FlightLaw,
+    spread: tuple[Fraction, Fraction] | None,
+) -> Limits:
     low, high = (thrust - mission.vehicle.weight for thrust in standing.thrust)
     cosine, words = _tilt(mission, high)
     return Limits(
@@ -309,9 +325,10 @@ def _limits(mission: Mission, standing: Standing, law: FlightLaw, options: Optio
         tilt_words=words,
         box=InputBox(
             specific_force=None if law.lift is None else Fraction(160),
-            spread=None if law.spread is None else _spread(mission, options),
+            spread=spread,
         ),
         centroid_square=(Fraction(101, 100) * len(mission.target.points)) ** 2,
+        feature_square=_longest_feature(law.source, len(mission.target.points), spread) ** 2,
     )
 
 
@@ -322,7 +339,7 @@ def _spread(mission: Mission, options: Options) -> tuple[Fraction, Fraction]:
     the camera, so that their centroid is longer than n/25.
     """
     n, q = len(mission.target.points), hover_goal(mission).centroid_midpoint
-    by_centroid = options.precision == FLOAT32 and not options.of_points
+    by_centroid = options.precision == FLOAT32 and "centroid" in (options.sensing, options.camera)
     radius = Fraction(1, 100 if by_centroid else 10_000)
     if n**2 - sum(c**2 for c in q) < (2 * n * radius) ** 2:
         reason = (
@@ -332,6 +349,14 @@ def _spread(mission: Mission, options: Options) -> tuple[Fraction, Fraction]:
         hint = "; take --sensing points or --precision float64" if by_centroid else ""
         raise InputError(mission.source, "target", reason + hint)
     return (n * radius) ** 2, n**2 * (1 - Fraction(1, 625))
+
+
+def _longest_feature(law: Law, n: int, spread: tuple[Fraction, Fraction] | None) -> Fraction:
+    """Return the longest feature that is accepted: a hundredth more than of the smallest target."""
+    square = Fraction(0) if spread is None else spread[0]
+    along = ca.SX([0, 0, math.sqrt(n**2 - square)])
+    feature = ca.evalf(law.feature.of(along, ca.SX(float(square)), n))
+    return Fraction(101, 100) * Fraction(float(ca.norm_2(feature)))
 
 
 def _tilt(mission: Mission, excess: Fraction) -> tuple[Fraction, str]:
@@ -351,10 +376,11 @@ def _adapter(mission: Mission, options: Options) -> Adapter:
     v, (low, high) = mission.vehicle, options.rotor_limits
     reach = 2 * (high - low)  # two rotors high and two low
     torques = [reach * v.arm, reach * v.arm, reach * v.drag_ratio]
+    of_points = "points" in (options.sensing, options.camera)
     return Adapter(
         weight=single(v.weight),
         thrust=single(4 * high),
         torque=", ".join(map(single, torques)),
-        seen_size=len(options.seen(len(mission.target.points))),
-        seen_words="x and y of each target point" if options.of_points else "the image centroid",
+        seen_size=2 * len(mission.target.points) if of_points else 3,
+        seen_words="x and y of each target point" if of_points else "the image centroid",
     )

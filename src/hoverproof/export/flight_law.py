@@ -121,7 +121,7 @@ def _flight_law(
     at_samples = numbers.at_samples(expressions)
     for i, sample in enumerate(numbers.samples):
         assert_is_the_controller(by_feature, sample, [values[i] for values in at_samples], law)
-    seen, of_seen, spread = _seen(law.feature, *sensing)
+    seen, of_seen, spread = seen_feature(law.feature, *sensing)
     function = _function(_scheme(chain, numbers, seen, of_seen), chain, numbers)
     tuned, rest = _gains_and_rest(law)
     (singular,) = numbers.at_samples(chain.singular)
@@ -219,8 +219,19 @@ def _with_gains(law: Law, design: Sequence[Fraction], gains: Sequence[Fraction])
     return [others.get(i, number) for i, number in enumerate(design)]
 
 
-def _seen(feature: Feature, sensing: str, points: int) -> tuple[ca.SX, ca.SX, ca.Function | None]:
-    """Return what is taken in of the image, the feature of it, and its spread if that counts."""
+def seen_feature(
+    feature: Feature, sensing: str, points: int
+) -> tuple[ca.SX, ca.SX, ca.Function | None]:
+    """Return what is taken in of the image, the feature of it, and its spread if that counts.
+
+    Parameters
+    ----------
+    feature : Feature
+    sensing : {"points", "centroid", "feature"}
+        What is taken in.
+    points : int
+        Number of target points.
+    """
     q, spread = ca.SX.sym("centroid", 3), ca.SX.sym("spread")
     counts = ca.depends_on(feature.of(q, spread, points), spread)
     if sensing == "points":

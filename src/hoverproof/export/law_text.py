@@ -114,7 +114,7 @@ def law_text(mission: Mission, options: Options, law: FlightLaw) -> LawText:
         statements=tuple(statements(law.function, inputs, results, options.precision)),
         of_gains=_from_gains(law, options, {c: f"params->{c}" for c in tuned}),
         gap_of_gains=_from_gains(law, options, gap),
-        image_square=_sum_of_squares(seen),
+        image_square=sum_of_squares(seen),
         lift=_told(law.lift, [*body, list(numbers.values())], options),
         spread=_told(law.spread, [seen], options),
     )
@@ -176,8 +176,14 @@ def _from_gains(law: FlightLaw, options: Options, targets: Mapping[str, str]) ->
     return tuple(statements(law.of_gains, inputs, results, options.precision))
 
 
-def _sum_of_squares(names: Sequence[str]) -> str:
-    """Write Σ x², each pair x² + y² as the law has it, so that a compiler computes it once."""
+def sum_of_squares(names: Sequence[str]) -> str:
+    """Write Σ x², each pair x² + y² as the law has it, so that a compiler computes it once.
+
+    Parameters
+    ----------
+    names : sequence of str
+        What the camera delivers, in C.
+    """
     pairs = [names[i : i + 2] for i in range(0, len(names), 2)]
     squares = ["(" + " + ".join(f"({x} * {x})" for x in pair) + ")" for pair in pairs]
     return " +\n      ".join(squares)

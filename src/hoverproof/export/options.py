@@ -19,13 +19,16 @@ class Options:
     precision : Precision
         Of the numbers on the target.
     sensing : str
-        What the camera delivers, ``"points"`` or ``"centroid"``.
+        What a step takes in of the image, ``"points"``, ``"centroid"`` or, where frames are kept
+        apart from the step, the ``"feature"`` of the law.
     tunable : bool
         Whether the gains stay parameters.
     rotor_limits : (low, high)
         Thrust of one rotor, N.
     rotor_limits_from : str
         Where these limits come from, in words.
+    camera : str or None
+        What a frame that is kept holds, ``"points"`` or ``"centroid"``; None without.
     """
 
     precision: Precision
@@ -33,6 +36,7 @@ class Options:
     tunable: bool
     rotor_limits: tuple[Fraction, Fraction]
     rotor_limits_from: str
+    camera: str | None = None
 
     @classmethod
     def of(
@@ -43,6 +47,7 @@ class Options:
         sensing: str,
         tunable: bool,
         rotor_limits: tuple[Fraction, Fraction] | None,
+        camera: bool = False,
     ) -> Options:
         """Take the options of a user.
 
@@ -55,6 +60,8 @@ class Options:
         tunable : bool
         rotor_limits : (low, high), optional
             N.
+        camera : bool
+            Whether frames are kept and turned between steps.
 
         Raises
         ------
@@ -67,12 +74,19 @@ class Options:
             raise InputError("--sensing", "", f"must be points or centroid, not {sensing!r}")
         limits = _rotor_limits(mission, rotor_limits)
         origin = _origin_of_limits(mission, given=rotor_limits is not None)
-        return cls(PRECISIONS[precision], sensing, tunable, limits, origin)
+        kept = sensing if camera else None
+        taken = "feature" if camera else sensing
+        return cls(PRECISIONS[precision], taken, tunable, limits, origin, kept)
 
     @property
     def of_points(self) -> bool:
-        """Whether the camera delivers points, and not their centroid."""
+        """Whether a step takes in points, and not what is made of them."""
         return self.sensing == "points"
+
+    @property
+    def field(self) -> str:
+        """The field of the input that holds what the camera saw."""
+        return "image" if self.of_points else self.sensing
 
     def seen(self, points: int) -> list[str]:
         """Return the fields of the input that hold what the camera saw.
@@ -84,7 +98,7 @@ class Options:
         """
         if self.of_points:
             return [f"in->image[{i}][{k}]" for i in range(points) for k in range(2)]
-        return [f"in->centroid[{k}]" for k in range(3)]
+        return [f"in->{self.field}[{k}]" for k in range(3)]
 
 
 def _rotor_limits(

@@ -39,6 +39,12 @@ FILES = {
 }
 """The template of each file; those of `TARGETS` come to these."""
 
+CAMERA_FILES = {
+    "{name}_camera.h": "templates/camera.h.j2",
+    "{name}_camera.c": "templates/camera.c.j2",
+}
+"""Those of a package that keeps the frames of a camera."""
+
 STACK_BUDGET = 160
 """Bytes of stack that a step may take on a Cortex-M4F, in float32."""
 
@@ -74,6 +80,7 @@ def write_package(
     tunable: bool = False,
     name: str | None = None,
     rotor_limits: tuple[Fraction, Fraction] | None = None,
+    camera: bool = False,
     law: Law | None = None,
 ) -> dict[str, Any]:
     """Write the package and return its manifest.
@@ -96,6 +103,8 @@ def write_package(
     rotor_limits : (low, high), optional
         Thrust of one rotor, N; by default as the mission's rotors have, else 0 to half the
         weight.
+    camera : bool
+        Keep the newest frame of a slow camera, and turn it with the gyroscope from step to step.
     law : Law, optional
         What the firmware computes; by default the law of the mission.
 
@@ -108,7 +117,12 @@ def write_package(
         If the certificate does not prove that the gains of this mission work with this law.
     """
     options = Options.of(
-        mission, precision=precision, sensing=sensing, tunable=tunable, rotor_limits=rotor_limits
+        mission,
+        precision=precision,
+        sensing=sensing,
+        tunable=tunable,
+        rotor_limits=rotor_limits,
+        camera=camera,
     )
     law = law or law_of(mission)
     if standing.certificate is not None:
@@ -116,7 +130,7 @@ def write_package(
         about = f"a certificate of {mission.name} is about {own.name}, not about {law.name}"
         checker.require(law == own, about)
         standing = replace(standing, thrust=_check(standing.certificate, mission))
-    flown = flight_law(mission, sensing=sensing, tunable=tunable, law=law)
+    flown = flight_law(mission, sensing=options.sensing, tunable=tunable, law=law)
     filled = contents(mission, standing, flown, package_name(name, mission.name), options)
     texts = _rendered(filled)
     if standing.certificate is not None:
@@ -172,7 +186,7 @@ def _templates() -> Any:
 
 def _rendered(filled: Contents) -> dict[str, str]:
     """Fill the templates; return the texts by their paths."""
-    files = FILES.copy()
+    files = FILES | (CAMERA_FILES if filled.camera else {})
     for target in TARGETS:
         files |= target.files()
     named = {
@@ -204,6 +218,7 @@ def _manifest(filled: Contents, texts: Mapping[str, str], law: Law) -> dict[str,
         "law_sha256": filled.law.sha256,
         "precision": options.precision.name,
         "sensing": options.sensing,
+        **({"camera": options.camera} if options.camera else {}),
         "tunable": options.tunable,
         "tools": {"hoverproof": __version__, "casadi": version("casadi")},
         "thrust": [float(t) for t in limits.thrust],

@@ -9,6 +9,7 @@ from fractions import Fraction
 from functools import partial
 from typing import Any
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +19,7 @@ from hoverproof.export.flight_law import FlightLaw
 from hoverproof.export.options import Options
 from hoverproof.export.precision import Precision, Rounded
 from hoverproof.mission.sections import Mission
+from hoverproof.plant import camera
 
 NOMINAL = 8
 """Vectors in which nothing is at a limit."""
@@ -250,11 +252,11 @@ def test_vectors(
     highest = 4 * options.rotor_limits[1] - weight
     write = partial(_written, precision, body_sensors(law.source))
     written: list[Vector] = []
-    step = random_step(draw, mission, precision, options.sensing, thrust)
+    step = _random_step(draw, mission, law, options, thrust)
     for _ in range(100 * NOMINAL):
         if len(written) == NOMINAL:
             break
-        step = random_step(draw, mission, precision, options.sensing, thrust)
+        step = _random_step(draw, mission, law, options, thrust)
         out = law_at(law, step, precision)
         following = step.excess + step.dt * out["thrust_rate"][0]
         low, high = (precision.round(r) for r in options.rotor_limits)
@@ -287,6 +289,22 @@ def test_vectors(
     for at, status, words in faults:
         written.append(write(at, safe, zero, status, words))
     return written
+
+
+def _random_step(
+    draw: np.random.Generator,
+    mission: Mission,
+    law: FlightLaw,
+    options: Options,
+    thrust: tuple[Fraction, Fraction],
+) -> Step:
+    """Draw a step that takes in what the options say; a feature is that of drawn points."""
+    if options.sensing != "feature":
+        return random_step(draw, mission, options.precision, options.sensing, thrust)
+    step = random_step(draw, mission, options.precision, "points", thrust)
+    directions = camera.spherical(ca.SX(ca.DM(step.seen.astype(float))))
+    feature = np.array(ca.evalf(law.source.feature.seen(directions))).ravel()
+    return replace(step, seen=feature.astype(options.precision.scalar))
 
 
 def _one_point(seen: NDArray[Any], points: int) -> NDArray[Any]:

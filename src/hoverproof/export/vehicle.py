@@ -29,15 +29,15 @@ def rate_function() -> ca.Function:
 def sense_function(n: int, sensing: str, law: Law = HAMEL_MAHONY) -> ca.Function:
     """Return (state, target points (3, n) in m, thrust in N, design) ↦ what the sensors deliver.
 
-    Outputs: seen (image points (2, n), or the centroid (3,)), and what the law takes in of the
-    body.
+    Outputs: seen (image points (2, n), the centroid or the feature (3,)), and what the law takes in
+    of the body.
 
     Parameters
     ----------
     n : int
         Number of target points.
-    sensing : {"points", "centroid"}
-        What the camera delivers.
+    sensing : {"points", "centroid", "feature"}
+        What a step takes in of the image.
     law : Law
     """
     x, T, (design, points) = ca.SX.sym("x", BODY_SIZE), ca.SX.sym("T"), parameters(n, law)
@@ -45,7 +45,7 @@ def sense_function(n: int, sensing: str, law: Law = HAMEL_MAHONY) -> ca.Function
     measured, image, _ = sense(body, points, law, design)
     centroid = camera.centroid(camera.spherical(image))
     outputs = {
-        "seen": {"points": image, "centroid": centroid}[sensing],
+        "seen": {"points": image, "centroid": centroid, "feature": measured.centroid}[sensing],
         **{name: getattr(measured, name) for name in body_sensors(law)},
     }
     values = ca.cse(list(outputs.values()))

@@ -1,0 +1,109 @@
+"""What keeps the newest frame of a slow camera for a fast controller: its graphs, as C."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import casadi as ca
+
+from hoverproof.export.emitter import statements
+from hoverproof.export.flight_law import FlightLaw, seen_feature
+from hoverproof.export.law_text import sum_of_squares
+from hoverproof.export.options import Options
+from hoverproof.plant.rigid_body import skew
+
+KEPT = 64
+"""Turns between steps that are kept: a frame may be that many steps old when it comes in."""
+
+LARGEST_TURN = Fraction(1, 2)
+"""rad from one step to the next; beyond that the frame is given up."""
+
+OLDEST = Fraction(1)
+"""s: the longest time that a frame may be used for."""
+
+
+@dataclass(frozen=True)
+class CameraText:
+    """The camera in C.
+
+    Attributes
+    ----------
+    field : str
+        Of a frame: ``"image"`` or ``"centroid"``.
+    feature, spread, turned : tuple of str
+        Statements: from a frame to the feature and to n² - |q|² (empty where the law does without),
+        and from a feature and a turn to the feature after it.
+    image_square : str
+        An expression: the sum of the squares of what the camera saw.
+    kept : int
+        How many turns are kept: a bare number.
+    largest_turn_square, oldest : Fraction
+        rad² and s.
+    """
+
+    field: str
+    feature: tuple[str, ...]
+    spread: tuple[str, ...]
+    turned: tuple[str, ...]
+    image_square: str
+    kept: int = KEPT
+    largest_turn_square: Fraction = LARGEST_TURN**2
+    oldest: Fraction = OLDEST
+
+
+def turned_function() -> ca.Function:
+    """Return (feature, turn in rad) ↦ the feature after the camera has turned by that, (3,) each.
+
+    It is the rotation whose Rodrigues vector is tan(θ/2) along the axis, exactly; tan is cut after
+    its fifth power, so that a turn of half a radian is right to 7e-6 rad, one of a tenth to 2e-11.
+    """
+    feature, turn = ca.SX.sym("feature", 3), ca.SX.sym("turn", 3)
+    square = ca.dot(turn, turn)
+    half = turn * ((1 + square * (ca.SX(1) / 12 + square / 120)) / 2)
+    once = skew(half) @ feature
+    moved = feature + 2 / (1 + ca.dot(half, half)) * (skew(half) @ once - once)
+    names = ["feature", "turn"]
+    return ca.Function("turned", [feature, turn], [ca.cse(moved)], names, ["turned"])
+
+
+def camera_text(law: FlightLaw, options: Options, points: int) -> CameraText | None:
+    """Write the camera in C, if there is one.
+
+    Parameters
+    ----------
+    law : FlightLaw
+    options : Options
+    points : int
+        Number of target points.
+    """
+    if options.camera is None:
+        return None
+    field = {"points": "image", "centroid": "centroid"}[options.camera]
+    names = (
+        [f"frame->image[{i}][{k}]" for i in range(points) for k in range(2)]
+        if field == "image"
+        else [f"frame->centroid[{k}]" for k in range(3)]
+    )
+    seen, feature, spread = seen_feature(law.source.feature, options.camera, points)
+    of_seen = ca.Function("feature", [seen], [ca.cse(feature)], ["seen"], ["feature"])
+    places = [f"feature[{k}]" for k in range(3)]
+    real = options.precision.c_type
+    return CameraText(
+        field=field,
+        feature=tuple(statements(of_seen, [names], {"feature": places}, options.precision)),
+        spread=()
+        if spread is None
+        else tuple(
+            statements(spread, [names], {"spread": [f"const {real} spread"]}, options.precision)
+        ),
+        turned=tuple(
+            statements(
+                turned_function(),
+                [places, [f"turn[{k}]" for k in range(3)]],
+                {"turned": [f"const {real} turned_{a}" for a in "xyz"]},
+                options.precision,
+            )
+        ),
+        image_square=sum_of_squares(names),
+    )
