@@ -113,15 +113,15 @@ def floats_exact(rows):
 
 
 def fit_gains(forged):
-    question = checker.read_gains(forged)
+    question = checker.claim_of(forged)
     unit = 1 << 64
     around = [
         [str(F(int(a * unit) - 1, unit)), str(F(int(b * unit) + 1, unit))]
         if a < b
         else [str(a)] * 2
-        for a, b in question.s.fixed
+        for a, b in question.fixed
     ]
-    low, high = question.factor
+    low, high = question.f
     ends = [str(F(int(low * unit), unit)), str(F(int(high * unit) + 1, unit))]
     forged["enclosures"] |= {"centroid": around, "factor": ends}
     for vertex, f in zip(forged["vertices"], ends, strict=True):

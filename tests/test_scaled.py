@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 from fractions import Fraction as F
+from types import SimpleNamespace
 from unittest.mock import patch
 
 import mpmath
@@ -81,8 +82,8 @@ def in_floats(J):
 
 
 def enclosed(points, box):
-    grid = checker.Grid.of(points)
-    return checker.slope_of_scaled(points, grid, grid.cell(box))
+    grid = checker.Grid(points)
+    return checker.slope_over(points, grid, grid.cell(box))
 
 
 def excess(points, box, J, x):
@@ -363,7 +364,7 @@ def test_a_constant_and_a_place_hold_the_exact_ones(count, c):
 def test_the_places_of_a_cell_are_in_its_tangents(count, unit, sides, x):
     cell = [(a, a + b) for a, b in sides]
     with with_bits(count):
-        xi = checker.place_in(checker.Grid(unit, []), cell)
+        xi = checker.place_in(SimpleNamespace(unit=unit), cell)
     for tangent, (a, b), c in zip(xi, cell, x, strict=True):
         assert holds(tangent, x, (F(a + b, 2) + c * F(b - a, 2)) * F(2**count, unit))
 
