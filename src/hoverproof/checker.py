@@ -684,11 +684,13 @@ def scaled_slope(points: Matrix, xi: Three) -> list[Three]:
     falling = [NOTHING] * 3  # Σ uiᵀDi
     for u, (w, p, near, bend) in zip(apart, rays, strict=True):
         up, uw = along(u, p0), along(u, w) * near
+        kp, bent = [near * x for x in p], up * near
         for i in axes:
-            falling[i] += bend * (u[i] - up * p0[i]) - uw * p[i] - up * near * w[i]
-            for j in axes:
-                N[i][j] += (near if i == j else NOTHING) - near * p[i] * p[j]
-    seen = [along(q, column) for column in zip(*N, strict=True)]
+            falling[i] += bend * (u[i] - up * p0[i]) - uw * p[i] - bent * w[i]
+            for j in range(i + 1):
+                N[i][j] += (near if i == j else NOTHING) - kp[i] * p[j]
+    N = [[N[max(i, j)][min(i, j)] for j in axes] for i in axes]
+    seen = [along(q, row) for row in N]
     first = whole.inverse().times(1, 2) - short
     h = [first * seen[k] - (falling[k] * less).times(n) for k in axes]
     stretch = (whole * less).times(n, 2).root()

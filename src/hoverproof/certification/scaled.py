@@ -112,11 +112,13 @@ def slopes(points: Array, cells: Array) -> list[Three]:
     falling = [NOTHING] * 3
     for u, (w, p, near, bend) in zip(apart, rays, strict=True):
         up, uw = _along(u, p0), _along(u, w) * near
+        kp, bent = [near * x for x in p], up * near
         for i in axes:
-            falling[i] += bend * (u[i] - up * p0[i]) - uw * p[i] - up * near * w[i]
-            for j in axes:
-                N[i][j] += (near if i == j else NOTHING) - near * p[i] * p[j]
-    seen = [_along(q, column) for column in zip(*N, strict=True)]
+            falling[i] += bend * (u[i] - up * p0[i]) - uw * p[i] - bent * w[i]
+            for j in range(i + 1):
+                N[i][j] += (near if i == j else NOTHING) - kp[i] * p[j]
+    N = [[N[max(i, j)][min(i, j)] for j in axes] for i in axes]
+    seen = [_along(q, row) for row in N]
     first = 0.5 * whole.inverse() - short
     h = [first * seen[k] - n * (falling[k] * less) for k in axes]
     stretch = (n / 2 * (whole * less)).root()
