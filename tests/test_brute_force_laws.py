@@ -138,20 +138,15 @@ def against_brute_force(seed, laws, count, starts=4):
         took["brute force"] += time.process_time() - began
     print(dict(counts), "largest gap", largest, {k: f"{v:.1f} s" for k, v in took.items()})
     assert counts["undecided"] == 0
-    assert min(counts["proved"], counts["refuted"]) > count / 8
+    assert min(counts["proved"], counts["refuted"]) > count / 8 or count < 20
     assert largest < 1e-6
 
 
 @pytest.mark.parametrize("laws", [SCALED, INERTIAL], ids=["scaled", "inertial"])
-def test_brute_force_agrees_with_verdicts_on_random_missions(laws):
-    against_brute_force(20261127, laws, 24)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("laws", [SCALED, INERTIAL], ids=["scaled", "inertial"])
 @pytest.mark.parametrize("block", range(4))
-def test_brute_force_agrees_with_verdicts_on_many_random_missions(laws, block):
-    against_brute_force([20261128, block], laws, 125)
+def test_brute_force_agrees_with_verdicts_on_random_missions(laws, block, whole):
+    """Of each kind of law 500 missions in `make trials`, and 24 of them by default."""
+    against_brute_force([20261128, block], laws, 125 if whole else 6)
 
 
 # --- the linearised loop ------------------------------------------------------------------------
