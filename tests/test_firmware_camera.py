@@ -10,6 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from firmware_kit import export, tool
+from hoverproof.cli import main
 from hoverproof.export.binding import Firmware
 from hoverproof.export.vehicle import rate_function
 from hoverproof.servo.loop import LoopNumbers
@@ -263,3 +264,10 @@ def test_without_the_option_there_is_no_camera(tmp_path):
     assert not list(tmp_path.glob("*camera*"))
     assert "camera" not in package.manifest
     assert Firmware(tmp_path).selftest() == 0
+
+
+def test_the_command_writes_one(tmp_path, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["export", "x4-flyer", "--out", str(tmp_path / "fw"), "--camera"])
+    assert stop.value.code == 0
+    assert (tmp_path / "fw" / "x4_flyer_camera.c").exists()

@@ -61,7 +61,7 @@ def export_c(
         What the firmware computes; by default the law of the mission, which alone a certificate of
         the mission is about.
     **options
-        precision, sensing, tunable, name, rotor_limits: see
+        precision, sensing, camera, tunable, name, rotor_limits: see
         `hoverproof.export.package.write_package`.
 
     Returns

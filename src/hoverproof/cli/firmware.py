@@ -24,6 +24,10 @@ def export(
         Literal["points", "centroid"],
         Parameter(help="What the camera delivers: image points, or the centroid already summed."),
     ] = "points",
+    camera: Annotated[
+        bool,
+        Parameter(negative="", help="Keep the newest frame, and turn it with the gyroscope."),
+    ] = False,
     tunable: Annotated[
         bool, Parameter(negative="", help="Keep the gains as parameters that may be set.")
     ] = False,
@@ -64,6 +68,7 @@ def export(
             out,
             precision=precision,
             sensing=sensing,
+            camera=camera,
             tunable=tunable,
             name=name,
             rotor_limits=None if rotor_limits is None else _limits(rotor_limits),
