@@ -10,6 +10,9 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
+from hoverproof.errors import InputError
+from hoverproof.export.binding import Firmware
+from hoverproof.firmware import export_c, fly_firmware
 from hoverproof.mission.presets import conditions_text
 from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import rotation_matrix
@@ -496,3 +499,47 @@ def test_a_summary_compares_it_with_the_ideal_flight(vehicle):
     assert told["ideal_settled_at"] < 3
     assert told["greatest_distance_from_ideal"] < 0.3
     assert told["final_distance_from_ideal"] < 0.02
+
+
+# --- the exported C in its place ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("law", [LAW, IMAGE], ids=["inertial", "image"])
+@needs_compiler
+def test_the_exported_c_flies_it_as_the_model_does(vehicle, law):
+    """The model commands the thrust of the tick's end, the C that of its beginning."""
+    mission = vehicle(law, REAL)
+    flown, model = fly_firmware(mission, duration=10), simulate(mission, duration=10)
+    assert flown.attrs["machine"] == "firmware, float32"
+    came, other = summary(flown), summary(model)
+    assert came["outcome"] == other["outcome"] == "flown"
+    assert came["settled_at"] == pytest.approx(other["settled_at"], abs=0.05)
+    assert came["settled_at"] < 3
+    apart = np.linalg.norm(flown["position"].values - model["position"].values, axis=1)
+    assert 0 < apart.max() < 0.01
+    assert flown["thrust_command"].values[-1] == pytest.approx(0.5 * 9.81 * 1.15 / 0.85, rel=0.05)
+
+
+@needs_compiler
+def test_a_doubt_of_the_exported_c_ends_the_flight_in_words(vehicle):
+    deaf = vehicle(LAW, {"sensors": "{accelerometer_noise = 1000}"})
+    flown = fly_firmware(deaf, duration=2)
+    assert re.fullmatch(
+        r"ended at \S+ s: (an input out of its box|thrust near the singularity)[^.]*",
+        flown.attrs["outcome"],
+    )
+    assert len(flown["time"]) < 100
+
+
+@needs_compiler
+def test_firmware_without_a_camera_entry_is_not_flown_with_sensors(vehicle, tmp_path):
+    mission = vehicle(LAW, {"sensors": SENSORS})
+    export_c(mission, tmp_path, allow_uncertified=True)
+    with pytest.raises(InputError, match="with camera=True"):
+        fly_firmware(mission, Firmware(tmp_path), duration=1)
+
+
+def test_a_control_rate_too_slow_for_the_exported_c_is_refused(vehicle):
+    slow = vehicle(LAW, {"sensors": "{control_rate = 5}"})
+    with pytest.raises(InputError, match="at least 10 Hz"):
+        fly_firmware(slow, duration=1)

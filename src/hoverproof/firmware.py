@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,9 +21,12 @@ from hoverproof.export.package import NotCertified, write_package
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import choices_of, law_of
+from hoverproof.servo.layout import place
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import flight as simulation
 from hoverproof.simulation.cut_short import last_good_step, up_to
+from hoverproof.simulation.plan import Plan, is_ideal
+from hoverproof.simulation.realistic import read_function
 from hoverproof.simulation.record import Record, flight_record
 from hoverproof.simulation.timing import Timing, flight_step
 
@@ -98,18 +102,22 @@ def fly_firmware(
     duration: float | None = None,
     step: float | None = None,
     every: int | None = None,
+    seed: int = 0,
     law: Law | None = None,
 ) -> xr.Dataset:
     """Fly a mission from its start with the exported C as its controller.
 
-    The controller runs once a step and its thrust and torque are held in between; the ideal rigid
-    body moves by one step of RK4. Gains need not be proved for a simulated flight.
+    The controller runs once a step, or at the control rate of the mission's sensors, and its output
+    is held in between. With sensors, rotors, wind or errors of the model it is given what they make
+    of a flight, and the package is one that takes the feature; see `hoverproof.simulate`. Gains
+    need not be proved for a simulated flight.
 
     Parameters
     ----------
     mission : Mission
     firmware : Firmware, optional
-        A package of this mission; by default it is exported in float32 for this flight.
+        A package of this mission; by default it is exported in float32 for this flight. With
+        sensors and the like it is to be made with ``camera=True``.
     duration : float, optional
         s; by default as in `hoverproof.simulate`.
     step : float, optional
@@ -118,6 +126,8 @@ def fly_firmware(
     every : int, optional
         Keep every so many steps; by default about 2000 samples are kept; a flight that ends early
         is kept as in `hoverproof.simulate`.
+    seed : int
+        Of the noise, as in `hoverproof.simulate`.
     law : Law, optional
         That of the firmware; by default the law of the mission.
 
@@ -130,10 +140,12 @@ def fly_firmware(
     Raises
     ------
     InputError
-        If the mission adds anything to the model, the firmware is that of another mission, a time
-        cannot be used, or there is no C compiler.
+        If the firmware is that of another mission or does not take the feature, a time cannot be
+        used, or there is no C compiler.
     """
-    return flown_firmware(mission, Timing(duration, step, every), firmware, law=law).dataset()
+    return flown_firmware(
+        mission, Timing(duration, step, every), firmware, seed=seed, law=law
+    ).dataset()
 
 
 def flown_firmware(
@@ -141,6 +153,7 @@ def flown_firmware(
     timing: Timing,
     firmware: Firmware | None = None,
     *,
+    seed: int = 0,
     law: Law | None = None,
 ) -> Record:
     """Fly a mission with the exported C: `fly_firmware`, without importing xarray.
@@ -150,14 +163,12 @@ def flown_firmware(
     mission, firmware
         See `fly_firmware`, also for what is raised.
     timing : Timing
+    seed : int
+        A bare number.
     law : Law, optional
         That of the firmware; by default the law of the mission.
     """
-    unfit = sorted(set(mission.conditions()) - {"scatter"})
-    if unfit:
-        raise InputError(
-            mission.source, unfit[0], "is not flown with --controller firmware; leave it out"
-        )
+    ideal = is_ideal(mission)
     step = flight_step(mission, timing.step, law)
     if step > LONGEST_STEP:
         raise InputError(
@@ -167,11 +178,14 @@ def flown_firmware(
     steps = timing.steps(mission, samples, simulation.sample_bytes(mission), law)
     every, finer = steps.every, samples if timing.every is None else None
     if firmware is None:
-        firmware = _exported(mission, law)
+        firmware = _exported(mission, law, camera=not ideal)
     elif firmware.manifest["mission"] != mission.exact():
         raise InputError(mission.source, "", f"is not the mission of the firmware {firmware.name}")
     elif firmware.manifest["law"] != choices_of(law or law_of(mission)):
         raise InputError(mission.source, "law", f"is not the law of the firmware {firmware.name}")
+    if not ideal:
+        plan = Plan(mission, step, steps.samples, every, seed, scattered=False, law=law)
+        return _fly_as_built(plan, firmware, finer)
     vehicle = firmware
 
     def fly(samples: int, every: int) -> tuple[Array, bool]:
@@ -193,13 +207,9 @@ def flown_firmware(
     words = "0, or a sum of the bits in the firmware's header"
     record.add("firmware_status", ["time"], rows[:, 26].astype(np.uint32), long_name=words)
     status, states = int(flown["status"][-1]), flown["state"]  # the last ones are of the fault
-    faults = " and ".join(words for bit, words in FAULTS.items() if status & bit)
     height = float(mission.height_of_target) - states[-1, 2]
     tilt = np.degrees(np.arccos(np.clip(states[-1, 14], -1, 1)))
-    fault = (
-        f"{faults or 'a fault'} (firmware status {status}), {height:.3g} m above the target, "
-        f"tilted by {tilt:.0f} degrees"
-    )
+    fault = f"{_faults(status)}, {height:.3g} m above the target, tilted by {tilt:.0f} degrees"
     record.attrs.update(
         {
             "outcome": "flown" if whole else f"ended at {at * step:g} s: {fault}",
@@ -220,7 +230,94 @@ def _good(flown: Mapping[str, Any]) -> tuple[Array, bool]:
     return (rows if whole else rows[: max(1, len(rows) - 1)]), whole
 
 
-def _exported(mission: Mission, law: Law | None) -> Firmware:
+def _exported(mission: Mission, law: Law | None, *, camera: bool) -> Firmware:
     with tempfile.TemporaryDirectory() as folder:
-        export_c(mission, folder, name="firmware", allow_uncertified=True, law=law)
+        own: dict[str, Any] = {"allow_uncertified": True, "law": law, "camera": camera}
+        export_c(mission, folder, name="firmware", **own)
         return Firmware(folder)
+
+
+@dataclass
+class _Ticks:
+    """A step of the firmware at each tick of a flight, in place of the model's controller.
+
+    Attributes
+    ----------
+    plan : Plan
+    vehicle : Firmware
+    period : float
+        From tick to tick, s.
+    status, step : int
+        Of the fault that ended the flight, bare numbers; 0 if there was none.
+    """
+
+    plan: Plan
+    vehicle: Firmware
+    period: float
+    status: int = 0
+    step: int = 0
+
+    def __call__(self, step: int, memory: Array, parameters: Array, noise: Array) -> Array:
+        """Return the memory after a tick, of one vehicle.
+
+        Parameters
+        ----------
+        step : int
+            A bare number.
+        memory, parameters, noise : (k, 1)
+            See `kernel.Control`.
+        """
+        plan, law = self.plan, self.plan.numbers.law
+        layout = plan.features.layout(law)
+        read = read_function(plan.numbers.target_size, plan.features, law)
+        told = {
+            name: np.array(value).ravel()
+            for name, value in read(memory=memory, parameters=parameters, noise=noise).items()
+        }
+        feature, thrust = told.pop("centroid"), float(told.pop("thrust")[0])
+        if step == 0:
+            self.vehicle.reset(thrust)
+        out = self.vehicle.step(feature, **told, dt=self.period)
+        after = memory.copy()
+        if out.status & sum(FAULTS):
+            self.status, self.step = out.status, step
+            after[place(layout, "thrust_margin")] = -1.0  # ends the flight
+            return after
+        after[place(layout, "command")] = out.thrust
+        after[place(layout, "rotor_commands"), 0] = out.rotor
+        if "gyro_error" in layout:
+            true_rate = memory[place(layout, "state"), 0][15:18]
+            after[place(layout, "gyro_error"), 0] = told["rate"] - true_rate
+        return after
+
+
+def _fly_as_built(plan: Plan, firmware: Firmware, finer: int | None) -> Record:
+    """Fly once with the sensors, rotors, wind and errors that a mission names."""
+    mission = plan.mission
+    if "camera" not in firmware.manifest:
+        raise InputError(
+            mission.source,
+            sorted(mission.conditions())[0],
+            f"needs firmware that takes the feature: export {firmware.name} with camera=True",
+        )
+    num, den = plan.schedule.control
+    period, made = plan.step * den / num, []
+    if period > LONGEST_STEP:
+        fastest = f"must be at least {1 / LONGEST_STEP:g} Hz for the firmware"
+        raise InputError(mission.source, "sensors.control_rate", f"{fastest}, not {1 / period:g}")
+
+    def ticks() -> _Ticks:
+        made.append(_Ticks(plan, firmware, period))
+        return made[-1]
+
+    record = simulation.fly_as_built(plan, None, finer, ticks)
+    record.attrs["machine"] = f"firmware, {firmware.manifest['precision']}"
+    first = made[0]
+    if first.status:
+        record.attrs["outcome"] = f"ended at {first.step * plan.step:g} s: {_faults(first.status)}"
+    return record
+
+
+def _faults(status: int) -> str:
+    words = " and ".join(words for bit, words in FAULTS.items() if status & bit)
+    return f"{words or 'a fault'} (firmware status {status})"

@@ -150,9 +150,7 @@ def _fly_model(mission: Mission, seed: int, timing: Timing) -> Record:
 def _fly_firmware(mission: Mission, seed: int, timing: Timing) -> Record:
     from hoverproof.firmware import flown_firmware
 
-    if seed:
-        raise InputError("--seed", "", "is not for --controller firmware: nothing is drawn")
-    return flown_firmware(mission, timing)
+    return flown_firmware(mission, timing, seed=seed)
 
 
 def _keep(

@@ -58,6 +58,7 @@ def fly_raw(
     *,
     compiler: str | None = None,
     stop: kernel.Stop | None = None,
+    control: kernel.Control | None = None,
 ) -> tuple[Array, Array, NDArray[np.int64]]:
     """Fly runs `first` to ``first + count - 1``; see `kernel.fly` for what is returned.
 
@@ -72,6 +73,8 @@ def fly_raw(
         As in `hoverproof.simulation.compiled.runner`.
     stop : Stop, optional
         Ends the flights when set.
+    control : callable, optional
+        In place of the loop's controller, see `kernel.fly`.
     """
     plan.prepare()
     memory, params = memory_and_parameters(plan, np.arange(first, first + count))
@@ -85,6 +88,7 @@ def fly_raw(
         first_run=first,
         compiler=compiler,
         stop=stop,
+        control=control,
     )
 
 

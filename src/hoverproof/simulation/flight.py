@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,7 +23,7 @@ from hoverproof.servo.layout import place
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import kernel
 from hoverproof.simulation.block import fly_raw, how_it_ended, log_of
-from hoverproof.simulation.compiled import Runner, has_diverged, runner
+from hoverproof.simulation.compiled import VIRTUAL_MACHINE, Runner, has_diverged, runner
 from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.flight_log import ending, ending_words, is_noted, settled_at
 from hoverproof.simulation.numbers import settled_index
@@ -112,7 +113,7 @@ def flown(
     step, every, finer = steps.step, steps.every, SAMPLES if timing.every is None else None
     if not is_ideal(mission):
         plan = Plan(mission, step, steps.samples, every, seed, scattered=False, law=law)
-        return _fly_as_built(plan, compiler, finer)
+        return fly_as_built(plan, compiler, finer)
     numbers = LoopNumbers.of(mission, law)
     machine = runner(numbers.target_size, numbers.law, compiler=compiler)
     check_patience(steps.count, step, machine.name)
@@ -263,19 +264,36 @@ def _run(
     return np.vstack([start, states]), good
 
 
-def _fly_as_built(plan: Plan, compiler: str | None, finer: int | None) -> Record:
+def fly_as_built(
+    plan: Plan,
+    compiler: str | None,
+    finer: int | None,
+    control: Callable[[], kernel.Control] | None = None,
+) -> Record:
     """Fly once with the sensors, rotors, wind and errors that the mission names.
 
     A flight that ends early, with few samples kept, is kept in about `finer` samples.
+
+    Parameters
+    ----------
+    plan : Plan
+    compiler : str, optional
+        As in `simulate`.
+    finer : int, optional
+        Number of samples.
+    control : callable, optional
+        Makes what is in place of the loop's controller, for each time that it is flown.
     """
-    mission = plan.mission
-    machine = kernel.machine(plan.loop, plan.schedule, compiler)  # compiled before it is timed
+    mission, machine = plan.mission, VIRTUAL_MACHINE
+    if control is None:
+        machine = kernel.machine(plan.loop, plan.schedule, compiler)  # compiled before it is timed
     check_patience(plan.samples * plan.every, plan.step, machine)
 
     def fly_all(plan: Plan) -> tuple[Array, Array, int]:
         stop = kernel.Stop()
+        own = None if control is None else control()
         records, memory, good = interruptibly(
-            lambda: fly_raw(plan, 0, 1, compiler=compiler, stop=stop), stop.set
+            lambda: fly_raw(plan, 0, 1, compiler=compiler, stop=stop, control=own), stop.set
         )
         return records[0, : good[0] + 1], memory[0], int(good[0])
 

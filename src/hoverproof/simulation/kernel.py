@@ -6,6 +6,7 @@ Without a compiler CasADi's virtual machine does the same operations, and gives 
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
@@ -25,6 +26,9 @@ from hoverproof.simulation.noise import FLIGHT, normals
 from hoverproof.simulation.step import FLIGHT_SIZE, GUARDS, step_function
 
 Array = NDArray[np.float64]
+
+Control = Callable[[int, Array, Array, Array], Array]
+"""(step, memory (MEMORY, m), parameters (PARAMS, m), noise (k, m)) ↦ memory after a tick."""
 
 NOISE_AT_A_TIME = 1 << 12
 """How many pairs of normal numbers are drawn at once where there is no compiler."""
@@ -177,6 +181,7 @@ def fly(
     compiler: str | None = None,
     lanes: int | None = None,
     stop: Stop | None = None,
+    control: Control | None = None,
 ) -> tuple[Array, Array, NDArray[np.int64]]:
     """Fly vehicles to the end, or until each has diverged or broken a guard.
 
@@ -198,6 +203,8 @@ def fly(
         Number of vehicles in a vector; by default that of the machine.
     stop : Stop, optional
         Ends the flights when set.
+    control : callable, optional
+        In place of the loop's controller at each tick; then nothing runs as machine code.
 
     Returns
     -------
@@ -213,15 +220,17 @@ def fly(
     Stopped
         If `stop` was set meanwhile.
     """
-    command = find_compiler() if compiler is None else compiler
-    library = vector_library(source(loop, schedule, lanes), command)
-    count = len(memory)
+    library, count = None, len(memory)
+    if control is None:
+        command = find_compiler() if compiler is None else compiler
+        library = vector_library(source(loop, schedule, lanes), command)
     records = np.full((count, schedule.samples + 1, loop.constants["RECORD"]), np.nan)
     memory = np.array(memory, np.float64, order="C")
     taken = np.zeros(count, np.int64)
     if library is None:
         arrays = memory, parameters, points
-        _fly_slowly(loop, schedule, *arrays, seed, first_run, records, taken, stop or Stop())
+        own = stop or Stop()
+        _fly_slowly(loop, schedule, *arrays, seed, first_run, records, taken, own, control)
         return records, memory, taken
     plan = _Plan(
         schedule.samples,
@@ -273,6 +282,7 @@ def _fly_slowly(
     records: Array,
     taken: NDArray[np.int64],
     stop: Stop,
+    control: Control | None,
 ) -> None:
     """Do what batch.c does on CasADi's virtual machine, all vehicles a step at a time."""
     count = len(memory)
@@ -339,7 +349,10 @@ def _fly_slowly(
                 shake = np.zeros((c["IMU_NOISE"], count))
                 if c["IMU_NOISY"]:
                     shake = noise("IMU", len(shake), step, schedule.control)
-                (now,) = call("control", now, params, shake)
+                if control is None:
+                    (now,) = call("control", now, params, shake)
+                else:
+                    now = control(step, now, parameters.T, shake)
             gust = noise("GUST", 3, step, (1, 1)) if c["GUSTY"] else np.zeros((3, count))
             (now,) = call("move", now, params, tiled, gust)
             step += 1

@@ -180,13 +180,10 @@ def felt(memory: dict[str, ca.SX], around: FurtherSurroundings, noise: ca.SX) ->
     return now + around.accelerometer_bias + around.accelerometer_noise * noise
 
 
-def decide(
+def read(
     memory: dict[str, ca.SX], design: Design, around: Any, noise: ca.SX, law: Law
-) -> dict[str, ca.SX]:
-    """Return what a tick of the controller changes in the memory.
-
-    The controller integrates the thrust it commands (Euler, over its period), keeps it within what
-    the rotors can give, and shares it out among them.
+) -> Measurement:
+    """Return what the sensors tell the controller at a tick.
 
     Parameters
     ----------
@@ -209,9 +206,30 @@ def decide(
         thrust=memory["command"],
     )
     if law.force.sensed is None:
-        measured = law.force.ideal(measured, design)
-    else:
-        measured = law.force.sensed(measured, felt(memory, around, noise[IMU_NOISE:]))
+        return law.force.ideal(measured, design)
+    return law.force.sensed(measured, felt(memory, around, noise[IMU_NOISE:]))
+
+
+def decide(
+    memory: dict[str, ca.SX], design: Design, around: Any, noise: ca.SX, law: Law
+) -> dict[str, ca.SX]:
+    """Return what a tick of the controller changes in the memory.
+
+    The controller integrates the thrust it commands (Euler, over its period), keeps it within what
+    the rotors can give, and shares it out among them.
+
+    Parameters
+    ----------
+    memory : dict of SX
+        By name, each (k, 1), with k and unit as in `Features.layout`.
+    design : Design
+    around : Surroundings
+        Those that `Features.surroundings` says.
+    noise : SX
+        (9, 1), standard normal: gyro, velocity, gravity; (12, 1) with an accelerometer.
+    law : Law
+    """
+    measured = read(memory, design, around, noise, law)
     thrust_rate, torque = command(measured, design, law)
     low, high = around.rotor_min, around.rotor_max
     thrust = measured.thrust + around.period * thrust_rate
@@ -323,6 +341,27 @@ def recorded(
         wind,
         *own,
     )
+
+
+@cache
+def read_function(n: int, features: Features, law: Law) -> ca.Function:
+    """Return (memory, parameters, noise of a tick) ↦ what the sensors tell, each by its name.
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    features : Features
+    law : Law
+    """
+    design, _ = parameters(n, law)
+    around = features.surroundings(law).symbols()
+    memory = {name: ca.SX.sym(name, size) for name, size in features.layout(law).items()}
+    imu = ca.SX.sym("imu", IMU_NOISE + (3 if law.force.sensed else 0))
+    told = vars(read(memory, design, around, imu, law))
+    given = [ca.vertcat(*memory.values()), ca.vertcat(design.vector(), around.vector()), imu]
+    names = ["memory", "parameters", "noise"]
+    return ca.Function("read", given, list(told.values()), names, list(told))
 
 
 def specific_force_function(around: type[Surroundings]) -> ca.Function:
