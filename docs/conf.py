@@ -92,10 +92,11 @@ def names_as_imported(app: Any, doctree: Any) -> None:
             node["reftarget"] = f"{thing.__module__}.{thing.__qualname__}"
 
 
-def names_of_fields_lead_nowhere(app: Any, doctree: Any) -> None:
-    """Unlink the name of an attribute in its own docstring: the link would lead to a namesake."""
+def words_lead_nowhere(app: Any, doctree: Any) -> None:
+    """Unlink what is no class where types and attributes are told: it would lead to a namesake."""
     for node in list(doctree.findall(pending_xref)):
-        if node.get("refdomain") == "py" and node["reftype"] == "obj" and node.get("refspecific"):
+        told = node.get("refdomain") == "py" and node.get("refspecific")
+        if told and not node["reftarget"].rpartition(".")[2][:1].isupper():
             node.replace_self(node.children)
 
 
@@ -105,4 +106,4 @@ def setup(app: Any) -> None:
     app.connect("autodoc-process-docstring", bars_are_bars)
     app.connect("autodoc-process-signature", short_signatures)
     app.connect("doctree-read", names_as_imported)
-    app.connect("doctree-read", names_of_fields_lead_nowhere)
+    app.connect("doctree-read", words_lead_nowhere)
