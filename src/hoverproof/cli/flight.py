@@ -166,36 +166,40 @@ def _keep(
     from hoverproof.simulation.flight import save, summary, without_conditions
 
     save(flight, path)
-    decay, pictures = _draw(mission, flight, path.with_suffix(""), figures)
+    decay, uncovered, pictures = _draw(mission, flight, path.with_suffix(""), figures)
     if animate is not None:
         from hoverproof.show.animation import save_animation
 
         with progress("animation") as report:
             save_animation(flight.dataset(), animate, speed_up=speed_up, report=report)
     facts = {**summary(flight), **without_conditions(mission, flight)}
-    return FlightAnswer(mission, facts, decay, path, pictures, animate)
+    return FlightAnswer(mission, facts, decay, path, pictures, animate, uncovered)
 
 
 def _draw(
     mission: Mission, flight: Record, stem: Path, figures: Sequence[str] | None
-) -> tuple[Decay | None, list[Path]]:
-    """Draw figures of a flight; return the decay that is drawn in them, and their paths."""
+) -> tuple[Decay | None, bool, list[Path]]:
+    """Draw figures; return the decay drawn in them, whether none is where some is proved, paths."""
     if figures is not None and not figures:
-        return None, []
+        return None, False, []
     from hoverproof.show.figures import FIGURES, save_figures
 
     which = FIGURES if figures is None else figures
-    decay = _certified_decay(mission, flight) if "features" in which else None
-    return decay, save_figures(flight, stem, which, decay)
+    decay, uncovered = None, False
+    if "features" in which:
+        decay, uncovered = _certified_decay(mission, flight)
+    return decay, uncovered, save_figures(flight, stem, which, decay)
 
 
-def _certified_decay(mission: Mission, flight: Record) -> Decay | None:
-    """Return the decay that is proved for a flight of a mission; None if none is."""
+def _certified_decay(mission: Mission, flight: Record) -> tuple[Decay | None, bool]:
+    """Return the decay that is proved for a flight, and whether none is though gains are proved."""
     from hoverproof.certification.gains import certify
     from hoverproof.show.decay import decay_along
 
     try:
         verdict = certify(mission)
     except InputError:  # the mission's bounds pose no question: nothing to draw
-        return None
-    return decay_along(flight, verdict)
+        return None, False
+    decay = decay_along(flight, verdict)
+    as_modelled = not mission.conditions().keys() - {"scatter"}
+    return decay, decay is None and verdict.proved is not None and as_modelled

@@ -216,7 +216,9 @@ def hover_error_tables(mission: Mission) -> list[Table]:
     rows = hover_error(mission).rows() if rests_as_modelled(law_of(mission)) else []
     if mission.law.force == "measured":
         rows = [("none", "the law measures its force, which is zero at rest")]
-    return [Table(title, rows)] if rows else []
+    elif not rows:
+        rows = [("not computed for this law", "fly it: [model_error] mass and thrust of a mission")]
+    return [Table(title, rows)]
 
 
 def strange_tables(mission: Mission) -> list[Table]:

@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FlightAnswer(Answer):
-    """The facts of a flight (`summary`, `without_conditions`), and what was written."""
+    """The facts of a flight (`summary`, `without_conditions`), and what was written.
+
+    `uncovered` tells that gains are proved, but nothing of this flight.
+    """
 
     mission: Mission
     facts: Mapping[str, Any]
@@ -27,6 +30,7 @@ class FlightAnswer(Answer):
     path: Path
     pictures: Sequence[Path]
     animation: Path | None
+    uncovered: bool = False
 
     @property
     def status(self) -> int:
@@ -54,7 +58,14 @@ class FlightAnswer(Answer):
         for picture in self.pictures:
             yield f"  figure    {picture}"
         if self.decay is not None:
-            yield f"  drawn in features, {self.decay.label()}"
+            ends = self.decay.until < facts["duration"]
+            until = f", until {self.decay.until:g} s: then the flight leaves its bounds"
+            yield f"  drawn in features, {self.decay.label()}{until if ends else ''}"
+        if self.uncovered:
+            yield "  nothing is certified of this flight: it starts out of the bounds of the proof"
+        low, high = facts["rotor_thrust"]
+        if low < 0:
+            yield f"  rotor thrusts from {low:.3g} to {high:.3g} N: no rotor pulls a vehicle down"
         if self.animation is not None:
             yield f"  animation {self.animation}"
 

@@ -43,7 +43,7 @@ class RegionTunedAnswer(Answer):
         own = "not proved" if found.before is None else reach_text(found.before)
         yield f"    the mission's own gains: {own}"
         yield from _rates(found)
-        yield from hover_error_text(found.hover_error)
+        yield from hover_error_text(found.hover_error, found.mission)
         yield from limits_text(found.uses)
         if self.written is None:
             yield "Next: the same with --out FILE.toml writes a mission file and its certificate"

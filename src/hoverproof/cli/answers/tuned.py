@@ -43,7 +43,7 @@ class TunedAnswer(Answer):
             yield f"  weights of L            {', '.join(map(number, verdict.problem.weights))}"
         slow = found.slowest_rate
         yield f"  slowest motion at goal  {number(slow)} 1/s (linearised, floating point)"
-        yield from hover_error_text(found.hover_error)
+        yield from hover_error_text(found.hover_error, found.mission)
         yield from limits_text(found.uses)
         if not any(use.binds for use in found.uses):
             yield f"  what binds: the bounds of {verdict.problem.flow.symbol} and of the thrust"

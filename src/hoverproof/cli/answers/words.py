@@ -89,8 +89,10 @@ def limits_as_json(uses: Sequence[Use]) -> dict[str, Any]:
     }
 
 
-def hover_error_text(error: HoverError | None) -> Iterator[str]:
+def hover_error_text(error: HoverError | None, mission: Mission) -> Iterator[str]:
     """Yield what an error of thrust or mass does to the hover, which no integral action mends."""
+    if error is None and mission.law.force == "modelled":
+        yield "  hover, 1 % less thrust  elsewhere; where is not computed for this law"
     for name, value in error.rows() if error is not None else ():
         yield f"  {name:22}  {value}"
 
