@@ -56,9 +56,9 @@ def certify(
     its hash if --set makes another mission of it. With --over-box it is NAME.over-box.cert.json,
     with --weights NAME.weighted.cert.json. If it is undecided, status 3, nothing is written.
 
-    What it assumes: the eigenvalues of Q and the thrust stay in the mission's bounds, and the
-    vehicle does not turn about its vertical axis. See `region` for the first, `attraction` for a
-    theorem that assumes neither.
+    What it assumes: the eigenvalues of Q (with the scaled feature: J in a ball) and the thrust stay
+    in the mission's bounds, and the vehicle does not turn about its vertical axis. See `region` for
+    the first, `attraction` for a theorem that assumes neither, of the paper's law.
 
     Example: `hoverproof certify x4-flyer`
 
@@ -130,7 +130,8 @@ def region(
 ) -> int:
     """Prove or refute that the eigenvalue bounds of Q hold for the real target over a box.
 
-    Encloses the eigenvalues over the box, and draws where the bounds hold in a cross-section.
+    With the scaled feature they are the ends of a ball that holds J in place of Q. Encloses the
+    eigenvalues, or J, over the box, and draws where the bounds hold in a cross-section.
     Writes a certificate (NAME.region.cert.json), or a position where a bound breaks
     (NAME.region.refutation.json), and the figure NAME.region.png; NAME is as for `certify`.
 
