@@ -35,7 +35,7 @@ Matrix = list[list[Fraction]]
 Interval = Sequence[Fraction]  # its two ends
 Cell = list[tuple[int, int]]  # a box, its ends whole numbers of a unit of length
 
-# What a file may ask for, so that any file is answered within seconds.
+# What a file may ask for, so that any file is answered within seconds, about J within some more.
 VERSION = 2
 MAX_BYTES = 1_000_000
 MAX_DIGITS = 80  # of a numerator or denominator
@@ -755,7 +755,7 @@ class Eigenvalues(Claim):
         require(assumed, "without a box, the eigenvalue bounds are those of the mission")
         shown = self.box is not None and not hasattr(c, "outside")
         require((tree is not None) == shown, "a tree belongs to bounds that are shown over a box")
-        require_little(self.points, (tree, 20 if self.scaled else 5))
+        require_little(self.points, (tree, 30 if self.scaled else 5))
 
     def hold(self, grid: Grid, cell: Cell) -> bool:
         """Show the bounds over a cell."""

@@ -61,6 +61,8 @@ def grow_tree(box: Array, holds: Holds, most: int) -> str | None:
     while len(cells):
         held = holds(cells)
         leaves += int(held.sum())
+        if leaves > most:
+            return None
         letters = np.zeros(len(cells), int)
         levels.append(letters)
         cells = cells[~held]

@@ -84,7 +84,8 @@ def certify(
     for finding in strange:
         warn_of(loaded, finding)
     demands = demands_of(loaded, verdict.problem.eigenvalues)
-    answer = CertifyAnswer(verdict, path, demands, weights is not None, strange)
+    asked = box_sides(loaded, box) if over_box else None
+    answer = CertifyAnswer(verdict, path, demands, weights is not None, strange, asked)
     return tell(answer, json_, loaded)
 
 

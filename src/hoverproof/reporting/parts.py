@@ -238,14 +238,15 @@ def attempt(work: Callable[[], Part]) -> Part | Missing:
 
 
 def sentence(words: str) -> str:
-    """Write a message as a sentence.
+    """Write a message as a sentence; the name of a file before it stays as it is.
 
     Parameters
     ----------
     words : str
     """
     line = " ".join(words.split()).rstrip(".")
-    return f"{line[:1].upper()}{line[1:]}."
+    named = line.partition(" ")[0].endswith(":")
+    return f"{line}." if named else f"{line[:1].upper()}{line[1:]}."
 
 
 def _map(mission: Mission) -> Map:

@@ -14,10 +14,14 @@ from typing import Any
 
 import casadi as ca
 
+from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.goal import hover_goal
 from hoverproof.servo.layout import Packed, column, scalar
+
+SMALLEST_SPREAD = Fraction(1, 10**12)
+"""Of n² - |q|² at a goal: a target that is seen smaller, under some 1e-6 rad, is a point."""
 
 
 @dataclass(frozen=True)
@@ -386,12 +390,18 @@ class Law:
         Raises
         ------
         InputError
-            If no hover sees the goal of the mission.
+            If no hover sees the goal of the mission, or the target is a point from there.
         """
         q, n = hover_goal(mission).centroid_midpoint, len(mission.target.points)
-        symbol = ca.SX.sym("q", 3)
-        seen = self.feature.at(symbol, n)
+        symbol, spread = ca.SX.sym("q", 3), ca.SX.sym("spread")
+        seen = self.feature.of(symbol, spread, n)
         if ca.is_equal(seen, symbol):
             return q
-        value = ca.Function("feature", [symbol], [seen])([float(c) for c in q])
+        exact = n**2 - sum(c * c for c in q)  # in floating point nothing would be left of it
+        if exact < SMALLEST_SPREAD:
+            raise InputError(
+                mission.source, "target.points", "are too near to one another, seen from the goal"
+            )
+        feature = ca.Function("feature", [symbol, spread], [seen])
+        value = feature([float(c) for c in q], float(exact))
         return [Fraction(float(c)) for c in ca.vertsplit(value)]

@@ -214,9 +214,11 @@ def level_slope(n: int, law: Law) -> ca.Function:
     law : Law
     """
     points, position, q = ca.SX.sym("points", 3, n), ca.SX.sym("xi", 3), ca.SX.sym("q", 3)
-    seen, Q = level_view(n)(points, position)
-    slope = ca.substitute(ca.jacobian(law.feature.at(q, n), q), q, seen)
-    return ca.Function("level_slope", [points, position], [ca.densify(slope @ Q)])
+    if ca.is_equal(law.feature.at(q, n), q):
+        return level_view(n).factory("level_slope", ["points", "xi"], ["Q"])
+    seen = camera.body_points(points, position, ca.SX.eye(3))
+    slope = -ca.jacobian(law.feature.seen(camera.directions(seen)), position)
+    return ca.Function("level_slope", [points, position], [ca.densify(slope)])
 
 
 @kept_graph

@@ -14,6 +14,7 @@ from hoverproof.certification.gains import (
     RefutedGains,
     UndecidedGains,
 )
+from hoverproof.certification.region import Box
 from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import bounds_as_json, interval, number, numbers, sides_text
 from hoverproof.paper.conditions import Demand
@@ -27,7 +28,7 @@ class CertifyAnswer(Answer):
     """A verdict on the gains, what the paper would ask of them, and where the certificate is.
 
     With what is strange about a loop for which they are proved. The paper asks nothing of another
-    law than its own: ``demands`` are then None.
+    law than its own: ``demands`` are then None. ``asked`` is the box of which bounds were wanted.
     """
 
     verdict: GainsVerdict
@@ -35,6 +36,7 @@ class CertifyAnswer(Answer):
     demands: Sequence[Demand] | None
     weighted: bool
     strange: Sequence[Finding] = ()
+    asked: Box | None = None
 
     @property
     def status(self) -> int:
@@ -70,6 +72,10 @@ class CertifyAnswer(Answer):
     def _question(self) -> Iterator[str]:
         problem = self.verdict.problem
         flow, thrust = problem.flow, interval(problem.thrust)
+        if self.asked is not None and problem.box != self.asked:  # nothing is known over that box
+            yield f"  not known: whether Σ({flow.symbol}, T) ≻ 0 with bounds over the box"
+            yield f"  {sides_text(self.asked)} m and every thrust T in {thrust} N"
+            return
         yield f"  {CLAIM[self.verdict.status]}Σ({flow.symbol}, T) ≻ 0 for {flow.every}"
         yield f"  {flow.within(problem.eigenvalues, number)} and every thrust T in {thrust} N"
         if problem.box is not None:
