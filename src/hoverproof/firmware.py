@@ -127,7 +127,7 @@ def fly_firmware(
         Keep every so many steps; by default about 2000 samples are kept; a flight that ends early
         is kept as in `hoverproof.simulate`.
     seed : int
-        Of the noise, as in `hoverproof.simulate`.
+        Of the noise, as in `hoverproof.simulate`; a bare number.
     law : Law, optional
         That of the firmware; by default the law of the mission.
 
