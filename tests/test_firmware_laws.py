@@ -71,6 +71,7 @@ def step_at(firmware, seen, **changes):
     return firmware.step(seen, **{**calm, **changes})
 
 
+UNPROVED = 64  # a bit of all steps with gains of which nothing is proved
 SQUARE = np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]]) / 12
 
 
@@ -180,7 +181,7 @@ def test_a_start_from_any_thrust_commands_just_that_and_goes_on_from_there(choic
         assert firmware.reset(thrust) == 0
         felt = {"specific_force": [0, 0, -thrust / 0.5]} if choices[2] == "measured" else {}
         first = step_at(firmware, SQUARE, **felt)
-        assert first.status == 64
+        assert first.status & ~UNPROVED == 0
         assert first.thrust == pytest.approx(thrust, rel=1e-6)
         second = step_at(firmware, SQUARE, **felt)
         assert second.thrust == pytest.approx(thrust + 0.001 * first.thrust_rate, rel=1e-6)
@@ -204,14 +205,14 @@ def feeling(tmp_path_factory):
         ([0, np.nan, -9.8], 1),
         ([0, 0, -np.inf], 1 + 4),
         ([150, 60, -9.8], 1),
-        ([0, 0, -13.0], 8 + 64),  # out of the interval, 6 N
-        ([0.3, -0.2, -9.8], 64),
+        ([0, 0, -13.0], 8),  # out of the interval, 6 N
+        ([0.3, -0.2, -9.8], 0),
     ],
 )
 def test_what_is_felt_of_the_thrust_has_its_status(feeling, force, status):
     feeling.reset()
     out = step_at(feeling, SQUARE, specific_force=force)
-    assert out.status == status
+    assert out.status & ~UNPROVED == status
     if status & 7:
         assert out.thrust == pytest.approx(4.905, rel=1e-6)
         assert (out.torque, out.thrust_rate, feeling.thrust_excess) == ((0, 0, 0), 0, 0)
@@ -250,18 +251,18 @@ def test_a_target_without_size_is_a_fault(precision, tmp_path):
     firmware, _ = made(tmp_path, ("scaled", "inertial", "modelled"), precision=precision)
     low = firmware.manifest["input_box"]["angular_radius_rad"][0]
     at = np.array([0.3, -0.2])
-    for size, status in ((0, 1), (0.5 * low, 1), (2 * low, 64), (0.1, 64)):
+    for size, status in ((0, 1), (0.5 * low, 1), (2 * low, 0), (0.1, 0)):
         firmware.reset()
-        assert step_at(firmware, at + 12 * size * SQUARE).status & ~32 == status
+        assert step_at(firmware, at + 12 * size * SQUARE).status & ~(32 | UNPROVED) == status
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 def test_a_centroid_that_no_target_has_is_a_fault(precision, tmp_path):
     scaled = ("scaled", "image", "modelled")
     firmware, _ = made(tmp_path, scaled, precision=precision, sensing="centroid")
-    for length, status in ((0, 1), (0.1, 1), (4, 1), (4.01, 1), (3.9, 64), (-3.9, 64)):
+    for length, status in ((0, 1), (0.1, 1), (4, 1), (4.01, 1), (3.9, 0), (-3.9, 0)):
         firmware.reset()
-        assert step_at(firmware, [0, 0, length]).status & ~32 == status
+        assert step_at(firmware, [0, 0, length]).status & ~(32 | UNPROVED) == status
 
 
 def test_in_float32_a_centroid_tells_the_size_to_a_thousandth_where_it_is_taken(tmp_path):
