@@ -249,5 +249,5 @@ def _flash_budget(filled: Contents) -> int:
     """Most bytes of code and constants of NAME.c, without the self-test."""
     points = 40 * filled.points if filled.options.of_points else 0
     tuning = 180 * len(filled.design.gains) if filled.options.tunable else 0
-    felt, sized = 80 if filled.law.lift else 0, 60 + points if filled.law.spread else 0
+    felt, sized = 100 if filled.law.lift else 0, 60 + points if filled.law.spread else 0
     return points + 25 * filled.law.numbers + 1400 + tuning + felt + sized
