@@ -397,7 +397,7 @@ def test_the_firmware_of_another_mission_is_refused(both, x4):
 @pytest.mark.parametrize(
     ("overrides", "times", "told"),
     [
-        ({"sensors.latency": "0.01"}, {}, "sensors"),
+        ({"sensors.control_rate": "5"}, {}, "sensors.control_rate"),
         ({}, {"step": 0.2}, "--step"),
         ({}, {"step": 0.0}, "--step"),
         ({}, {"duration": 0.0}, "--duration"),
