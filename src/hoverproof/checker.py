@@ -297,6 +297,7 @@ LAW = {  # the choices of a law; without them it is the paper's
     "goal": word("image|inertial", "no such goal"),
     "force": word("modelled|measured", "no such force"),
 }
+PAPERS = ("centroid", "image", "modelled")
 PLAIN = {
     "name": word(r"[\w.-]{1,64}", "the mission has no proper name"),
     "vehicle": dict.fromkeys(VEHICLE, positive) | {"inertia": [positive] * 3},  # kg m²
@@ -405,28 +406,27 @@ class Claim:
             require(there, "the goal is not at the height of the mission")
             require(min(heights) > place[2], "a target point is above the goal")
             self.centroid = centroid_seen(self.points, place)  # encloses q*
-            level = max(farthest(self.centroid[:2], [[Fraction(0)] * 2] * 2)) < Fraction(1, 10**9)
-            require(level, "the centroid at the goal is not vertical")
+            require(self.vertical(), "the centroid at the goal is not vertical")
         else:
             q = goal.centroid
             require(c.goal_position is None, "a goal by centroid has no position here")
             require(q[2] > 0 and dot(q, q) < len(self.points) ** 2, "no hover sees this q*")
             self.centroid = [(x, x) for x in q]
-        self.law = ("centroid", "image", "modelled")
-        if hasattr(c.mission, "law"):
-            self.law = c.mission.law.feature, c.mission.law.goal, c.mission.law.force
+        self.law = tuple(vars(c.mission.law).values()) if hasattr(c.mission, "law") else PAPERS
         self.scaled = self.law[0] == "scaled"
         # what turns with the image of the wanted feature: all of it, or nothing
         self.fixed = scaled(self.centroid, len(self.points)) if self.scaled else self.centroid
         if self.law[1] == "inertial":
-            level = max(farthest(self.centroid[:2], [[Fraction(0)] * 2] * 2)) < Fraction(1, 10**9)
-            require(level, "a goal fixed to the vertical is straight below")
+            require(self.vertical(), "a goal fixed to the vertical is straight below")
             self.fixed = [(Fraction(0), Fraction(0))] * 3
+
+    def vertical(self) -> bool:
+        """Tell whether q* is vertical, to rounding."""
+        return max(abs(end) for side in self.centroid[:2] for end in side) < Fraction(1, 10**9)
 
     def of_another_law(self) -> str:
         """Name the law, unless it is the paper's."""
-        papers = self.law == ("centroid", "image", "modelled")
-        return "" if papers else f"law {'/'.join(self.law)}, "
+        return "" if self.law == PAPERS else f"law {'/'.join(self.law)}, "
 
     def gains(self) -> str:
         """Name the gains."""
