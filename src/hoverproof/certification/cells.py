@@ -61,16 +61,15 @@ def grow_tree(box: Array, holds: Holds, most: int) -> str | None:
     while len(cells):
         held = holds(cells)
         leaves += int(held.sum())
-        if leaves > most:
-            return None
         letters = np.zeros(len(cells), int)
         levels.append(letters)
         cells = cells[~held]
+        if leaves + len(cells) > most:
+            return None
         if not len(cells):
             break
         sides, middles = np.ptp(cells, axis=2), cells.mean(axis=2, keepdims=True).repeat(2, axis=2)
-        far = leaves + len(cells) > most or (sides.max(axis=1) <= SMALLEST).any()
-        if far or not holds(middles).all():
+        if (sides.max(axis=1) <= SMALLEST).any() or not holds(middles).all():
             return None
         axis, row = sides.argmax(axis=1), np.arange(len(cells))
         letters[~held] = axis + 1
