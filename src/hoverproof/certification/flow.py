@@ -235,7 +235,7 @@ class OfJ:
             1/m.
         """
         J = np.nan_to_num(scaled.slopes_at(points, positions), nan=BEYOND)
-        return np.asarray(np.linalg.norm(J - j * np.eye(3), 2, axis=(1, 2)))
+        return _distances(J, j)
 
     def hold(self, points: Array, cells: Array, low: float, high: float) -> Told:
         """See `OfQ.hold`.
@@ -265,8 +265,8 @@ class OfJ:
 
         J = scaled.slopes_at(points, samples(box, COARSE))
 
-        def reach(j: float, J: Array = J) -> float:
-            return float(np.linalg.norm(J - j * np.eye(3), 2, axis=(1, 2)).max())
+        def reach(j: float) -> float:
+            return float(_distances(J, j).max())
 
         size = float(np.trace(J, axis1=1, axis2=2).max())  # of a sum of three slopes
         found = minimize_scalar(
@@ -359,6 +359,11 @@ def samples(box: Array, count: int = GRID) -> Array:
     """
     lines = [np.linspace(a, b, count) for a, b in box]
     return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def _distances(J: Array, j: float) -> Array:
+    """Return |J - j I| of each, (k,)."""
+    return np.asarray(np.linalg.norm(J - j * np.eye(3), 2, axis=(1, 2)))
 
 
 def _unit_grid() -> Array:
