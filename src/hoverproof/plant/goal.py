@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, lru_cache
+from functools import cache
 from typing import Any
 
 import casadi as ca
@@ -146,13 +146,6 @@ def centroid_seen(
     points : (n, 3), world frame, m
     position : (3,), world frame, m
     """
-    return _centroid_seen(tuple(points), position)
-
-
-@lru_cache(maxsize=64)  # a command asks for the goal of its mission many times
-def _centroid_seen(
-    points: tuple[tuple[Fraction, ...], ...], position: tuple[Fraction, ...]
-) -> tuple[Surd, ...]:
     arguments = [[c for p in points for c in p], position]
     look = level_view(len(points)).factory("centroid", ["points", "xi"], ["q"])
     (q,) = evaluate(look, [[Surd.of(c) for c in a] for a in arguments], Surd.of)
