@@ -19,32 +19,10 @@ from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.laws.choices import WithAccelerometer
 from hoverproof.servo.laws.hamel_mahony import LAWS, law_of
 from hoverproof.servo.loop import LoopNumbers
+from small_kit import small_vehicle
 
 EACH_LAW = pytest.mark.parametrize("choices", LAWS, ids="/".join)
-SMALL = """
-name = "small"
-[vehicle]
-mass = 0.5
-inertia = [2.32e-3, 2.32e-3, 4e-3]
-arm = 0.12
-drag_ratio = 0.016
-gravity = 9.81
-[target]
-points = [[0.1, 0.1, 0], [0.1, -0.1, 0], [-0.1, -0.1, 0], [-0.1, 0.1, 0]]
-[goal]
-height = 1.2
-[gains]
-k1 = 0.0566
-k2 = 22
-k3 = 1.75
-k4 = 6
-k_yaw = 0.05
-[bounds]
-eigenvalues = [0.04, 10]
-thrust = [4, 6]
-[start]
-position = [0.3, 0.2, -1.5]
-"""
+SMALL = small_vehicle(bounds="[0.04, 10]", start="[0.3, 0.2, -1.5]")
 """A small vehicle with gains for the scaled feature, over a small target."""
 
 Q_GAINS = {"gains.k1": Fraction("0.5"), "gains.k2": Fraction("1.5")}

@@ -30,31 +30,9 @@ from hoverproof.servo.hover_error import hover_error
 from hoverproof.show.decay import decay_along
 from hoverproof.show.figures import features_figure
 from hoverproof.show.region import region_figure
+from small_kit import small_vehicle
 
-SMALL = """
-name = "small"
-[vehicle]
-mass = 0.5
-inertia = [2.32e-3, 2.32e-3, 4e-3]
-arm = 0.12
-drag_ratio = 0.016
-gravity = 9.81
-[target]
-points = [[0.1, 0.1, 0], [0.1, -0.1, 0], [-0.1, -0.1, 0], [-0.1, 0.1, 0]]
-[goal]
-height = 1.2
-[gains]
-k1 = 0.0566
-k2 = 22
-k3 = 1.75
-k4 = 6
-k_yaw = 0.05
-[bounds]
-eigenvalues = "auto"
-thrust = [4, 6]
-[start]
-position = [0.1, 0, -1.3]
-"""
+SMALL = small_vehicle(bounds='"auto"', start="[0.1, 0, -1.3]")
 PAPERS = ("centroid", "image", "modelled")
 BEST = ("scaled", "inertial", "measured")
 OTHERS = [law for law in hp.LAWS if law != PAPERS]

@@ -26,33 +26,11 @@ from hoverproof.simulation.plan import Plan, check_runs_differ
 from hoverproof.simulation.realistic import felt
 from hoverproof.simulation.surroundings import FurtherSurroundings
 from hoverproof.simulation.timing import fastest_rate
+from small_kit import small_vehicle
 
 needs_compiler = pytest.mark.skipif(not compiled.find_compiler(), reason="no C compiler here")
 
-VEHICLE = """
-name = "small"
-[vehicle]
-mass = 0.5
-inertia = [2.32e-3, 2.32e-3, 4e-3]
-arm = 0.12
-drag_ratio = 0.016
-gravity = 9.81
-[target]
-points = [[0.1, 0.1, 0], [0.1, -0.1, 0], [-0.1, -0.1, 0], [-0.1, 0.1, 0]]
-[goal]
-height = 1.2
-[gains]
-k1 = 0.0566
-k2 = 22
-k3 = 1.75
-k4 = 6
-k_yaw = 0.05
-[bounds]
-eigenvalues = [0.1, 10]
-thrust = [4, 6]
-[start]
-position = [0.6, 0, -1.8]
-"""
+VEHICLE = small_vehicle(bounds="[0.1, 10]", start="[0.6, 0, -1.8]")
 LAW = {"law": '{feature = "scaled", goal = "inertial", force = "measured"}'}
 IMAGE = {"law": '{feature = "scaled", goal = "image", force = "measured"}'}
 SENSORS = (
