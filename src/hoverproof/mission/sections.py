@@ -18,6 +18,7 @@ from hoverproof.mission.fields import one_of as _one_of
 from hoverproof.mission.fields import quantity as _quantity
 from hoverproof.mission.fields import reject as _reject
 from hoverproof.mission.fields import shown as _shown
+from hoverproof.mission.uncertainty import Camera, Uncertainty
 
 MAX_POINTS = 64
 CONDITIONS = ("sensors", "rotors", "wind", "model_error", "scatter")
@@ -216,7 +217,8 @@ class Mission(_Section):
 
     All numbers are `fractions.Fraction`. Made by `load`; `source` says from where. The name is also
     that of the files that commands write. The sections `sensors`, `rotors`, `wind`, `model_error`
-    and `scatter` say what a real flight adds to the model.
+    and `scatter` say what a real flight adds to the model; `uncertainty` and `camera` say what a
+    proof is asked to cover.
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
@@ -227,6 +229,8 @@ class Mission(_Section):
     bounds: Bounds
     start: Start
     law: LawChoice = LawChoice()
+    uncertainty: Uncertainty = Uncertainty()
+    camera: Camera = Camera()
     sensors: Annotated[Sensors, Field(exclude=True)] = Sensors()
     rotors: Annotated[Rotors, Field(exclude=True)] = Rotors()
     wind: Annotated[Wind, Field(exclude=True)] = Wind()
@@ -283,6 +287,23 @@ class Mission(_Section):
             raise _reject("is in line with the target points", key="start.position")
         return self
 
+    @model_validator(mode="after")
+    def _can_cover(self) -> Self:
+        wind, gravity = self.uncertainty.wind, self.vehicle.gravity
+        if wind >= gravity:
+            raise _reject(
+                f"must be below gravity, {_shown(gravity)} m/s², not {_shown(wind)}",
+                key="uncertainty.wind",
+            )
+        for key in ("thrust", "wind", "rotor_lag"):
+            if self.law.force == "modelled" and getattr(self.uncertainty, key):
+                raise _reject(
+                    "must be 0 for law.force = 'modelled', which takes the force commanded for the "
+                    "one that acts, so that the hover moves; law.force = 'measured' can cover it",
+                    key=f"uncertainty.{key}",
+                )
+        return self
+
     @property
     def title(self) -> str:
         """Its name, with its law where that is not the paper's."""
@@ -298,7 +319,8 @@ class Mission(_Section):
 
         Sensors, rotors, wind, model_error and scatter are not in it: see `conditions`.
         """
-        left_out = {"law"} if self.law.is_papers else set()
+        said_by_none = ("law", "uncertainty", "camera")  # as in the missions before these sections
+        left_out = {k for k in said_by_none if getattr(self, k) == type(getattr(self, k))()}
         text: dict[str, Any] = _as_text(self.model_dump(exclude_none=True, exclude=left_out))
         return text
 

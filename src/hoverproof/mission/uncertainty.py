@@ -1,0 +1,103 @@
+"""What a proof is asked to cover: the tolerances of vehicle, wind and camera, and what is seen."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Annotated
+
+from hoverproof.mission.fields import Section, quantity, shown
+
+_ZERO = Fraction(0)
+
+_Share = Annotated[Fraction, quantity("(a share: 0.2 is 20 %)", "0", "0.999")]
+_Time = Annotated[Fraction, quantity("s", "0", "1e3")]
+_Acceleration = Annotated[Fraction, quantity("m/s²", "0", "1e3")]
+_BodyRate = Annotated[Fraction, quantity("rad/s", "0", "1e3")]
+_HalfAngle = Annotated[Fraction, quantity("rad", "0", "1.5707", open_low=True)]
+
+
+class Noise(Section):
+    """Bounds of what is measured less what is true, as the length of each vector.
+
+    Attributes
+    ----------
+    feature : 1
+        Of the image feature, q or scaled.
+    velocity : m/s
+        Body frame.
+    force : N
+        Of the force that a law with `law.force = "measured"` takes.
+    rate : rad/s
+        Of the body rates.
+    """
+
+    feature: Annotated[Fraction, quantity("", "0", "1e3")] = _ZERO
+    velocity: Annotated[Fraction, quantity("m/s", "0", "1e4")] = _ZERO
+    force: Annotated[Fraction, quantity("N", "0", "1e9")] = _ZERO
+    rate: _BodyRate = _ZERO
+
+
+class Uncertainty(Section):
+    """Tolerances: a proof about them holds for every vehicle and wind within all of them at once.
+
+    Attributes
+    ----------
+    thrust : share
+        The specific thrust changes by 1 - thrust to 1 + thrust times what is commanded: mass,
+        rotors and battery together.
+    torque : share
+        Likewise each torque: inertia and rotors.
+    latency : s
+        Most time from the exposure of a frame to its use, the time to the next frame included.
+        Whether the feature is turned meanwhile is `sensors.gyro_turned`.
+    rotor_lag : s
+        The rotors follow their commands with a first-order lag of any time constant up to this.
+    wind : m/s²
+        Steady force of wind over mass, in any direction; below gravity.
+    yaw_rate : rad/s
+        Bound of |Ω3|.
+    noise : Noise
+        Bounds of the errors of what is measured.
+    """
+
+    thrust: _Share = _ZERO
+    torque: _Share = _ZERO
+    latency: _Time = _ZERO
+    rotor_lag: _Time = _ZERO
+    wind: _Acceleration = _ZERO
+    yaw_rate: _BodyRate = _ZERO
+    noise: Noise = Noise()
+
+    @property
+    def is_none(self) -> bool:
+        """Whether all is as modelled: every tolerance is zero."""
+        return self == Uncertainty()
+
+    def covers(self) -> list[str]:
+        """Return each tolerance that is not zero in words, with its unit."""
+        noise = self.noise
+        each = [
+            (self.thrust, f"thrust ±{shown(100 * self.thrust)} %"),
+            (self.torque, f"torque ±{shown(100 * self.torque)} %"),
+            (self.latency, f"latency up to {shown(self.latency)} s"),
+            (self.rotor_lag, f"rotor lag up to {shown(self.rotor_lag)} s"),
+            (self.wind, f"steady wind up to {shown(self.wind)} m/s²"),
+            (self.yaw_rate, f"yaw rate up to {shown(self.yaw_rate)} rad/s"),
+            (noise.feature, f"noise of the feature up to {shown(noise.feature)}"),
+            (noise.velocity, f"noise of the velocity up to {shown(noise.velocity)} m/s"),
+            (noise.force, f"noise of the force up to {shown(noise.force)} N"),
+            (noise.rate, f"noise of the body rates up to {shown(noise.rate)} rad/s"),
+        ]
+        return [words for size, words in each if size]
+
+
+class Camera(Section):
+    """What the camera is sure to see.
+
+    Attributes
+    ----------
+    half_angle : rad
+        Of the cone about the optical axis in which every point is seen; by default not said.
+    """
+
+    half_angle: _HalfAngle | None = None
