@@ -309,6 +309,7 @@ def optimise(
     *,
     rows: Array | None = None,
     pencils: Sequence[Array] = (),
+    shared: bool = False,
 ) -> Solution | None:
     """Minimise a linear function of parameters for which M(τ) ⪰ 0 at every corner, for some τ.
 
@@ -322,18 +323,24 @@ def optimise(
         Each times (1, x) is to be 0 or more.
     pencils : sequence of (1 + k, p, p)
         Each times (1, x) is to be positive semidefinite.
+    shared : bool
+        Whether all corners are to have the same τ.
 
     Returns
     -------
     Solution, or None if the solver finds none
     """
-    places = np.cumsum([1 + len(cost), *(len(c.terms) for c in corners)])
-    size = int(places[-1])
-    matrices = [_pencil(c, int(p), size) for c, p in zip(corners, places[:-1], strict=True)]
+    first, counts = 1 + len(cost), [len(c.terms) for c in corners]
+    places = [first] * len(corners) if shared else first + np.cumsum([0, *counts[:-1]])
+    size = int(places[-1]) + counts[-1]
+    matrices = [_pencil(c, int(p), size) for c, p in zip(corners, places, strict=True)]
     matrices += [_lengthened(p, size) for p in pencils]
     linear = np.zeros((size, 0)) if rows is None else _lengthened(np.transpose(rows), size)
     x = _solved(_lengthened(np.array(cost, float), size - 1), linear, matrices)
-    return None if x is None else Solution(x[: len(cost)], np.split(x, places - 1)[1:-1])
+    if x is None:
+        return None
+    each = [x[p - 1 : p - 1 + k] for p, k in zip(places, counts, strict=True)]
+    return Solution(x[: len(cost)], each)
 
 
 def _pencil(corner: Inequality, place: int, size: int) -> Array:
@@ -382,7 +389,8 @@ def _solved(cost: Array, rows: Array, pencils: Sequence[Array]) -> Array | None:
 
     triangles, cones = [rows.T], [clarabel.NonnegativeConeT(rows.shape[1])]
     for pencil in pencils:
-        for block in (pencil[:, i][..., i] for i in _blocks(pencil)):
+        blocks = (np.ascontiguousarray(pencil[:, i][..., i]) for i in _blocks(pencil))
+        for block in {block.tobytes(): block for block in blocks}.values():
             columns, lines = np.tril_indices(block.shape[1])
             scale = np.where(lines == columns, 1.0, np.sqrt(2))
             triangles.append((block[:, lines, columns] * scale).T)

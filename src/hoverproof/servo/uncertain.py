@@ -103,6 +103,28 @@ def kappa(design: Design) -> ca.SX:
     return (design.k1 * design.k2 + design.k3) / design.mass
 
 
+def command(e: Errors, motion: Motion, doubt: Doubt, design: Design) -> ca.SX:
+    """Return what the controller asks of e₃ × Ω̇, times what it takes δ4 for, (2, 1), 1/s².
+
+    Parameters
+    ----------
+    e : Errors
+    motion : Motion
+    doubt : Doubt
+    design : Design
+    """
+    k12, damping = design.k1 * design.k2 / design.mass, design.k4 / design.mass
+    missed, h3 = horizontal(doubt.feature - doubt.force), horizontal(e.d3)
+    p1, p2, p3 = motion.sinking, motion.sinking_by_error, motion.crosswind
+    return (
+        -(kappa(design) + damping) * (e.d4 - missed)
+        - k12 * (h3 - horizontal(e.d2))
+        - k12 * horizontal(doubt.force)
+        - (2 * (p1 - p2) + p3) * (e.d4 - h3)
+        + motion.rate[2] * QUARTER @ (h3 - missed)
+    )
+
+
 def error_rates(e: Errors, motion: Motion, doubt: Doubt, design: Design) -> ca.SX:
     """Return the error rates in closed form, (11, 1), 1/s; `UncertainLoop.rate` is derived.
 
@@ -121,32 +143,24 @@ def error_rates(e: Errors, motion: Motion, doubt: Doubt, design: Design) -> ca.S
     k12 = design.k1 * design.k2 / design.mass
     pull = k12 * (e.d3 - e.d2)
     zeta, h3 = e.d4 - horizontal(e.d3), horizontal(e.d3)
-    n, b, chi = doubt.feature, doubt.force, doubt.lever_ratio
-    missed = n - b
+    missed, chi = doubt.feature - doubt.force, doubt.lever_ratio
     y, turn, yaw = motion.depth_flow, -skew(motion.rate), motion.rate[2] * QUARTER
-    p1, p2, p3 = motion.sinking, motion.sinking_by_error, motion.crosswind
+    p2 = motion.sinking_by_error
     dragged = motion.goal * motion.quickness * ca.vertcat(zeta, 0)
 
     d1 = turn @ e.d1 - y + dragged
     d2 = turn @ e.d2 + y + pull - dragged
     lift = doubt.thrust_gain * force_pace * (e.d3[2] - missed[2])
     d3 = turn @ e.d3 + y + pull + ca.vertcat(force_pace * chi * zeta, -lift)
-    command = (
-        -(force_pace + damping) * (e.d4 - horizontal(missed))
-        - horizontal(pull)
-        - k12 * horizontal(b)
-        - (2 * (p1 - p2) + p3) * zeta
-        + yaw @ (h3 - horizontal(missed))
-    )
     d4 = (
         horizontal(y)
         - force_pace * h3
         - damping * e.d4
         + (force_pace + damping) * horizontal(missed)
-        - k12 * horizontal(b)
+        - k12 * horizontal(doubt.force)
         - yaw @ horizontal(missed)
         + (doubt.lever_drift + force_pace * (chi - 1) + p2) * zeta
-        + ca.reshape(doubt.angular_gain, 2, 2) @ command
+        + ca.reshape(doubt.angular_gain, 2, 2) @ command(e, motion, doubt, design)
         + motion.rate[2] * ca.reshape(doubt.gyroscopic, 2, 2) @ zeta
     )
     return ca.vertcat(d1, d2, d3, d4)

@@ -1,0 +1,197 @@
+"""Weights and multipliers by one semidefinite program, in floating point.
+
+For a given reach of the errors, a ball of J and a rate, everything is convex in the weights, the
+multipliers and what the memory of the latency weighs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.certification.exponential.form import (
+    FALLS,
+    PARTS,
+    Variables,
+    Weights,
+    derive_form,
+)
+from hoverproof.certification.exponential.vehicles import Limits, Reach
+from hoverproof.certification.robust import Inequality, Term, optimise, reciprocals
+
+Array = NDArray[np.float64]
+W2, W3, W4, TORQUE, THRUST, SLOPE, MEMORY = range(1, 8)
+"""Places among (1, parameters)."""
+PARAMETERS = 7
+SPARE = 1e-6
+"""What -(E' + …) is asked to be above, as a share of 2 E and of the other squares."""
+
+
+@dataclass(frozen=True)
+class Falls:
+    """The inequality at each vertex, affine in (1, parameters).
+
+    Attributes
+    ----------
+    corners : tuple of Inequality
+    used : (k,)
+        Which parameters have a part in it, as places among (1, parameters).
+    """
+
+    corners: tuple[Inequality, ...]
+    used: tuple[int, ...]
+
+
+def falls(limits: Limits, middle: float, radius: float, rate: float) -> Falls:
+    """Return -Ψ' - r Ψ ⪰ 0 at every vertex, for all J in a ball.
+
+    Parameters
+    ----------
+    limits : Limits
+    middle, radius : float
+        j and ϱ, 1/m.
+    rate : float
+        r, 1/s.
+    """
+    v = limits.vehicles
+    lagged, late = v.rotor_lag > 0, v.latency > 0
+    kept = [
+        place
+        for name, there in (("errors", True), ("flow", True), ("ahead", late), ("torque", lagged), ("thrust", lagged))
+        if there
+        for place in range(Variables.size())[Variables.place(name)]
+    ]
+    form, terms = derive_form(v.law, lagged), limits.terms()
+    points = np.vstack([np.zeros(Weights.size()), np.eye(Weights.size())])
+    y, n = (np.eye(Variables.size())[Variables.place(name)] for name in ("flow", "ahead"))
+    used = (W2, W3, W4, *((TORQUE, THRUST) if lagged else ()), SLOPE, *((MEMORY,) if late else ()))
+    corners = []
+    for vertex in limits.vertices():
+        several = [form(v.numbers, vertex, w) for w in points]
+        at = {
+            name: np.array([np.array(out[k]) for out in several])
+            for k, name in enumerate((*FALLS, *PARTS))
+        }
+        for name in FALLS:
+            at[name][1:] -= at[name][0]
+        S = np.zeros((1 + PARAMETERS, *at["fall"].shape[1:]))
+        S[:6] = at["fall"] - rate / 2 * at["energy"]
+        V = at["sum"][0] / float(v.design.slowness)
+        off = y - middle * V
+        S[SLOPE] = off.T @ off - radius**2 * V.T @ V
+        if late:
+            forgets = np.exp(-rate * v.latency)
+            S[MEMORY] = forgets / v.latency * n.T @ n - v.latency * y.T @ y
+        at["yaw"] = at["d4"].copy()
+        at["yaw"][W4] -= at["h3"][0]
+        each = []
+        for pushed, by, size in terms:
+            u = np.zeros((1 + PARAMETERS, *at[pushed].shape[1:]))
+            u[:6] = at[pushed]
+            each.append(Term(u[..., kept], at[by][0][:, kept], np.array(size)))
+        corners.append(Inequality(S[:, kept][:, :, kept], tuple(each)))
+    return Falls(tuple(corners), used)
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What the program found.
+
+    Attributes
+    ----------
+    weights : (3,)
+        w2, w3, w4.
+    lag : (2,) or None
+        a5 and a6, s².
+    memory : float or None
+        M.
+    slope : float
+        The multiplier of the ball of J.
+    multipliers : (k,)
+        Of the terms.
+    level : float
+        ℓ.
+    start : float
+        Bound of Ψ at the starts.
+    """
+
+    weights: Array
+    lag: Array | None
+    memory: float | None
+    slope: float
+    multipliers: Array
+    level: float
+    start: float
+
+    @property
+    def fill(self) -> float:
+        """Ψ at the starts over ℓ: they are inside if it is 1 or less."""
+        return self.start / self.level
+
+    @property
+    def reach(self) -> Reach:
+        """How large the errors are on the set."""
+        return Reach.of(self.weights, self.level)
+
+
+def solve(
+    limits: Limits, ball: tuple[float, float], rate: float, level: float, starts: Array
+) -> Solution | None:
+    """Find the weights that bring the starts as deep as can be below a level.
+
+    Parameters
+    ----------
+    limits : Limits
+        Of a reach that the weights are to keep to.
+    ball : (low, high)
+        j - ϱ and j + ϱ, 1/m.
+    rate : float
+        r, 1/s.
+    level : float
+        ℓ.
+    starts : (k, 8)
+        What (1, parameters) are multiplied by in Ψ of each start; see `starts.terms`.
+
+    Returns
+    -------
+    Solution, or None if there is none
+    """
+    if not np.isfinite(limits.lever).all() or limits.tilt >= 1:
+        return None
+    low, high = ball
+    found = falls(limits, (low + high) / 2, (high - low) / 2, rate)
+    there = [0, *found.used]
+    corners = [
+        Inequality(c.S[there], tuple(t._replace(u=t.u[there]) for t in c.terms))
+        for c in found.corners
+    ]
+    place = {name: there.index(name) for name in found.used}
+    size = len(there) + 1  # and the largest Ψ/ℓ of the starts, the last
+    spare = np.zeros_like(corners[0].S)
+    spare[0] = SPARE * np.eye(spare.shape[1]) / max(1.0, high)
+    corners = [c.less(spare) for c in corners]
+    r, two = limits.reach, 2 * level
+    w2, w3, w4 = (place[w] for w in (W2, W3, W4))
+    pencils = [
+        reciprocals(r.force**2 / two, {w2: 1, w3: 1}, size),
+        reciprocals(r.d3**2 / two, {w3: 1}, size),
+        reciprocals(r.turn**2 / two, {w3: 1, w4: 1}, size),
+        reciprocals(r.speed**2 / two - 1, {w2: 1}, size),
+    ]
+    inside = np.column_stack([-starts[:, there] / level, np.ones(len(starts))])
+    rows = np.vstack([inside, np.eye(size)[1:]])
+    answer = optimise([0] * (size - 2) + [1], corners, rows=rows, pencils=pencils, shared=True)
+    if answer is None or not (answer.x[:-1] > 0).all():
+        return None
+    values = {name: float(answer.x[place[name] - 1]) for name in found.used}
+    return Solution(
+        weights=np.array([values[w] for w in (W2, W3, W4)]),
+        lag=np.array([values[TORQUE], values[THRUST]]) if TORQUE in values else None,
+        memory=values.get(MEMORY),
+        slope=values[SLOPE],
+        multipliers=answer.multipliers[0],
+        level=level,
+        start=float(answer.x[-1]) * level,
+    )
