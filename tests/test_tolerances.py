@@ -13,6 +13,7 @@ from hoverproof import checker, cli
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.reading import load
 from hoverproof.mission.writing import mission_text
+from hoverproof.reporting.tables import mission_tables
 
 PROOFS = Path(__file__).parents[1] / "proofs"
 NOISE = {"feature": "0.01", "velocity": "0.05", "force": "0.02", "rate": "0.03"}
@@ -35,9 +36,10 @@ WORDS = [
 
 
 def printed(capsys, *arguments):
-    status = cli.main(list(arguments))
-    out, err = capsys.readouterr()
-    return status, out, err
+    capsys.readouterr()
+    with pytest.raises(SystemExit) as done:
+        cli.main(list(arguments))
+    return done.value.code, capsys.readouterr().out
 
 
 def resealed(content):
@@ -137,13 +139,13 @@ def test_what_is_written_loads_as_the_same_mission(section, change):
 
 def test_a_certificate_says_that_it_considers_none_of_it(capsys):
     asked = ("--set", "uncertainty.torque=0.2", "--set", "camera.half_angle=0.7")
-    status, out, _ = printed(capsys, "certify", "x4-flyer", "--out", "asked.json", *asked)
+    status, out = printed(capsys, "certify", "x4-flyer", "--out", "asked.json", *asked)
     assert (status, out.count("\n  not considered          torque ±20 %, points seen")) == (0, 1)
     plain = hp.certify(load("x4-flyer")).statement
     said = checker.check_file("asked.json")
     assert "as modelled, [uncertainty] and [camera] not considered. The mission" in said
     assert "not considered" not in plain
-    status, out, _ = printed(capsys, "check", "asked.json", "--mission", "x4-flyer")
+    status, out = printed(capsys, "check", "asked.json", "--mission", "x4-flyer")
     assert status == 1
     assert "uncertainty.torque is 1/5 in the certificate and missing in the mission" in out
 
@@ -151,11 +153,11 @@ def test_a_certificate_says_that_it_considers_none_of_it(capsys):
 def test_every_answer_about_the_mission_says_what_it_leaves_out(capsys):
     asked = ("x4-flyer", "--set", "uncertainty.torque=0.2")
     for command in (("attraction", "--no-figure"), ("simulate", "--no-figures")):
-        _, out, _ = printed(capsys, command[0], *asked, *command[1:])
+        _, out = printed(capsys, command[0], *asked, *command[1:])
         assert out.splitlines()[1] == "  not considered          torque ±20 %"
-    _, out, _ = printed(capsys, "certify", *asked, "--json")
+    _, out = printed(capsys, "certify", *asked, "--json")
     assert "not considered: torque ±20 %" in json.loads(out)["warnings"]
-    _, out, _ = printed(capsys, "certify", "x4-flyer")
+    _, out = printed(capsys, "certify", "x4-flyer")
     assert "not considered" not in out
 
 
@@ -185,3 +187,16 @@ def test_the_checker_reads_these_sections_in_one_form(section, change):
     content["mission"] = mission | {section: left}
     with pytest.raises(checker.Rejected, match=section):
         resealed(content)
+
+
+def test_the_report_lists_what_was_asked_and_is_not_considered():
+    title = "Asked to be covered (not considered here)"
+    asked, plain = (
+        {
+            table.title: table.rows
+            for table in mission_tables(load("x4-flyer", change), [Fraction(3)] * 3)
+        }
+        for change in ({"uncertainty.torque": "0.2"}, {})
+    )
+    assert asked[title] == [("[uncertainty], [camera]", "torque ±20 %")]
+    assert title not in plain
