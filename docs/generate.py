@@ -74,10 +74,7 @@ def mission_file() -> str:
         "is unknown, missing or impossible is refused with one line that names the file, the key, "
         "the value and what would be right.",
     ]
-    for name, field in Mission.model_fields.items():
-        model = _model_of(field)
-        if model is None:
-            continue
+    for name, field, model in _sections(Mission):
         optional = "" if field.is_required() else " (may be left out)"
         parts.append(f"## [{name}]{optional}")
         words, meanings = _attributes(model.__doc__ or "")
@@ -204,6 +201,17 @@ def _validators(annotations: Any) -> Iterator[BeforeValidator]:
         yield from _validators(get_args(annotation))
 
 
+def _sections(
+    model: type[BaseModel], prefix: str = ""
+) -> Iterator[tuple[str, FieldInfo, type[BaseModel]]]:
+    """Yield the name of each section, its field and its model, those within it after it."""
+    for key, field in model.model_fields.items():
+        inner = _model_of(field)
+        if inner is not None:
+            yield prefix + key, field, inner
+            yield from _sections(inner, f"{prefix}{key}.")
+
+
 def _model_of(field: FieldInfo) -> type[BaseModel] | None:
     for annotation in (field.annotation, *get_args(field.annotation)):
         if isinstance(annotation, type) and issubclass(annotation, BaseModel):
@@ -229,6 +237,8 @@ def _plain(words: str) -> str:
 
 
 def _shown(value: object) -> str:
+    if isinstance(value, BaseModel):
+        return "see below"
     if isinstance(value, tuple):
         return r"\[" + ", ".join(map(_shown, value)) + "]"
     return str(value).lower() if isinstance(value, bool) else str(value)

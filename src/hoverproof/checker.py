@@ -284,6 +284,7 @@ def number(text: Any) -> Fraction:
 
 positive = such(number, lambda x: x > 0, "must be positive")
 size = such(number, lambda x: x >= 0, "must not be negative")
+share = such(number, lambda x: 0 <= x < 1, "must be a share from 0 to below 1")
 interval = such([number] * 2, lambda x: x[0] <= x[1], "the ends of an interval are not in order")
 VECTOR, BOX = [number] * 3, [interval] * 3
 TREE = word("[0-3]+", "a tree is not written in 0, 1, 2 and 3")  # see `cover`
@@ -298,6 +299,12 @@ LAW = {  # the choices of a law; without them it is the paper's
     "force": word("modelled|measured", "no such force"),
 }
 PAPERS = ("centroid", "image", "modelled")
+UNCERTAINTY = {  # what a proof is asked to cover; without it, nothing
+    **dict.fromkeys(("thrust", "torque"), share),
+    **dict.fromkeys(("latency", "rotor_lag", "wind", "yaw_rate"), size),  # s, s, m/s², rad/s
+    "noise": dict.fromkeys(("feature", "velocity", "force", "rate"), size),  # 1, m/s, N, rad/s
+}
+CAMERA = {"half_angle": positive}  # rad
 PLAIN = {
     "name": word(r"[\w.-]{1,64}", "the mission has no proper name"),
     "vehicle": dict.fromkeys(VEHICLE, positive) | {"inertia": [positive] * 3},  # kg m²
@@ -307,9 +314,17 @@ PLAIN = {
     "bounds": tuple(bounds | force for bounds in ASSUMED for force in FORCE),
     "start": dict.fromkeys(("position", "velocity", "rotation", "rates"), VECTOR),
 }
-MISSION = PLAIN, PLAIN | {"law": LAW}
+MORE = {"law": LAW, "uncertainty": UNCERTAINTY, "camera": CAMERA}  # each may be there or not
+
+
+def mission_of(value: Any) -> Any:
+    """Read a mission."""
+    held = value if isinstance(value, dict) else {}
+    return parsed(PLAIN | {key: part for key, part in MORE.items() if key in held}, value)
+
+
 TOOLS = ("hoverproof", "casadi", "cvxpy", "clarabel")
-ABOUT = {"mission": MISSION, "mission_sha256": anything, "goal_position": maybe(VECTOR)}
+ABOUT = {"mission": mission_of, "mission_sha256": anything, "goal_position": maybe(VECTOR)}
 HEAD = {
     **dict.fromkeys(("format", "version", "kind", "statement", "sha256"), anything),
     "model_sha256": word("[0-9a-f]{64}", "no SHA-256"),
@@ -427,6 +442,12 @@ class Claim:
     def of_another_law(self) -> str:
         """Name the law, unless it is the paper's."""
         return "" if self.law == PAPERS else f"law {'/'.join(self.law)}, "
+
+    def left_out(self) -> str:
+        """Say that nothing is considered of what the mission asks to be covered, if it asks."""
+        asked = [f"[{key}]" for key in ("uncertainty", "camera") if hasattr(self.c.mission, key)]
+        here = f"This is about the vehicle as modelled, {' and '.join(asked)} not considered"
+        return f" {here}." if asked else ""
 
     def gains(self) -> str:
         """Name the gains."""
@@ -1571,8 +1592,9 @@ def stated(claim: Any) -> str:
     """Say in words what is claimed, and of which mission."""
     points = ", ".join(f"({', '.join(map(str, point))})" for point in claim.points)
     return (
-        f"{claim.words()} The mission {claim.name} is the one whose numbers have the SHA-256 "
-        f"{claim.c.mission_sha256}; its target points are {points} m, in world axes, z down."
+        f"{claim.words()}{claim.left_out()} The mission {claim.name} is the one whose numbers "
+        f"have the SHA-256 {claim.c.mission_sha256}; its target points are {points} m, in world "
+        "axes, z down."
     )
 
 

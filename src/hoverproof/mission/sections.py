@@ -314,6 +314,10 @@ class Mission(_Section):
         """Mean z of the target points, m, world frame (down)."""
         return sum((z for _, _, z in self.target.points), Fraction(0)) / len(self.target.points)
 
+    def asks_to_cover(self) -> list[str]:
+        """Return in words what a proof is asked to cover beside the vehicle as modelled."""
+        return [*self.uncertainty.covers(), *self.camera.covers()]
+
     def exact(self) -> dict[str, Any]:
         """Return the mission as nested dicts and lists, each number an exact string.
 

@@ -101,3 +101,9 @@ class Camera(Section):
     """
 
     half_angle: _HalfAngle | None = None
+
+    def covers(self) -> list[str]:
+        """Return what is sure to be seen in words, if it is said."""
+        if self.half_angle is None:
+            return []
+        return [f"points seen within {shown(self.half_angle)} rad of the optical axis"]

@@ -91,6 +91,8 @@ def _value(value: Any) -> str:
     """Write exact strings, in any nesting, as decimals; a word stays a word."""
     if isinstance(value, list):
         return f"[{', '.join(map(_value, value))}]"
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{key} = {_value(entry)}' for key, entry in value.items())}}}"
     return f'"{value}"' if value.isalpha() else decimal(Fraction(value))
 
 

@@ -202,6 +202,10 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
             for s, c in conditions.items()
         ]
         tables.append(Table("Added to the model in flight (nothing is proved of it)", rows))
+    asked = mission.asks_to_cover()
+    if asked:
+        rows = [("[uncertainty], [camera]", "; ".join(asked))]
+        tables.append(Table("Asked to be covered (not considered here)", rows))
     return tables
 
 

@@ -32,23 +32,30 @@ class Answer(ABC):
 
 
 def tell(answer: Answer, json_: bool, mission: Mission | None = None) -> int:
-    """Print an answer about a mission, with its law, and return its status."""
+    """Print an answer about a mission, with its law, and return its status.
+
+    No answer considers what `[uncertainty]` and `[camera]` ask to be covered, and each says so.
+    """
     if json_:
         print_json(answer.as_json(), mission)
     else:
         for number, line in enumerate(answer.text()):
             print(line)
-            if number == 0 and mission is not None and not mission.law.is_papers:
-                print(f"  law                     {mission.law.name}")
+            if number == 0 and mission is not None:
+                if not mission.law.is_papers:
+                    print(f"  law                     {mission.law.name}")
+                if mission.asks_to_cover():
+                    print(f"  not considered          {', '.join(mission.asks_to_cover())}")
     return answer.status
 
 
 def print_json(value: dict[str, Any], mission: Mission | None = None) -> None:
-    """Print one JSON object, with the law of the mission that it tells of, and what is strange."""
+    """Print one JSON object, with the law of the mission that it tells of, and warnings."""
     if mission is not None:
         from hoverproof.plausibility import warnings
 
         found = [str(finding) for finding in warnings(mission)]
+        found += [f"not considered: {words}" for words in mission.asks_to_cover()]
         law = mission.law.model_dump()
         value = {**value, "law": law, "warnings": [*found, *value.get("warnings", [])]}
     plain = "utf" not in (sys.stdout.encoding or "utf").lower()

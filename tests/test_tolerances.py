@@ -1,0 +1,202 @@
+"""What a mission asks a proof to cover: read, written, certified with, never passed over."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+import hoverproof as hp
+from hoverproof import checker, cli
+from hoverproof.mission.presets import preset_text
+from hoverproof.mission.reading import load
+from hoverproof.mission.writing import mission_text
+from hoverproof.reporting.tables import mission_tables
+
+PROOFS = Path(__file__).parents[1] / "proofs"
+NOISE = {"feature": "0.01", "velocity": "0.05", "force": "0.02", "rate": "0.03"}
+TOLERANCES = {
+    **{"thrust": "0.2", "torque": "0.3", "latency": "0.083", "rotor_lag": "0.03"},
+    **{"wind": "0.5", "yaw_rate": "1"},
+}
+ASKED = {
+    "law.force": "measured",
+    **{f"uncertainty.{key}": value for key, value in TOLERANCES.items()},
+    **{f"uncertainty.noise.{key}": value for key, value in NOISE.items()},
+    "camera.half_angle": "0.7",
+}
+WORDS = [
+    *("thrust ±20 %", "torque ±30 %", "latency up to 0.083 s", "rotor lag up to 0.03 s"),
+    *("steady wind up to 0.5 m/s²", "yaw rate up to 1 rad/s", "noise of the feature up to 0.01"),
+    *("noise of the velocity up to 0.05 m/s", "noise of the force up to 0.02 N"),
+    *("noise of the body rates up to 0.03 rad/s", "points seen within 0.7 rad of the optical axis"),
+]
+
+
+def printed(capsys, *arguments):
+    capsys.readouterr()
+    with pytest.raises(SystemExit) as done:
+        cli.main(list(arguments))
+    return done.value.code, capsys.readouterr().out
+
+
+def resealed(content):
+    content["mission_sha256"] = checker.digest(content["mission"])
+    content["statement"] = checker.statement(content)
+    rest = {key: part for key, part in content.items() if key != "sha256"}
+    return rest | {"sha256": checker.digest(rest)}
+
+
+def test_every_tolerance_is_read_exactly_and_told_with_its_unit():
+    mission = load("x4-flyer", ASKED)
+    told = mission.exact()["uncertainty"]
+    assert told.pop("noise") == {key: str(Fraction(value)) for key, value in NOISE.items()}
+    assert told == {key: str(Fraction(value)) for key, value in TOLERANCES.items()}
+    assert mission.exact()["camera"] == {"half_angle": "7/10"}
+    assert mission.uncertainty.wind == Fraction(1, 2)
+    assert mission.asks_to_cover() == WORDS
+
+
+def test_what_is_not_given_is_zero_and_one_key_writes_them_all():
+    mission = load("x4-flyer", {"uncertainty.noise": "{rate = 0.1}"})
+    told = mission.exact()["uncertainty"]
+    assert told["noise"] == dict.fromkeys(NOISE, "0") | {"rate": "1/10"}
+    assert {key: told[key] for key in TOLERANCES} == dict.fromkeys(TOLERANCES, "0")
+    assert mission.asks_to_cover() == ["noise of the body rates up to 0.1 rad/s"]
+    assert not mission.uncertainty.is_none
+
+
+def test_a_mission_that_asks_for_nothing_hashes_as_in_the_shipped_certificate():
+    shipped = json.loads((PROOFS / "x4-flyer.cert.json").read_text(encoding="utf-8"))
+    nothing = {**{f"uncertainty.{k}": "0" for k in TOLERANCES}, "uncertainty.noise.rate": "0"}
+    for change in ({}, nothing):
+        mission = load("x4-flyer", change)
+        assert mission.uncertainty.is_none
+        assert checker.digest(mission.exact()) == shipped["mission_sha256"]
+    for key in ("uncertainty.torque", "uncertainty.noise.rate", "camera.half_angle"):
+        asked = load("x4-flyer", {key: "0.1"})
+        assert checker.digest(asked.exact()) != shipped["mission_sha256"]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"uncertainty.thrust": "1"}, "thrust: must be from 0 to 0.999 .a share: 0.2 is 20 %"),
+        ({"uncertainty.torque": "-0.1"}, "uncertainty.torque: must be from 0 to"),
+        ({"uncertainty.latency": "-1"}, "uncertainty.latency: must be from 0 to 1e3 s, not -1"),
+        ({"uncertainty.latensy": "1"}, "unknown key .did you mean 'latency'"),
+        ({"uncertainty.noise": "1"}, "uncertainty.noise: must be a section, not 1"),
+        ({"uncertainty.noise.gyro": "1"}, "known here: feature, velocity, force, rate"),
+        ({"uncertainty.noise.force": "true"}, "noise.force: must be a number in N, not True"),
+        ({"law.force": "measured", "uncertainty.wind": "9.8"}, "wind: must be below gravity, 9.8"),
+        ({"camera.half_angle": "40"}, "half_angle: must be above 0 and at most 1.5707 rad, not 40"),
+        ({"camera.half_angle": "0"}, "half_angle: must be above 0"),
+    ],
+)
+def test_what_cannot_be_covered_is_refused(change, message):
+    with pytest.raises(hp.InputError, match=message) as refused:
+        load("x4-flyer", change)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("key", ["thrust", "wind", "rotor_lag"])
+def test_a_modelled_force_allows_no_error_of_force(key):
+    change = {f"uncertainty.{key}": "0.1"}
+    with pytest.raises(hp.InputError, match=f"uncertainty.{key}: must be 0 .*law.force = 'measu"):
+        load("x4-flyer", change)
+    assert load("x4-flyer", {**change, "law.force": "measured"}).asks_to_cover()
+
+
+@pytest.mark.parametrize(
+    "section",
+    [
+        "[uncertainty]\ntorque = 0.2  # inertia\nnoise = {rate = 0.1}\n",
+        "[uncertainty]\ntorque = 0.2  # inertia\n[uncertainty.noise]\nrate = 0.1\n",
+        "",
+    ],
+)
+@pytest.mark.parametrize(
+    "change",
+    [
+        {},
+        ASKED,
+        {"uncertainty.torque": "0.25"},
+        {"uncertainty.noise.feature": "0.5"},
+        {"camera.half_angle": "0.3"},
+    ],
+)
+def test_what_is_written_loads_as_the_same_mission(section, change):
+    Path("mine.toml").write_text(f"{preset_text('x4-flyer')}\n{section}", encoding="utf-8")
+    mission = load("mine.toml", change)
+    Path("again.toml").write_text(mission_text(mission), encoding="utf-8")
+    assert load("again.toml").exact() == mission.exact()
+    text = Path("again.toml").read_text("utf-8")
+    assert "# Corners of a square in the world frame" in text
+    assert ("# inertia" in text) == bool(section)
+
+
+def test_a_certificate_says_that_it_considers_none_of_it(capsys):
+    asked = ("--set", "uncertainty.torque=0.2", "--set", "camera.half_angle=0.7")
+    status, out = printed(capsys, "certify", "x4-flyer", "--out", "asked.json", *asked)
+    assert (status, out.count("\n  not considered          torque ±20 %, points seen")) == (0, 1)
+    plain = hp.certify(load("x4-flyer")).statement
+    said = checker.check_file("asked.json")
+    assert "as modelled, [uncertainty] and [camera] not considered. The mission" in said
+    assert "not considered" not in plain
+    status, out = printed(capsys, "check", "asked.json", "--mission", "x4-flyer")
+    assert status == 1
+    assert "uncertainty.torque is 1/5 in the certificate and missing in the mission" in out
+
+
+def test_every_answer_about_the_mission_says_what_it_leaves_out(capsys):
+    asked = ("x4-flyer", "--set", "uncertainty.torque=0.2")
+    for command in (("attraction", "--no-figure"), ("simulate", "--no-figures")):
+        _, out = printed(capsys, command[0], *asked, *command[1:])
+        assert out.splitlines()[1] == "  not considered          torque ±20 %"
+    _, out = printed(capsys, "certify", *asked, "--json")
+    assert "not considered: torque ±20 %" in json.loads(out)["warnings"]
+    _, out = printed(capsys, "certify", "x4-flyer")
+    assert "not considered" not in out
+
+
+@pytest.mark.parametrize(
+    ("section", "change"),
+    [
+        ("uncertainty", {"thrust": "1"}),
+        ("uncertainty", {"torque": "-1/10"}),
+        ("uncertainty", {"latency": 0.1}),
+        ("uncertainty", {"wind": "2/4"}),
+        ("uncertainty", {"more": "0"}),
+        ("uncertainty", {"noise": {"rate": "1/10"}}),
+        ("camera", {"half_angle": "0"}),
+        ("camera", {"more": "0"}),
+    ],
+)
+def test_the_checker_reads_these_sections_in_one_form(section, change):
+    asked = {"uncertainty.noise.rate": "0.1", "camera.half_angle": "0.5"}
+    content = dict(hp.certify(load("x4-flyer", asked)).certificate.content)
+    assert checker.check(resealed(content)) == content["statement"]
+    mission = content["mission"]
+    content["mission"] = mission | {section: mission[section] | change}
+    with pytest.raises(checker.Rejected, match=section):
+        resealed(content)
+    left = dict(mission[section])
+    left.popitem()
+    content["mission"] = mission | {section: left}
+    with pytest.raises(checker.Rejected, match=section):
+        resealed(content)
+
+
+def test_the_report_lists_what_was_asked_and_is_not_considered():
+    title = "Asked to be covered (not considered here)"
+    asked, plain = (
+        {
+            table.title: table.rows
+            for table in mission_tables(load("x4-flyer", change), [Fraction(3)] * 3)
+        }
+        for change in ({"uncertainty.torque": "0.2"}, {})
+    )
+    assert asked[title] == [("[uncertainty], [camera]", "torque ±20 %")]
+    assert title not in plain
