@@ -159,10 +159,14 @@ def derive_form(law: Law, lagged: bool) -> ca.Function:
         rates[8] -= at.thrust_gain * (lifted - lift)
     rates += to_d4 @ push.d4
     if lagged:
-        smooth_rate = ca.jtimes(smooth, x.errors, rates + ca.vertcat(0, 0, 0, 0, 0, 0, push.pull, 0, 0, 0))
+        smooth_rate = ca.jtimes(
+            smooth, x.errors, rates + ca.vertcat(0, 0, 0, 0, 0, 0, push.pull, 0, 0, 0)
+        )
         torque_rate = asked - applied + push.torque - at.lag * smooth_rate
         thrust_rate = lift - lifted - at.lag * kappa(d) * (rates[8] + push.lift)
-    sizes = ca.vertcat(*(ca.repmat(w_, n) for w_, n in zip((1, w.d2, w.d3, w.d4), (3, 3, 3, 2), strict=True)))
+    sizes = ca.vertcat(
+        *(ca.repmat(w_, n) for w_, n in zip((1, w.d2, w.d3, w.d4), (3, 3, 3, 2), strict=True))
+    )
     change = (
         ca.dot(sizes * x.errors, rates)
         + w.torque * ca.dot(x.torque, torque_rate)

@@ -6,6 +6,7 @@ multipliers and what the memory of the latency weighs.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,23 +60,21 @@ def falls(limits: Limits, middle: float, radius: float, rate: float) -> Falls:
     lagged, late = v.rotor_lag > 0, v.latency > 0
     kept = [
         place
-        for name, there in (("errors", True), ("flow", True), ("ahead", late), ("torque", lagged), ("thrust", lagged))
+        for name, there in (
+            ("errors", True),
+            ("flow", True),
+            ("ahead", late),
+            ("torque", lagged),
+            ("thrust", lagged),
+        )
         if there
         for place in range(Variables.size())[Variables.place(name)]
     ]
-    form, terms = derive_form(v.law, lagged), limits.terms()
-    points = np.vstack([np.zeros(Weights.size()), np.eye(Weights.size())])
+    terms = limits.terms()
     y, n = (np.eye(Variables.size())[Variables.place(name)] for name in ("flow", "ahead"))
     used = (W2, W3, W4, *((TORQUE, THRUST) if lagged else ()), SLOPE, *((MEMORY,) if late else ()))
     corners = []
-    for vertex in limits.vertices():
-        several = [form(v.numbers, vertex, w) for w in points]
-        at = {
-            name: np.array([np.array(out[k]) for out in several])
-            for k, name in enumerate((*FALLS, *PARTS))
-        }
-        for name in FALLS:
-            at[name][1:] -= at[name][0]
+    for at in _at_vertices(limits):
         S = np.zeros((1 + PARAMETERS, *at["fall"].shape[1:]))
         S[:6] = at["fall"] - rate / 2 * at["energy"]
         V = at["sum"][0] / float(v.design.slowness)
@@ -93,6 +92,27 @@ def falls(limits: Limits, middle: float, radius: float, rate: float) -> Falls:
             each.append(Term(u[..., kept], at[by][0][:, kept], np.array(size)))
         corners.append(Inequality(S[:, kept][:, :, kept], tuple(each)))
     return Falls(tuple(corners), used)
+
+
+def _at_vertices(limits: Limits) -> Iterator[dict[str, Array]]:
+    """Yield the matrices of each vertex by name, (6, ..): what 1, w2, w3, w4, a5, a6 multiply."""
+    v, k = limits.vehicles, 1 + Weights.size()
+    vertices = np.array(list(limits.vertices()))
+    weights = np.vstack([np.zeros(Weights.size()), np.eye(Weights.size())])
+    form = derive_form(v.law, v.rotor_lag > 0)
+    several = form.map(len(vertices) * k)
+    outputs = several(
+        v.numbers, vertices.repeat(k, axis=0).T, np.tile(weights, (len(vertices), 1)).T
+    )
+    names = (*FALLS, *PARTS)
+    whole = {
+        name: np.array(x).reshape(x.shape[0], len(vertices), k, -1).transpose(1, 2, 0, 3)
+        for name, x in zip(names, outputs, strict=True)
+    }
+    for name in FALLS:
+        whole[name][:, 1:] -= whole[name][:, :1]
+    for i in range(len(vertices)):
+        yield {name: whole[name][i] for name in names}
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,152 @@
+"""Where the feature is near the one wanted, and how far J is there from a multiple of I: sampled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.certification import scaled
+from hoverproof.certification.attraction.potential import sphere
+from hoverproof.certification.cells import View
+from hoverproof.certification.flow import Flow, OfJ, flow_of
+from hoverproof.mission.sections import Mission
+from hoverproof.plant.goal import hover_goal
+from hoverproof.servo.laws.hamel_mahony import law_of
+
+Array = NDArray[np.float64]
+DIRECTIONS, STEPS, MIDDLES = 160, 40, 30
+FARTHEST = 1e3
+"""In heights of the goal."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A target, a feature of it, and the goal.
+
+    Attributes
+    ----------
+    points : (n, 3)
+        World frame, m.
+    flow : Flow
+        What is bounded: Q of the centroid, J of the scaled one.
+    goal : (3,)
+        Hover point ξ*, world frame, m.
+    wanted : float
+        s3* of σ* = (0, 0, s3*).
+    """
+
+    points: Array
+    flow: Flow
+    goal: Array
+    wanted: float
+
+    @classmethod
+    def of(cls, mission: Mission) -> Scene:
+        """Take target and goal of a mission.
+
+        Parameters
+        ----------
+        mission : Mission
+        """
+        goal = np.array([float(c) for c in hover_goal(mission).position])
+        wanted = float(law_of(mission).goal_feature(mission)[2])
+        return cls(np.array(mission.target.points, float), flow_of(mission), goal, wanted)
+
+    def feature(self, positions: Array) -> Array:
+        """Return σ, what a level camera sees in world axes, (k, 3).
+
+        Parameters
+        ----------
+        positions : (k, 3)
+            World frame, m.
+        """
+        q, n = View.at(self.points, positions).centroid, len(self.points)
+        if not isinstance(self.flow, OfJ):
+            return q
+        rays = self.points[None] - positions[:, None]
+        p = rays / np.linalg.norm(rays, axis=2, keepdims=True)
+        apart = p[:, :, None] - p[:, None]
+        spread = (apart**2).sum(axis=(1, 2, 3)) / 2  # n² - |q|²
+        a = np.linalg.norm(q, axis=1)
+        return np.asarray(np.sqrt(n * (n + a) / (2 * spread))[:, None] * q / a[:, None])
+
+    def offset(self, positions: Array) -> Array:
+        """Return σ - σ*, (k, 3).
+
+        Parameters
+        ----------
+        positions : (k, 3)
+            World frame, m.
+        """
+        return self.feature(positions) - [0, 0, self.wanted]
+
+    def slopes(self, positions: Array) -> Array:
+        """Return J, or Q, (k, 3, 3), 1/m.
+
+        Parameters
+        ----------
+        positions : (k, 3)
+            World frame, m.
+        """
+        if isinstance(self.flow, OfJ):
+            return scaled.slopes_at(self.points, positions)
+        return View.at(self.points, positions).depths
+
+
+@dataclass(frozen=True)
+class Balls:
+    """The narrowest balls about multiples of I that hold J wherever |σ - σ*| <= d, as sampled.
+
+    Attributes
+    ----------
+    offsets : (k,)
+        |σ - σ*| at the samples, ascending.
+    middles : (m,)
+        j, 1/m.
+    farthest : (k, m)
+        The largest |J - j I| up to each sample, 1/m.
+    """
+
+    offsets: Array
+    middles: Array
+    farthest: Array
+
+    @classmethod
+    def of(cls, scene: Scene) -> Balls:
+        """Sample along rays from the goal, outward as long as |σ - σ*| is below s3*.
+
+        Parameters
+        ----------
+        scene : Scene
+        """
+        height = float(scene.points[:, 2].mean() - scene.goal[2])
+        radii = height * np.geomspace(0.01, FARTHEST, 400)
+        directions = sphere(DIRECTIONS)
+        places = scene.goal + directions[:, None] * radii[None, :, None]
+        with np.errstate(all="ignore"):
+            far = np.linalg.norm(scene.offset(places.reshape(-1, 3)), axis=1)
+        far = np.nan_to_num(far, nan=np.inf).reshape(len(directions), -1)
+        ends = radii[np.argmax(far >= 0.97 * scene.wanted, axis=1)]
+        parts = np.linspace(0, 1, STEPS) ** 0.7
+        places = scene.goal + directions[:, None] * (ends[:, None] * parts)[..., None]
+        places = places.reshape(-1, 3)
+        far = np.linalg.norm(scene.offset(places), axis=1)
+        order = np.argsort(far)
+        J = scene.slopes(places[order])
+        sizes = np.linalg.norm(J, 2, axis=(1, 2))
+        middles = np.linspace(0.2, 1.2, MIDDLES) * np.median(sizes)
+        away = np.linalg.norm(J[:, None] - middles[:, None, None] * np.eye(3), 2, axis=(2, 3))
+        return cls(far[order], middles, np.maximum.accumulate(away, axis=0))
+
+    def within(self, d: float) -> tuple[float, float]:
+        """Return j - ϱ and j + ϱ where |σ - σ*| <= d, 1/m.
+
+        Parameters
+        ----------
+        d : float
+        """
+        row = self.farthest[max(int(np.searchsorted(self.offsets, d)) - 1, 0)]
+        k = int((row / self.middles).argmin())
+        return float(self.middles[k] - row[k]), float(self.middles[k] + row[k])

@@ -1,0 +1,244 @@
+"""Find the set, the weights and the rate that bring starts inside, in floating point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.exponential.positions import Balls, Scene
+from hoverproof.certification.exponential.program import (
+    MEMORY,
+    PARAMETERS,
+    THRUST,
+    TORQUE,
+    W2,
+    W3,
+    W4,
+    Solution,
+    solve,
+)
+from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
+
+Array = NDArray[np.float64]
+EVALUATIONS = 30
+FAILED = 1e3
+HIGHEST = 0.96
+"""Share of s3* that d is at most: |σ| is small near the target."""
+SLOWEST = 0.05
+"""The rate that is first asked for, as a share of 2 (k1/m)(j - ϱ)."""
+ROOM = 0.01
+"""Share of the level, and of the ball, that is spared for the proof."""
+
+
+@dataclass(frozen=True)
+class Tilted:
+    """What a fixed goal in the image adds to |σ - σ*|: at most √(2 Ψ A) + b.
+
+    Attributes
+    ----------
+    factor, shift : float
+        A and b; 1 and 0 for an inertial goal.
+    """
+
+    factor: float
+    shift: float
+
+    @classmethod
+    def of(cls, limits: Limits) -> Tilted:
+        """Bound it by the tilt.
+
+        Parameters
+        ----------
+        limits : Limits
+        """
+        v = limits.vehicles
+        lean = v.in_image / np.sqrt((1 + np.sqrt(1 - limits.tilt**2)) / 2)
+        by_force = (lean * v.stiffness / v.weight) ** 2
+        return cls(by_force, float(lean * v.wind / v.design.gravity))
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A set that is to be rounded and proved.
+
+    Attributes
+    ----------
+    x : (2,)
+        Where it was found: the logarithm of d, and of the odds of the share of the largest force.
+    offset : float
+        d: |σ - σ*| is at most that on the set.
+    ball : (low, high)
+        j - ϱ and j + ϱ, 1/m.
+    rate : float
+        r, 1/s.
+    tilted : Tilted
+    solution : Solution
+    """
+
+    x: Array
+    offset: float
+    ball: tuple[float, float]
+    rate: float
+    tilted: Tilted
+    solution: Solution
+
+    def time(self, offset: float) -> float:
+        """Return when |σ - σ*| is at most an offset for good, s.
+
+        Parameters
+        ----------
+        offset : float
+        """
+        factor = 1 + self.tilted.factor * (self.solution.reach.force**2 / (2 * self.solution.level))
+        if offset <= self.tilted.shift:
+            return float("inf")
+        level = (offset - self.tilted.shift) ** 2 / (2 * factor)
+        return float(np.log(max(self.solution.start / level, 1.0)) / self.rate)
+
+
+@dataclass(frozen=True)
+class Search:
+    """The question: which set holds these starts.
+
+    Attributes
+    ----------
+    vehicles : Vehicles
+    scene : Scene
+    starts : tuple of Start
+    """
+
+    vehicles: Vehicles
+    scene: Scene
+    starts: tuple[Start, ...]
+
+    @cached_property
+    def balls(self) -> Balls:
+        """The balls of J by d."""
+        return Balls.of(self.scene)
+
+    def terms(self) -> Array:
+        """Return what (1, parameters) are multiplied by in Ψ of each start, (k, 8)."""
+        return np.array([self._terms(start) for start in self.starts])
+
+    def _terms(self, start: Start) -> Array:
+        v, lam = self.vehicles, self.balls.within(0.97 * self.scene.wanted)[1]
+        d = v.design
+        speed, tilt, rate, thrust = map(float, (start.speed, start.tilt, start.rate, start.thrust))
+        sides = np.array(start.position, float)
+        corners = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3)
+        off = self.scene.offset(np.unique(corners, axis=0))
+        leaning = v.in_image * (v.wind / float(d.gravity) + tilt)
+        whole = float(np.linalg.norm(off, axis=1).max()) + leaning
+        flat = float(np.linalg.norm(off[:, :2], axis=1).max()) + leaning
+        moved, pushed = float(d.slowness) * speed, (thrust + v.weight * tilt) / v.stiffness
+        lever = v.weight + pushed * v.stiffness - v.stiffness * v.in_image
+        turned = lever * rate / (v.stiffness * v.pace)
+        d2, d3 = whole + moved, whole + moved + pushed
+        d4 = flat + moved + pushed + turned
+        asked = (v.pace + float(d.k4 / d.mass)) * d4 + v.pull * pushed
+        result = np.zeros(1 + PARAMETERS)
+        result[[0, W2, W3, W4]] = np.array([whole, d2, d3, d4]) ** 2 / 2
+        result[TORQUE] = v.rotor_lag / 2 * asked**2
+        result[THRUST] = v.rotor_lag / 2 * (v.pace * d3) ** 2
+        result[MEMORY] = v.latency**2 / 2 * (lam * speed) ** 2
+        return result
+
+    def limits(self, x: Sequence[float], ball: tuple[float, float]) -> Limits:
+        """Return the limits of a reach, of which the last parameter is the share of the largest."""
+        v = self.vehicles
+        low = v.weight - v.stiffness * v.in_image
+        force = 0.95 * low / v.stiffness / (1 + np.exp(-x[1]))
+        return Limits(v, Reach(force, 0.75 * force, 1.75 * force, 6 * np.exp(x[0])), ball[1])
+
+    def at(
+        self, x: Sequence[float], rate: float, starts: Array
+    ) -> tuple[float, tuple[float, float], Solution] | None:
+        """Return d, the ball of J and the best weights, for the logarithm of d and the reach."""
+        d = float(np.exp(x[0]))
+        if d > HIGHEST * self.scene.wanted:
+            return None
+        low, high = self.balls.within(d * (1 + ROOM))
+        middle, radius = (low + high) / 2, (high - low) / 2 * (1 + ROOM)
+        if radius >= middle:
+            return None
+        ball = middle - radius, middle + radius
+        limits = self.limits(x, ball)
+        if not np.isfinite(limits.lever).all() or not limits.tilt < 1:
+            return None
+        tilted = Tilted.of(limits)
+        level = ((d - tilted.shift) ** 2 - tilted.factor * limits.reach.force**2) / 2
+        if d <= tilted.shift or level <= 0:
+            return None
+        found = solve(limits, ball, rate, level, starts)
+        if found is None:
+            return None
+        return Candidate(np.array(x, float), d, ball, rate, tilted, found)
+
+    def deepest(self, starts: Array) -> Candidate | None:
+        """Bring the starts as deep inside as can be, at a slow rate."""
+        largest = max(float(np.sqrt(2 * starts[:, 0].max())), 1e-3)
+        if largest >= HIGHEST * self.scene.wanted:
+            return None
+        low, high = np.log(largest), np.log(HIGHEST * self.scene.wanted)
+        ball = self.balls.within(largest)
+        rate = SLOWEST * 2 * max(ball[0], 0.1 * ball[1]) / float(self.vehicles.design.slowness)
+
+        def cost(x: Array) -> float:
+            found = self.at(x, rate, starts)
+            return FAILED if found is None else float(np.log(found.solution.fill))
+
+        guesses = [
+            np.array([low + part * (high - low), share])
+            for part in (0.3, 0.6, 0.85)
+            for share in (-3.0, -1.7, -0.5)
+        ]
+        begin = min(guesses, key=cost)
+        if cost(begin) == FAILED:
+            return None
+        steps = np.diag([0.15 * (high - low), 0.5])
+        x = _minimum(cost, np.vstack([begin, begin + steps]), EVALUATIONS)
+        return self.at(x, rate, starts)
+
+    def soonest(self, first: Candidate, starts: Array, offset: float) -> Candidate:
+        """Make the time short in which |σ - σ*| is surely below an offset, from a candidate.
+
+        Parameters
+        ----------
+        first : Candidate
+        starts : (k, 8)
+            See `terms`.
+        offset : float
+        """
+
+        def cost(x: Array) -> float:
+            found = self.at(x[:2], float(np.exp(x[2])), starts)
+            if found is None:
+                return FAILED
+            fill = found.solution.fill
+            if fill > 1 - ROOM:
+                return FAILED / 2 + fill
+            return float(np.log(found.time(offset)))
+
+        rate = first.rate
+        while cost(np.array([*first.x, np.log(2 * rate)])) < FAILED / 2:
+            rate *= 2
+        begin = np.array([*first.x, np.log(rate)])
+        x = _minimum(cost, np.vstack([begin, begin + np.diag([0.03, 0.3, 0.3])]), EVALUATIONS)
+        found = self.at(x[:2], float(np.exp(x[2])), starts)
+        return found if found is not None and found.solution.fill <= 1 - ROOM else first
+
+
+def _minimum(cost: Callable[[Array], float], simplex: Array, evaluations: int) -> Array:
+    result = minimize(
+        cost,
+        simplex[0],
+        method="Nelder-Mead",
+        options={"maxfev": evaluations, "initial_simplex": simplex},
+    )
+    return np.asarray(result.x)
