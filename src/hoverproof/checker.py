@@ -95,6 +95,24 @@ def upward(x: Fraction) -> Fraction:
     return math.ceil(x * unit) / unit
 
 
+def exponential_above(x: Fraction, bound: Fraction) -> bool:
+    """Show exp(x) >= bound, x >= 0, by a part of its series, rounded down."""
+    term = total = 1 << 128
+    for k in range(1, 400):
+        term = term * x.numerator // (x.denominator * k)
+        total += term
+    return total >= bound * (1 << 128)
+
+
+def cosine_below(x: Fraction, bound: Fraction) -> bool:
+    """Show cos x <= bound by the series, which up to a power x⁴ᵏ is above it."""
+    term = total = Fraction(1)
+    for k in range(1, 11):
+        term *= -(x**2) / (2 * k * (2 * k - 1))
+        total += term
+    return total <= bound
+
+
 def within(inner: Interval, outer: Interval) -> bool:
     """Tell whether an interval lies in another."""
     return outer[0] <= inner[0] <= inner[1] <= outer[1]
@@ -1416,9 +1434,37 @@ def state_of(start: Object) -> str:
 #
 # With σ(ξ) the feature that a level camera sees, |σ - s*| = |δ1| for an inertial goal; for that of
 # the image |σ - s3 R e3| = |δ1|, |R e3 - e3| = sin φ/cos(φ/2) <= t sin φ. So |σ - s*| <=
-# √(2ΨA) + b, A = 1 + (s3 t c/(m g))² (1/w2 + 1/w3), b = s3 t w'/g. The domain is a box each cell of which has
-# |σ - s*| > d >= √(2ℓA) + b, or J in its ball; those at the faces have the first. So no motion
-# leaves it. At a start, |F| <= f0 and sin φ <= (f0 + m w')/(m g).
+# √(2ΨA) + b, A = 1 + (s3 t c/(m g))² (1/w2 + 1/w3), b = s3 t w'/g. The domain is a box each cell
+# of which has |σ - s*| > d >= √(2ℓA) + b, or J in its ball; those at the faces have the first. So
+# no motion leaves it. At a start, |F| <= f0 and sin φ <= (f0 + m w')/(m g).
+
+
+class Place:
+    """STUB until the predicates over cells are there."""
+
+    def __init__(self, points: Matrix, grid: Grid, feature: str, goal: Interval) -> None:
+        self.points, self.grid, self.feature, self.goal = points, grid, feature, goal
+
+    def outside(self, cell: Cell, offset: Fraction) -> bool:
+        """Show |σ - s*| > offset all over a cell."""
+        raise NotImplementedError
+
+    def in_ball(self, cell: Cell, low: Fraction, high: Fraction) -> bool:
+        """Show that J is in its ball all over a cell."""
+        raise NotImplementedError
+
+    def in_cone(self, cell: Cell, cosine: Fraction) -> bool:
+        """Show that all target points are in a cone about the vertical all over a cell."""
+        raise NotImplementedError
+
+    def near(self, cell: Cell, center: Row, radius: Fraction) -> bool:
+        """Show that a cell is within a radius."""
+        raise NotImplementedError
+
+    def offsets(self, cell: Cell) -> tuple[Fraction, Fraction] | None:
+        """Bound |σ - s*| and its horizontal part over a cell."""
+        raise NotImplementedError
+
 
 NONE = Object(
     **dict.fromkeys(("thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate"), Fraction(0)),
@@ -1469,6 +1515,11 @@ class Exponential(Claim):
         i1, i2, i3 = c.mission.vehicle.inertia
         self.gyroscopic = max(abs(i3 - i2) / i1, abs(i3 - i1) / i2)  # bounds |Gc|
         self.grid = Grid(self.points)
+        self.place = Place(self.points, self.grid, self.law[0], c.enclosures.goal)
+        require(c.claim.starts, "there is no start")
+        require(len(c.trees.starts) == len(c.claim.starts), "a tree a start")
+        angles = c.claim.cone is None or c.domain.cone is not None
+        require(angles, "the angle under which all is seen needs a cone over the domain")
         self.bound()
         size = 11
         self.Y, size = components(size), size + 3
@@ -1613,11 +1664,184 @@ class Exponential(Claim):
         return form
 
     def verify(self) -> None:
-        """Verify that Ψ falls at the rate, where, and from where."""
+        """Verify that Ψ falls at the rate, where, how soon the vehicle is near, and from where."""
         require(within(self.goal, self.c.enclosures.goal), "the interval of s3* does not hold it")
         for corner in self.vertices():
             shown = self.decrease(*corner).positive(self.size)
             require(shown, "Ψ is not shown to fall at the rate claimed")
+        self.verify_domain()
+        self.verify_settling()
+        for start, tree in zip(self.c.claim.starts, self.c.trees.starts, strict=True):
+            self.verify_start(start, tree)
+
+    def verify_domain(self) -> None:
+        """Verify that no motion leaves the box, in which J is in its ball, and what is seen."""
+        claim, domain, place = self.c.claim, self.c.domain, self.place
+        far = self.shift + square_root(2 * claim.level * self.stretch)[1]
+        require(far <= domain.offset, "the level is not shown to be within the domain")
+        box = self.grid.cell(domain.box)
+
+        def hold(cell: Cell) -> bool:
+            if place.outside(cell, domain.offset):
+                return True
+            at_face = any(a == c or b == d for (a, b), (c, d) in zip(cell, box, strict=True))
+            inside = not at_face and place.in_ball(cell, self.low, self.high)
+            return inside and (domain.cone is None or place.in_cone(cell, domain.cone))
+
+        cover(domain.tree, box, hold, "the domain is not shown")
+        if claim.cone is not None:
+            cosine, sine = domain.cone, square_root(1 - domain.cone**2)[1]
+            seen = claim.cone <= cosine * self.cosine - sine * self.sine
+            require(seen, "the angle under which all is seen does not follow")
+        camera = getattr(self.c.mission, "camera", None)
+        if camera is not None:
+            follows = claim.cone is not None and cosine_below(camera.half_angle, claim.cone)
+            require(follows, "the points are not shown to be within the half angle of the camera")
+
+    def verify_settling(self) -> None:
+        """Verify that the vehicle is near the hover in time, where |σ - s*| is no longer large."""
+        claim, soon, place = self.c.claim, self.c.claim.settling, self.place
+        require(soon.offset > self.shift, "the wind moves the hover by more than the offset")
+        level = (soon.offset - self.shift) ** 2 / (2 * self.stretch)
+        fallen = exponential_above(claim.rate * soon.time, claim.start_level / level)
+        require(fallen, "the settling time does not follow from the rate")
+
+        def hold(cell: Cell) -> bool:
+            near = place.near(cell, self.c.hover, soon.radius)
+            return near or place.outside(cell, soon.offset)
+
+        box = self.grid.cell(self.c.domain.box)
+        cover(self.c.trees.near, box, hold, "the vehicle is not shown to be within the radius")
+
+    def verify_start(self, start: Object, tree: str) -> None:
+        """Verify that Ψ <= ℓ0 in a set of states; the vehicle was near its positions before."""
+        moved = start.speed * self.may.latency
+        box = [(a - moved, b + moved) for a, b in start.position]
+        inside = zip(box, self.c.domain.box, strict=True)
+        require(all(within(*sides) for sides in inside), "a start is not in the box of the domain")
+
+        def hold(cell: Cell) -> bool:
+            offsets = self.place.offsets(cell)
+            return (
+                offsets is not None and self.at_start(start, *offsets) <= self.c.claim.start_level
+            )
+
+        what = "a start is not shown to have Ψ <= its level"
+        cover(tree, self.grid.cell(box), hold, what)
+
+    def at_start(self, start: Object, offset: Fraction, level: Fraction) -> Fraction:
+        """Bound Ψ at a start by |σ - s*| and its horizontal part.
+
+        The rotors are steady: Ua = 0 and b = 0, hence μ = -σn and μT = -κ δ3z.
+        """
+        (w2, w3, w4), may, stiff = self.c.weights, self.may, self.kappa + self.damping
+        f0 = start.thrust + self.weight * start.tilt
+        lean = self.lean * (f0 + self.push) / self.weight  # f0 <= f, as |δ3| shows
+        s3 = Fraction(0) if self.inertial else self.c.enclosures.goal[1]
+        d1 = offset + s3 * lean
+        flat1 = min(d1, level + lean * (offset + s3))  # |Pδ1|, body axes
+        moved, pushed = self.m / self.k[0] * start.speed, f0 / self.stiffness
+        lever = self.weight + f0
+        if not self.inertial:
+            lever -= self.stiffness * self.c.enclosures.goal[0]
+        d2 = d1 + moved
+        d3 = d2 + pushed
+        d4 = flat1 + moved + pushed + lever * start.rate / (self.stiffness * self.kappa)
+        total = d1**2 + w2 * d2**2 + w3 * d3**2 + w4 * d4**2
+        if self.c.lag:
+            asked = stiff * d4 + self.k12 * pushed
+            rotors = self.c.lag.torque * asked**2 + self.c.lag.thrust * (self.kappa * d3) ** 2
+            total += may.rotor_lag * rotors
+        if self.c.memory:
+            total += self.c.memory * (may.latency * self.high * start.speed) ** 2
+        return Fraction(total / 2)
+
+    def left_out(self) -> str:
+        """Say nothing: all that the mission asks to be covered is."""
+        return ""
+
+    def vehicles(self) -> str:
+        """Say which vehicles, winds and cameras are covered."""
+        may = self.may
+        ends = f"{about(1 - may.thrust)} to {about(1 + may.thrust)} times"
+        gained = f"by {ends} what is commanded" if may.thrust else "just as commanded"
+        law = "measured force is exact" if self.law[2] == "measured" else "force is as modelled"
+        torque = "e3×Ω' = a without error, a the angular acceleration commanded"
+        if may.torque:
+            torque = (
+                "e3×Ω' = (I + γ) a + Ω3 G e3×Ω, a commanded, with any 2 x 2 matrices γ and G, which "
+                f"may change, of norm at most {about(may.torque)} (inertia and rotors)"
+            )
+        lag = "no rotor lag"
+        if may.rotor_lag:
+            lag = (
+                "rotors that follow the commanded change of thrust and the commanded torque with a "
+                f"first-order lag of one constant time of at most {about(may.rotor_lag)} s"
+            )
+        late = "no latency"
+        if may.latency:
+            late = (
+                f"an image at most {about(may.latency)} s old when it is used, the frame period "
+                "included, in any way that changes, and turned to now by the body rates"
+            )
+        wind = "no wind"
+        if may.wind:
+            wind = f"a steady wind from anywhere whose force over mass is <= {about(may.wind)} m/s²"
+        yaw = f"|Ω3| <= {about(may.yaw_rate)} rad/s" if may.yaw_rate else "Ω3 = 0"
+        return (
+            f"a true thrust over mass that changes {gained}, {torque}, {lag}, {late}, {wind} and "
+            f"{yaw} on the way, where V, Ω and the vertical are known exactly and the {law}"
+        )
+
+    def words(self) -> str:
+        """Say what is proved."""
+        c, claim, soon = self.c, self.c.claim, self.c.claim.settling
+        weights, hover = (", ".join(map(about, x)) for x in (c.weights, c.hover))
+        more = ""
+        if c.lag:
+            more += f" + ½ τ ({about(c.lag.torque)} |μ|² + {about(c.lag.thrust)} μT²) of the rotors' lag"
+        if c.memory:
+            more += f" + {about(c.memory)} ∫∫ exp(r (z - t)) |y|² of the latency"
+        seen = "all target points seen"
+        sides = " x ".join(f"[{about(a)}, {about(b)}]" for a, b in c.domain.box)
+        half = ""
+        if claim.cone is not None:
+            half = (
+                ", and every target point is seen at an angle from the optical axis whose cosine is "
+                f"at least {about(claim.cone)}, at most {math.degrees(math.acos(claim.cone)):.4g}°"
+            )
+        starts = "; or ".join(map(self.state, claim.starts))
+        s3 = f"{float(sum(self.goal) / 2):.12g}"
+        return (
+            f"For the mission {self.name} ({self.of_another_law()}m = {self.m} kg, g = "
+            f"{self.gravity} m/s², {self.gains()}, goal straight below where its feature is (0, 0, "
+            f"{s3}) to 12 digits), and for every vehicle with {self.vehicles()}, let Ψ = ½(|δ1|² + "
+            f"w2|δ2|² + w3|δ3|² + w4|δ4|²){more}, (w2, w3, w4) = ({weights}). In continuous time and "
+            f"with {seen}, the controller may be switched on in every {starts}: then Ψ(0) <= "
+            f"{about(claim.start_level)} and Ψ(t) <= Ψ(0) exp(-r t), r = {about(claim.rate)} 1/s, "
+            f"for all t >= 0; the vehicle stays in the box {sides} m; and after "
+            f"{about(soon.time)} s it is, and stays, within {about(soon.radius)} m of the point "
+            f"({hover}) m{half}."
+        )
+
+    def state(self, start: Object) -> str:
+        """Describe a set of states."""
+        f0 = start.thrust + self.weight * start.tilt
+        place = ", ".join(about(a, b) for a, b in start.position)
+        held = f"upright state (T > 0) with position in ({place}) m, any heading, "
+        if start.speed:
+            held += f"|V| <= {about(start.speed)} m/s"
+            held += (
+                f" in the {about(self.may.latency)} s before too, " if self.may.latency else ", "
+            )
+        else:
+            held += "at rest, "
+            held += f"for {about(self.may.latency)} s already, " if self.may.latency else ""
+        held += f"an acceleration of at most {about(f0 / self.m)} m/s²" if f0 else "no acceleration"
+        held += f" and √(Ω1² + Ω2²) <= {about(start.rate)} rad/s"
+        if self.may.rotor_lag:
+            held += ", thrust and torque of the rotors being steady and zero in turn"
+        return held
 
 
 # --- motions that sink to the target ------------------------------------------------------------
