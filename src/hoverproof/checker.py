@@ -172,26 +172,12 @@ class Form(dict[tuple[int, ...], Fraction]):
         return new
 
     def positive(self, n: int = 11) -> bool:
-        """Tell whether a quadratic form in the first n components of X is positive definite.
-
-        Components that no product links, be it over others, are looked at apart.
-        """
-        parts = [{i} for i in range(n)]
-        for key, c in self.items():
-            joined = [part for part in parts if c and part & set(key)]
-            parts = [part for part in parts if part not in joined]
-            parts += [set[int]().union(*joined)] if joined else []
-        return all(definite(self.matrix(sorted(part))) for part in parts)
-
-    def matrix(self, part: list[int]) -> list[list[int]]:
-        """Return a multiple of the matrix of a quadratic form in some components of X."""
-        held = {key: c for key, c in self.items() if set(key) <= set(part)}
-        scale = 2 * math.lcm(*(c.denominator for c in held.values()))
-        a = [[0] * len(part) for _ in part]
-        for key, c in held.items():
-            i, j = map(part.index, key)
+        """Tell whether a quadratic form in the first n components of X is positive definite."""
+        scale = 2 * math.lcm(*(c.denominator for c in self.values()))
+        a = [[0] * n for _ in range(n)]
+        for (i, j), c in self.items():
             a[i][j] = a[j][i] = int(c * scale) // (1 if i == j else 2)
-        return a
+        return definite(a)
 
     def value(self, X: Row) -> Fraction:
         """Return the value of a quadratic form at X."""
@@ -225,11 +211,6 @@ def upright(x: Vector) -> Vector:
     return Vector([Form(), Form(), x[2]])
 
 
-def components(first: int, size: int = 3) -> Vector:
-    """Return the vector of so many components of X; the rest of it is zero."""
-    return Vector(Form({(first + i,): Fraction(1)} if i < size else {}) for i in range(3))
-
-
 def through(rows: Sequence[Row], x: Vector) -> Vector:
     """Return the product of a matrix with a vector of linear forms."""
     return Vector(sum((c * y for c, y in zip(row, x, strict=True)), Form()) for row in rows)
@@ -240,7 +221,10 @@ def squares(weights: Row, errors: Iterable[Vector]) -> Form:
     return sum((w * (d @ d) for w, d in zip(weights, errors, strict=True)), Form())
 
 
-ERRORS = D1, D2, D3, D4 = [components(*k) for k in ((0,), (3,), (6,), (9, 2))]  # δ1, δ2, δ3, δ4
+ERRORS = D1, D2, D3, D4 = [  # δ1, δ2, δ3, δ4
+    Vector(Form({(i,): Fraction(1)} if i < 11 else {}) for i in range(k, k + 3))
+    for k in (0, 3, 6, 9)
+]
 
 
 # --- reading ------------------------------------------------------------------------------------
@@ -1426,7 +1410,9 @@ def state_of(start: Object) -> str:
 #   -E' - r E - Mτ'|y|² + (M/τ') exp(-rτ')|n|² - σJ(ϱ²|V|² - |y - jV|²) >= 0,
 #
 # where uᵀHv <= (R/2)(t|v|² + |u|²/t) for what E' has of norm |H| <= R, with any t > 0. The rest is
-# affine, and all of it concave, in each of χ, s3 h, ς, τ and π: their ends suffice. On {Ψ <= ℓ},
+# affine, and all of it concave, in each of χ, s3 h, ς, τ and π: their ends suffice. No product in it
+# is of components along different axes, and those along y stand in it as those along x: they are
+# left out. On {Ψ <= ℓ},
 #
 #   |δ3|² <= 2ℓ/w3, |δ3 - δ2|² <= 2ℓ(1/w2 + 1/w3), |ζ|² <= 2ℓ(1/w3 + 1/w4), |F| = c|δ3 - δ2| <= f,
 #   |V|² <= (k1/m)² 2ℓ(1 + 1/w2), |n| <= τ'(j + ϱ)|V|, (m g - f)² - (m w')² <= Tc² <= (m g + f)²,
@@ -1521,10 +1507,14 @@ class Exponential(Claim):
         angles = c.claim.cone is None or c.domain.cone is not None
         require(angles, "the angle under which all is seen needs a cone over the domain")
         self.bound()
-        size = 11
-        self.Y, size = components(size), size + 3
-        self.N, size = components(size, 3 * (may.latency > 0)), size + 3 * (may.latency > 0)
-        lag, self.size = components(size, 3 * (may.rotor_lag > 0)), size + 3 * (may.rotor_lag > 0)
+        late, lagged = may.latency > 0, may.rotor_lag > 0
+        held = [*[(True, True)] * 3, (True, False), (True, True), (late, late), (lagged, lagged)]
+        self.size = sum(map(sum, held))
+        count = itertools.count()
+        *self.errors, self.Y, self.N, lag = (
+            Vector(Form({(next(count),): Fraction(1)} if there else {}) for there in (x, False, z))
+            for x, z in held
+        )
         self.lag, self.lift = flat(lag), upright(lag)  # μ and μT
         require(
             len(c.multipliers.terms) == len(self.terms(Fraction(0), Fraction(0))),
@@ -1581,7 +1571,8 @@ class Exponential(Claim):
     ) -> Form:
         """Return E' without what is bounded by its norm."""
         (w2, w3, w4), kappa, stiff = self.c.weights, self.kappa, self.kappa + self.damping
-        Y, N, zeta, pull = self.Y, self.N, D4 - flat(D3), self.k12 * (D3 - D2)
+        (D1, D2, D3, D4), Y, N = self.errors, self.Y, self.N
+        zeta, pull = D4 - flat(D3), self.k12 * (D3 - D2)
         dragged = drag * zeta
         lift = kappa * upright(D3) + self.lift if self.c.lag else kappa * upright(D3 - N)
         d1, d2 = dragged - Y, Y + pull - dragged
@@ -1598,6 +1589,7 @@ class Exponential(Claim):
 
     def command(self, pi: Fraction) -> Vector:
         """Return σ, the angular acceleration but for what the yaw rate adds, over h."""
+        _, D2, D3, D4 = self.errors
         sigma = (-self.kappa - self.damping) * D4 - self.k12 * flat(D3 - D2)
         if self.c.lag:
             return Vector(sigma + self.lag)
@@ -1605,6 +1597,7 @@ class Exponential(Claim):
 
     def terms(self, tau: Fraction, pi: Fraction) -> list[tuple[Vector, Vector, Fraction]]:
         """Return u, v and R of each uᵀHv in E', |H| <= R, where R is not zero."""
+        _, D2, D3, D4 = self.errors
         may, yaw, zeta = self.may, self.may.yaw_rate, D4 - flat(D3)
         u, missed, sigma = self.c.weights[2] * D4, flat(D3 - self.N), self.command(pi)
         turned = self.quick * self.missed + may.thrust * self.cross / 2
@@ -1637,16 +1630,13 @@ class Exponential(Claim):
         """Return the lower bound of -Ψ' - r Ψ at a corner."""
         *_, tau, pi = corner
         c, rate, latency = self.c, self.c.claim.rate, self.may.latency
-        energy = squares([Fraction(1), *c.weights], ERRORS)
+        energy = squares([Fraction(1), *c.weights], self.errors)
         if c.lag:
             energy += tau * (
                 c.lag.torque * (self.lag @ self.lag) + c.lag.thrust * (self.lift @ self.lift)
             )
-        V, j, reach = (
-            (self.k[0] / self.m) * (D1 + D2),
-            (self.low + self.high) / 2,
-            (self.high - self.low) / 2,
-        )
+        j, reach = (self.low + self.high) / 2, (self.high - self.low) / 2
+        V = (self.k[0] / self.m) * (self.errors[0] + self.errors[1])
         out = self.Y - j * V
         form: Form = (
             Form()
