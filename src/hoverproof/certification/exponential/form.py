@@ -99,20 +99,17 @@ class Push(Packed):
         To δ4', (2, 1).
     torque : SX
         To τ μ', (2, 1).
-    pull : SX
-        To P(δ3' - δ2') in it, (2, 1).
     lift : SX
-        To δ3z' in τ μT', (1, 1).
+        To τ μT', (1, 1).
     """
 
     d4: ca.SX = column("1/s", 2)
     torque: ca.SX = column("1/s²", 2)
-    pull: ca.SX = column("1/s", 2)
     lift: ca.SX = scalar("1/s")
 
 
 ROWS = {
-    **{"fall": 20, "energy": 20, "d4": 2, "torque": 2, "pull": 2, "lift": 1},
+    **{"fall": 20, "energy": 20, "d4": 2, "torque": 2, "lift": 1},
     **{"applied": 2, "zeta": 2, "ahead": 2, "h3": 2, "missed": 2, "pulled": 2, "sum": 3},
 }
 """The matrices of the forms, one above the other, and how many rows each has: -E' without the
@@ -162,11 +159,9 @@ def derive_form(law: Law, lagged: bool) -> ca.Function:
         rates[8] -= at.thrust_gain * (lifted - lift)
     rates += to_d4 @ push.d4
     if lagged:
-        smooth_rate = ca.jtimes(
-            smooth, x.errors, rates + ca.vertcat(0, 0, 0, 0, 0, 0, push.pull, 0, 0, 0)
-        )
+        smooth_rate = ca.jtimes(smooth, x.errors, rates)
         torque_rate = asked - applied + push.torque - at.lag * smooth_rate
-        thrust_rate = lift - lifted - at.lag * kappa(d) * (rates[8] + push.lift)
+        thrust_rate = lift - lifted - at.lag * kappa(d) * rates[8] + push.lift
     sizes = ca.vertcat(
         *(ca.repmat(w_, n) for w_, n in zip((1, w.d2, w.d3, w.d4), (3, 3, 3, 2), strict=True))
     )

@@ -104,7 +104,7 @@ def _at_vertices(limits: Limits) -> Iterator[dict[str, Array]]:
     found = found.reshape(len(found), count, k, -1).transpose(1, 2, 0, 3)
     ends = np.cumsum(list(ROWS.values()))
     for matrices in found:
-        matrices[1:, : ends[5]] -= matrices[0, : ends[5]]
+        matrices[1:, : ends[4]] -= matrices[0, : ends[4]]
         yield dict(zip(ROWS, np.split(matrices, ends[:-1], axis=1), strict=True))
 
 
