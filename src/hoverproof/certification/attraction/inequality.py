@@ -128,6 +128,21 @@ class Loop:
         S += cross + cross.swapaxes(1, 2)
         return Inequality(S, (Term(u, v[0], np.array(largest / 2)),))
 
+    def solve(self, bounds: Bounds, hovers: Array) -> Solution | None:
+        """Find weights and a level that bring hovers as deep as can be below the level.
+
+        Parameters
+        ----------
+        bounds : Bounds
+        hovers : (k, 4)
+            `Potential.hover_terms` of hovers that are to be inside.
+
+        Returns
+        -------
+        Solution, or None if there is none
+        """
+        return _solve(self, bounds, hovers)
+
 
 @dataclass(frozen=True)
 class Bounds:
@@ -172,22 +187,8 @@ class Solution:
     fill: float
 
 
-def solve(loop: Loop, bounds: Bounds, hovers: Array) -> Solution | None:
-    """Find weights and a level that bring the hovers as deep as can be below the level.
-
-    Parameters
-    ----------
-    loop : Loop
-    bounds : Bounds
-    hovers : (k, 4)
-        `Potential.hover_terms` of hovers that are to be inside.
-
-    Returns
-    -------
-    Solution, or None if there is none
-    """
-    force, omega = bounds.force, bounds.omega
-    sine, cosine, theta = loop.tilt(force)
+def _solve(loop: Loop, bounds: Bounds, hovers: Array) -> Solution | None:
+    force, theta = bounds.force, loop.tilt(bounds.force)[2]
     asked = LEAST_RATE * np.array([np.zeros((ERROR_SIZE, ERROR_SIZE)), np.eye(ERROR_SIZE)])
     ends = loop.factor(force)
     corners = [loop.corner(f, theta, bounds.largest).less(asked) for f in ends]
@@ -202,15 +203,36 @@ def solve(loop: Loop, bounds: Bounds, hovers: Array) -> Solution | None:
     ]  # of 1, μ, b2, b3, b4 and the largest Λ/ℓ
     inside = np.column_stack([np.zeros(len(hovers)), -hovers, np.ones(len(hovers))])
     pencils = [reciprocals(0.5, {2: 1, 3: 1}, 6)]
-    if omega is not None:
-        left = (omega - loop.q3 * (1 - cosine)) / sine
-        if left <= 0:
+    if bounds.omega is not None:
+        barrier = barrier_pencil(loop, bounds, unit, 6)
+        if barrier is None:
             return None
-        gamma = loop.turn_gain(force)
-        pencils.append(reciprocals(unit * left**2 / 2, {3: gamma**2, 4: (1 + gamma) ** 2}, 6))
+        pencils.append(barrier)
     rows = np.vstack([least, inside, np.eye(6)[2:5]])
     found = optimise([0, 0, 0, 0, 1], corners, rows=rows, pencils=pencils)
     if found is None or not (found.x[:4] > 0).all():
         return None
     mu, *b, fill = found.x
     return Solution(np.array(b) / mu, float(1 / (mu * unit)), float(fill * unit))
+
+
+def barrier_pencil(loop: Loop, bounds: Bounds, unit: float, size: int) -> Array | None:
+    """Return that tilt adds at most ω to the height's equation, as a pencil; None if it does not.
+
+    Parameters
+    ----------
+    loop : Loop
+    bounds : Bounds
+        Of a barrier.
+    unit : float
+        Of b.
+    size : int
+        Of (1, μ, b2, b3, b4, …).
+    """
+    sine, cosine, _ = loop.tilt(bounds.force)
+    left = ((bounds.omega or 0.0) - loop.q3 * (1 - cosine)) / sine
+    if left <= 0:
+        return None
+    gamma = loop.turn_gain(bounds.force)
+    factors = {3: gamma**2, 4: (1 + gamma) ** 2}
+    return reciprocals(unit * left**2 / 2, {k: x for k, x in factors.items() if x}, size)

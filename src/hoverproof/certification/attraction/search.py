@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from hoverproof.certification.attraction.inequality import Bounds, Loop, Solution, solve
+from hoverproof.certification.attraction.inequality import Bounds, Loop, Solution
 from hoverproof.certification.attraction.potential import Potential, sphere
 from hoverproof.certification.attraction.sinking import Sinking
 
@@ -126,7 +126,7 @@ class Search:
             `Potential.hover_terms` of hovers that are to be inside.
         """
         bounds = self.bounds(x)
-        found = None if bounds is None else solve(self.loop, bounds, hovers)
+        found = None if bounds is None else self.loop.solve(bounds, hovers)
         return None if bounds is None or found is None else (bounds, found)
 
     def first_guess(self) -> list[tuple[float, float]]:
@@ -243,7 +243,7 @@ class HoverGrid:
         """
         radii = np.geomspace(0.02, LARGEST_RADIUS, steps)
         places = p.goal + sphere(rays)[:, None] * radii[None, :, None]
-        terms = p.hover_terms(places.reshape(-1, 3)).reshape(rays, steps, 4)
+        terms = p.hover_terms(places.reshape(-1, 3)).reshape(rays, steps, -1)
         return cls(radii, places[..., 2], terms)
 
     def reach(self, weights: Array, level: float, bottom: float | None) -> tuple[Array, Array]:
@@ -333,7 +333,7 @@ def reach_along(p: Potential, direction: Array, weights: Array, level: float) ->
 
 
 def _binding(search: Search, b: Bounds, s: Solution) -> str:
-    a2, a3, _ = s.weights
+    a2, a3 = s.weights[:2]
     force = search.loop.stiffness * np.sqrt(2 * s.level * (1 / a2 + 1 / a3))
     parts = []
     if s.level > 0.99 * b.most_level:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,17 +45,76 @@ class Falls:
     corners: tuple[Inequality, ...]
     used: tuple[int, ...]
 
+    def of_used(self) -> tuple[list[int], list[Inequality]]:
+        """Return the places of (1, parameters) that have a part in it, and what these multiply."""
+        there = [0, *self.used]
+        return there, [
+            Inequality(c.S[there], tuple(t._replace(u=t.u[there]) for t in c.terms))
+            for c in self.corners
+        ]
 
-def falls(limits: Limits, middle: float, radius: float, rate: float) -> Falls:
-    """Return -Ψ' - r Ψ ⪰ 0 at every vertex, for all J in a ball.
+
+class Slope(Protocol):
+    """What is known of J, or of Q."""
+
+    def lost(self, flow: Array, velocity: Array) -> Array:
+        """Return a form that is 0 or less for y = J V.
+
+        Parameters
+        ----------
+        flow, velocity : (3, N)
+            y and V of the variables.
+        """
+
+
+@dataclass(frozen=True)
+class Ball:
+    """|J - j I| <= ϱ.
+
+    Attributes
+    ----------
+    middle, radius : float
+        j and ϱ, 1/m.
+    """
+
+    middle: float
+    radius: float
+
+    def lost(self, flow: Array, velocity: Array) -> Array:
+        """Return |y - j V|² - ϱ²|V|²."""
+        off = flow - self.middle * velocity
+        return np.asarray(off.T @ off - self.radius**2 * velocity.T @ velocity)
+
+
+@dataclass(frozen=True)
+class Sector:
+    """0 ⪯ Q ⪯ λ I, so yᵀ(λV - y) >= 0.
+
+    Attributes
+    ----------
+    largest : float
+        λ, 1/m.
+    """
+
+    largest: float
+
+    def lost(self, flow: Array, velocity: Array) -> Array:
+        """Return -yᵀ(λV - y)."""
+        cross = self.largest / 2 * flow.T @ velocity
+        return np.asarray(flow.T @ flow - cross - cross.T)
+
+
+def falls(limits: Limits, slope: Slope, rate: float, potential: bool = False) -> Falls:
+    """Return -Ψ' - r Ψ ⪰ 0 at every vertex, for all J or Q.
 
     Parameters
     ----------
     limits : Limits
-    middle, radius : float
-        j and ϱ, 1/m.
+    slope : Slope
     rate : float
         r, 1/s.
+    potential : bool
+        See `derive_form`; then r is to be 0.
     """
     v = limits.vehicles
     lagged, late = v.rotor_lag > 0, v.latency > 0
@@ -74,12 +134,10 @@ def falls(limits: Limits, middle: float, radius: float, rate: float) -> Falls:
     y, n = (np.eye(Variables.size())[Variables.place(name)] for name in ("flow", "ahead"))
     used = (W2, W3, W4, *((TORQUE, THRUST) if lagged else ()), SLOPE, *((MEMORY,) if late else ()))
     corners = []
-    for at in _at_vertices(limits):
+    for at in _at_vertices(limits, potential):
         S = np.zeros((1 + PARAMETERS, *at["fall"].shape[1:]))
         S[:6] = at["fall"] - rate / 2 * at["energy"]
-        V = at["sum"][0] / float(v.design.slowness)
-        off = y - middle * V
-        S[SLOPE] = off.T @ off - radius**2 * V.T @ V
+        S[SLOPE] = slope.lost(y, at["sum"][0] / float(v.design.slowness))
         if late:
             forgets = np.exp(-rate * v.latency)
             S[MEMORY] = forgets / v.latency * n.T @ n - v.latency * y.T @ y
@@ -94,12 +152,12 @@ def falls(limits: Limits, middle: float, radius: float, rate: float) -> Falls:
     return Falls(tuple(corners), used)
 
 
-def _at_vertices(limits: Limits) -> Iterator[dict[str, Array]]:
+def _at_vertices(limits: Limits, potential: bool) -> Iterator[dict[str, Array]]:
     """Yield the matrices of each vertex by name, (6, ..): what 1, w2, w3, w4, a5, a6 multiply."""
     v, k = limits.vehicles, 1 + Weights.size()
     vertices = np.array(list(limits.vertices()))
     weights = np.vstack([np.zeros(Weights.size()), np.eye(Weights.size())])
-    form = derive_form(v.law, v.rotor_lag > 0)
+    form = derive_form(v.law, v.rotor_lag > 0, potential)
     several = form.map(len(vertices) * k)
     outputs = several(
         v.numbers, vertices.repeat(k, axis=0).T, np.tile(weights, (len(vertices), 1)).T
@@ -181,12 +239,8 @@ def solve(
     if not np.isfinite(limits.lever).all() or limits.tilt >= 1:
         return None
     low, high = ball
-    found = falls(limits, (low + high) / 2, (high - low) / 2, rate)
-    there = [0, *found.used]
-    corners = [
-        Inequality(c.S[there], tuple(t._replace(u=t.u[there]) for t in c.terms))
-        for c in found.corners
-    ]
+    found = falls(limits, Ball((low + high) / 2, (high - low) / 2), rate)
+    there, corners = found.of_used()
     place = {name: there.index(name) for name in found.used}
     size = len(there) + 1  # and the largest Ψ/ℓ of the starts, the last
     spare = np.zeros_like(corners[0].S)

@@ -214,8 +214,13 @@ class Limits:
         """Bound of |p1 - p2|, 1/s."""
         return self.quickness[1] * (self.reach.d3 + self.ahead)
 
+    @cached_property
+    def lean(self) -> float:
+        """Bound of the tangent of half the tilt."""
+        return float(self.tilt / (1 + np.sqrt(1 - self.tilt**2)))
+
     def vertices(self) -> Iterator[tuple[float, ...]]:
-        """Yield χ, h, ς, τ and π at all vertices."""
+        """Yield χ, h, ς, τ and π at all vertices, and how the vehicle leans most."""
         v = self.vehicles
         swing = 2 * self.sinking + self.crosswind if v.thrust or v.torque or v.rotor_lag else 0.0
         sides = (
@@ -224,6 +229,7 @@ class Limits:
             (1 - v.thrust, 1 + v.thrust),
             (0.0, v.rotor_lag),
             (-swing, swing),
+            (self.lean if v.in_image else 0.0,),
         )
         yield from itertools.product(*(sorted(set(side)) for side in sides))
 
