@@ -219,6 +219,11 @@ class Limits:
         """Bound of the tangent of half the tilt."""
         return float(self.tilt / (1 + np.sqrt(1 - self.tilt**2)))
 
+    @cached_property
+    def stretching(self) -> float:
+        """Bound of |D_c'/D_c| with rotors that lag, 1/s: a torque that stays turns δ4 more or less."""
+        return (1 + self.vehicles.thrust) * self.sinking + self.crosswind
+
     def vertices(self) -> Iterator[tuple[float, ...]]:
         """Yield χ, h, ς, τ and π at all vertices, and how the vehicle leans most."""
         v = self.vehicles
@@ -260,5 +265,6 @@ class Limits:
                 ("torque", "missed", v.yaw_rate),
                 ("torque", "pulled", slow * v.yaw_rate),
                 ("lift", "zeta", v.rotor_lag * v.pace * h * self.reach.d3),
+                ("torque", "applied", v.rotor_lag * self.stretching),
             ]
         return [term for term in each if term[2]]

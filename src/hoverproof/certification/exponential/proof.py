@@ -1,0 +1,130 @@
+"""Decide whether every vehicle within tolerance converges from some starts, and how soon."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from functools import cache
+
+from hoverproof.algebra.graph import fingerprint
+from hoverproof.certification.attraction.draft import NotShown
+from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.certificate import rejection, seal
+from hoverproof.certification.exponential.draft import draft
+from hoverproof.certification.exponential.form import derive_form
+from hoverproof.certification.exponential.positions import Scene
+from hoverproof.certification.exponential.search import Candidate, Search
+from hoverproof.certification.exponential.vehicles import Vehicles
+from hoverproof.certification.exponential.verdict import Exponential
+from hoverproof.certification.region import holds_target_point
+from hoverproof.certification.verdict import Undecided
+from hoverproof.errors import InputError
+from hoverproof.mission.sections import Mission
+from hoverproof.plant.goal import hover_goal
+from hoverproof.servo.law import Law
+
+Progress = Callable[[str], None]
+MOST_STARTS = 16
+SETTLED = Fraction(1, 10)
+"""Of the largest distance of a start from the goal: there the vehicle has settled."""
+WIDER = 0.1, 0.25
+"""By which share the ball of J is widened for the proof, one after the other."""
+
+
+def converge(
+    mission: Mission,
+    *,
+    starts: Sequence[Start] | None = None,
+    progress: Progress | None = None,
+) -> Exponential | Undecided:
+    """Prove that every vehicle within tolerance converges from some starts.
+
+    Parameters
+    ----------
+    mission : Mission
+    starts : sequence of Start, optional
+        Sets of states; by default the start of the mission.
+    progress : callable, optional
+        Is told what is being done.
+
+    Raises
+    ------
+    InputError
+        If the goal is not axial, or the mission poses no question.
+    """
+    tell = progress or (lambda text: None)
+    wanted = tuple(starts or [Start.of(mission)])
+    _require(mission, wanted)
+    scene, vehicles = Scene.of(mission), Vehicles.of(mission)
+    reason = ""
+    for wider in WIDER:
+        tell("searching for weights")
+        search = Search(vehicles, scene, wanted, wider)
+        found = _found(search)
+        if isinstance(found, str):
+            reason = reason or found
+            break
+        tell("proving")
+        try:
+            parts = draft(mission, search, found)
+        except NotShown as error:
+            reason = str(error)
+            continue
+        certificate = seal(
+            mission, "exponential", parts.content, model_fingerprint(search.vehicles.law)
+        )
+        reason = rejection(certificate)
+        if not reason:
+            return parts.verdict(certificate)
+    return Undecided(mission=mission, reason=reason, advice=_advice(mission))
+
+
+def _require(mission: Mission, starts: Sequence[Start]) -> None:
+    """Refuse what poses no question."""
+    if any(end != 0 for ends in hover_goal(mission).centroid[:2] for end in ends):
+        key = "goal.centroid" if mission.goal.height is None else "goal.height"
+        raise InputError(
+            mission.source, key, "is not axial: this theorem needs q1* = q2* = 0 exactly"
+        )
+    if len(starts) > MOST_STARTS:
+        raise InputError("--start", "", f"at most {MOST_STARTS} starts go into one certificate")
+    if any(holds_target_point(mission, start.position) for start in starts):
+        raise InputError(mission.source, "--start", "holds a target point")
+    if mission.uncertainty.latency and not mission.sensors.gyro_turned:
+        raise InputError(
+            mission.source,
+            "uncertainty.latency",
+            "is covered only if the controller turns the feature it holds with the gyroscope; "
+            "set gyro_turned = true in [sensors]",
+        )
+
+
+def _found(search: Search) -> Candidate | str:
+    """Return a candidate that holds the starts, or why there is none."""
+    terms = search.terms()
+    first = search.deepest(terms)
+    if first is None:
+        return "no weights were found that satisfy the inequality"
+    if first.solution.fill > 1:
+        return f"Ψ at the start is {first.solution.fill:.3g} times the highest level found"
+    return search.soonest(first, terms, search.settled_offset())
+
+
+def _advice(mission: Mission) -> tuple[str, ...]:
+    """Say what may help."""
+    lines = ["a start nearer to the goal", "smaller k1, which asks for less force and speed"]
+    covered = mission.uncertainty.covers()
+    if covered:
+        lines.append(f"smaller tolerances than {', '.join(covered)}")
+    return tuple(lines)
+
+
+@cache
+def model_fingerprint(law: Law) -> str:
+    """Return the SHA-256 of the graph from which the inequality was made.
+
+    Parameters
+    ----------
+    law : Law
+    """
+    return fingerprint(derive_form(law, True))

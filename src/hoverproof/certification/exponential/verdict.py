@@ -1,0 +1,80 @@
+"""What the question of exponential convergence came to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.region import Box
+from hoverproof.certification.verdict import Proved
+
+NOT_COVERED = (
+    "goals whose centroid is not straight below",
+    "noise of measurements, gusts, and a controller that runs in steps",
+    "frames that bend, ground effect, drag",
+    "a camera that loses the target: every point is taken to be seen at all times",
+)
+"""What no theorem about vehicles within tolerance says, in words."""
+
+
+@dataclass(frozen=True)
+class Settling:
+    """When the vehicle is near its goal for good.
+
+    Attributes
+    ----------
+    radius : Fraction
+        About the hover point, m.
+    time : Fraction
+        s, from switching on.
+    """
+
+    radius: Fraction
+    time: Fraction
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exponential(Proved):
+    """From all starts every vehicle within tolerance converges, Ψ(t) <= Ψ(0) exp(-r t).
+
+    Attributes
+    ----------
+    mission, certificate
+        See `Proved` of `hoverproof.certification.verdict`.
+    level : Fraction
+        ℓ: the set is {Ψ <= ℓ}, dimensionless.
+    start_level : Fraction
+        Bound of Ψ at the starts.
+    weights : (3,) Fractions
+        w2, w3, w4 of Ψ; w1 = 1.
+    rate : Fraction
+        r, 1/s.
+    settling : Settling
+    box : Box
+        No motion leaves these positions, m.
+    slope : (low, high)
+        Bounds of J, or Q, on the way: j - ϱ and j + ϱ, 1/m.
+    offset : Fraction
+        |σ - σ*| on the way is at most that.
+    tilt : Fraction
+        Bound of the tilt on the way, rad.
+    thrust : (low, high)
+        Bounds of the thrust over the true mass, times m, on the way, N.
+    field_of_view : Fraction or None
+        Every target point is seen within that angle of the optical axis on the way, rad.
+    starts : tuple of Start
+    """
+
+    level: Fraction
+    start_level: Fraction
+    weights: tuple[Fraction, ...]
+    rate: Fraction
+    settling: Settling
+    box: Box
+    slope: tuple[Fraction, Fraction]
+    offset: Fraction
+    tilt: Fraction
+    thrust: tuple[Fraction, Fraction]
+    field_of_view: Fraction | None
+    starts: tuple[Start, ...]
