@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.form import derive_form
+from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.robust import Inequality, Term, optimise, reciprocals
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Design
@@ -128,6 +129,43 @@ class Loop:
         S += cross + cross.swapaxes(1, 2)
         return Inequality(S, (Term(u, v[0], np.array(largest / 2)),))
 
+    def at_start(
+        self, mission: Mission, start: Start, whole: Array, level: Array, force: float
+    ) -> Array:
+        """Return what a2, a3, a4 are multiplied by at most in Λ, (k, 3).
+
+        Parameters
+        ----------
+        mission : Mission
+        start : Start
+        whole, level : (k,)
+            Bounds of |q - q3* e3| and of its horizontal part, q as seen by a level camera.
+        force : float
+            Bound of |F| in the set, N.
+        """
+        m, gains, q3 = float(mission.vehicle.mass), mission.gains, self.q3
+        speed, tilt, rate, thrust = map(float, (start.speed, start.tilt, start.rate, start.thrust))
+        moved, lean = m / float(gains.k1) * speed, self.weight / self.stiffness * tilt
+        quick = self.stiffness * float(gains.k1 * gains.k2 + gains.k3)
+        turned = m / quick * (self.weight + thrust - self.stiffness * q3) * rate
+        d2 = whole + q3 * tilt + moved
+        d3 = d2 + thrust / self.stiffness + lean
+        d4 = level + turned + lean + moved + len(mission.target.points) * tilt
+        return np.stack([d2**2 / 2, d3**2 / 2, d4**2 / 2], axis=1)
+
+    def path_before(self, start: Start) -> float:
+        """Return how far before the start positions matter, m.
+
+        Parameters
+        ----------
+        start : Start
+        """
+        return 0.0
+
+    def nominal(self) -> Loop | None:
+        """Return a loop from whose weights to search on, if there is one."""
+        return None
+
     def solve(self, bounds: Bounds, hovers: Array) -> Solution | None:
         """Find weights and a level that bring hovers as deep as can be below the level.
 
@@ -180,11 +218,14 @@ class Solution:
         ℓ, m.
     fill : float
         Largest Λ/ℓ of the hovers, dimensionless; they are inside if it is below 1.
+    multipliers : (j,)
+        Of a tolerant loop.
     """
 
     weights: Array
     level: float
     fill: float
+    multipliers: Array
 
 
 def _solve(loop: Loop, bounds: Bounds, hovers: Array) -> Solution | None:
@@ -213,7 +254,7 @@ def _solve(loop: Loop, bounds: Bounds, hovers: Array) -> Solution | None:
     if found is None or not (found.x[:4] > 0).all():
         return None
     mu, *b, fill = found.x
-    return Solution(np.array(b) / mu, float(1 / (mu * unit)), float(fill * unit))
+    return Solution(np.array(b) / mu, float(1 / (mu * unit)), float(fill * unit), np.zeros(0))
 
 
 def barrier_pencil(loop: Loop, bounds: Bounds, unit: float, size: int) -> Array | None:

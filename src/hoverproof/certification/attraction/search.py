@@ -150,25 +150,37 @@ class Search:
         value : callable
             Takes bounds and solution; returns what is to be made small.
         """
+        found = self.solve(self._point(hovers, value), hovers)
+        if found is None:
+            return None
+        b, s = found
+        binding = _binding(self, b, s)
+        return Found(s.weights, s.level, s.fill, s.multipliers, b.largest, b.bottom, binding)
+
+    def _point(
+        self, hovers: Array, value: Callable[[Bounds, Solution], float]
+    ) -> tuple[float, float]:
+        """Return where the value is least; without tolerances first, if there are any."""
 
         def cost(x: Sequence[float]) -> float:
             found = self.solve(x, hovers)
             return 1e6 if found is None else value(*found)
 
-        guesses = [(cost(x), x) for x in self.first_guess()]
-        start = min(guesses)[1]
+        nominal, guesses, evaluations = self.loop.nominal(), self.first_guess(), EVALUATIONS
+        if nominal is not None:
+            x, y = replace(self, loop=nominal)._point(hovers, value)
+            near = [(x, y), (x - 0.5, y), (x, y - 0.3), (x - 1, y - 0.6), (x - 2, y - 0.3)]
+            if min(map(cost, near)) < 1e6:
+                guesses, evaluations = near, EVALUATIONS // 2
+        start = min((cost(x), x) for x in guesses)[1]
         simplex = [start, (start[0] + 0.5, start[1]), (start[0], start[1] + 0.15)]
         result = minimize(
             cost,
             start,
             method="Nelder-Mead",
-            options={"maxfev": EVALUATIONS, "initial_simplex": simplex, **ENOUGH},
+            options={"maxfev": evaluations, "initial_simplex": simplex, **ENOUGH},
         )
-        found = self.solve(result.x, hovers)
-        if found is None:
-            return None
-        b, s = found
-        return Found(s.weights, s.level, s.fill, b.largest, b.bottom, _binding(self, b, s))
+        return float(result.x[0]), float(result.x[1])
 
 
 def find(search: Search, objective: Objective, starts: Array) -> Found | None:

@@ -27,6 +27,9 @@ Array = NDArray[np.float64]
 W2, W3, W4, TORQUE, THRUST, SLOPE, MEMORY = range(1, 8)
 """Places among (1, parameters)."""
 PARAMETERS = 7
+ALONG_Y = 1, 4, 7, 10, 12, 15, 18
+"""Places of what is along the second axis among the variables. No product in the inequality joins
+it with the others, and it is in it as what is along the first: so it is left out."""
 SPARE = 1e-6
 """What -(E' + …) is asked to be above, as a share of 2 E and of the other squares."""
 
@@ -129,6 +132,7 @@ def falls(limits: Limits, slope: Slope, rate: float, potential: bool = False) ->
         )
         if there
         for place in range(Variables.size())[Variables.place(name)]
+        if place not in ALONG_Y
     ]
     terms = limits.terms()
     y, n = (np.eye(Variables.size())[Variables.place(name)] for name in ("flow", "ahead"))

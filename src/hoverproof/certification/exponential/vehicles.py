@@ -13,12 +13,34 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Design, Law
 from hoverproof.servo.laws.hamel_mahony import law_of
 from hoverproof.servo.uncertain import kappa
 
 Array = NDArray[np.float64]
+
+
+def require_turned(mission: Mission) -> None:
+    """Refuse a latency through which the feature is not turned with the gyroscope.
+
+    Parameters
+    ----------
+    mission : Mission
+
+    Raises
+    ------
+    InputError
+        If there is one.
+    """
+    if mission.uncertainty.latency and not mission.sensors.gyro_turned:
+        raise InputError(
+            mission.source,
+            "uncertainty.latency",
+            "is covered only if the controller turns the feature it holds with the gyroscope; "
+            "set gyro_turned = true in [sensors]",
+        )
 
 
 @dataclass(frozen=True)
