@@ -112,7 +112,7 @@ class Push(Packed):
     pull : SX
         To P(δ3' - δ2') in it, (2, 1).
     lift : SX
-        To δ3z' in τ μT', (1, 1).
+        To τ μT', (1, 1).
     """
 
     d4: ca.SX = column("1/s", 2)
@@ -194,7 +194,7 @@ def derive_form(law: Law, lagged: bool, potential: bool = False) -> ca.Function:
             smooth, x.errors, rates + ca.vertcat(0, 0, 0, 0, 0, 0, push.pull, 0, 0, 0)
         )
         torque_rate = asked - applied + push.torque - at.lag * smooth_rate
-        thrust_rate = lift - lifted - at.lag * kappa(d) * (rates[8] + push.lift)
+        thrust_rate = lift - lifted - at.lag * kappa(d) * rates[8] + push.lift
     first = 0 if potential else 1
     sizes = ca.vertcat(
         *(ca.repmat(w_, n) for w_, n in zip((first, w.d2, w.d3, w.d4), (3, 3, 3, 2), strict=True))
