@@ -1180,16 +1180,19 @@ START = {  # a set of states, with any heading and any yaw rate
 class Axial(Claim):
     """A claim for a goal straight below, q* = (0, 0, q3*)."""
 
+    laws: ClassVar[set[tuple[str, ...]]] = {PAPERS}
+
     def __init__(self, c: Any) -> None:
         super().__init__(c)
-        require(self.of_another_law() == "", "this is shown for the law of the paper alone")
+        require(self.law in self.laws, "this is shown for the law of the paper alone")
         self.q3 = self.centroid[2]  # holds q3*
         require(not any(map(any, self.centroid[:2])), "the goal is not axial")
 
     def asked(self) -> str:
         """Say for which vehicle, gains and goal."""
         return (
-            f"the mission {self.name} (m = {self.m} kg, g = {self.gravity} m/s², {self.gains()}, "
+            f"the mission {self.name} ({self.of_another_law()}m = {self.m} kg, g = {self.gravity} "
+            f"m/s², {self.gains()}, "
             f"goal straight below with q3* = {float(sum(self.q3) / 2):.12g} to 12 digits)"
         )
 
@@ -1226,7 +1229,7 @@ class Attraction(Axial):
         self.a, self.level = c.weights, claim.level
         reach = square_root(2 * self.level * (1 / self.a[0] + 1 / self.a[1]))[1]
         self.force = self.stiffness * reach  # bounds |F|, N
-        self.singular = self.stiffness * self.q3[1]  # c q3*, N
+        self.singular = self.stiffness * self.fixed[2][1]  # c q3*, N
         low = self.weight - self.force > self.singular
         require(low, "the thrust reaches the singularity T = c q3*")
         self.sine = self.force / self.weight  # bounds sin φ
@@ -1266,21 +1269,26 @@ class Attraction(Axial):
         """Verify that the set is not left, and that Λ falls in it as claimed."""
         hints, trees = self.c.enclosures, self.c.trees
         require(within(self.q3, hints.goal), "the interval of q3* does not hold it")
-        high, low = self.weight + self.force, self.weight - self.force
-        f = self.factor(high, self.q3[0]), self.factor(low, self.q3[1])
-        require(within(f, hints.factor), "the interval of f does not hold f(T)")
         tilted = hints.tilt * (1 + self.cosine) >= self.sine
         require(tilted, "tan(φ/2) is not below the bound of the tilt")
-        rate = self.c.claim.rate * squares([Fraction(1)] * 4, ERRORS)
-        ends = zip(hints.factor, self.c.multipliers, strict=True)
-        for (end, tau), q3 in itertools.product(ends, hints.goal):
-            M = self.dissipation(hints.largest_eigenvalue, end, q3, hints.tilt, tau) - rate
-            require(M.positive(), "-(m/k1) Λ' is not shown to be above rate·|Y|²")
+        self.verify_fall()
         if self.bottom is not None:
             self.verify_barrier(self.bottom, trees.barrier)
         self.verify_positions(hints.largest_eigenvalue, trees.positions)
         for start, tree in zip(self.starts, trees.starts, strict=True):
             self.verify_start(start, tree)
+
+    def verify_fall(self) -> None:
+        """Verify that Λ falls as claimed where Q ⪯ λ I."""
+        hints = self.c.enclosures
+        high, low = self.weight + self.force, self.weight - self.force
+        f = self.factor(high, self.q3[0]), self.factor(low, self.q3[1])
+        require(within(f, hints.factor), "the interval of f does not hold f(T)")
+        rate = self.c.claim.rate * squares([Fraction(1)] * 4, ERRORS)
+        ends = zip(hints.factor, self.c.multipliers, strict=True)
+        for (end, tau), q3 in itertools.product(ends, hints.goal):
+            M = self.dissipation(hints.largest_eigenvalue, end, q3, hints.tilt, tau) - rate
+            require(M.positive(), "-(m/k1) Λ' is not shown to be above rate·|Y|²")
 
     def dissipation(
         self, high: Fraction, f: Fraction, q3: Fraction, t: Fraction, tau: Fraction
@@ -1347,7 +1355,7 @@ class Attraction(Axial):
         require(k3 >= 3 * k1 * k2, "a barrier needs k3 >= 3 k1 k2")
         gamma = self.singular / (self.weight - self.force - self.singular)
         spread = square_root(2 * self.level * ((1 + gamma) ** 2 / a4 + gamma**2 / a3))[1]
-        omega = self.q3[1] * (1 - self.cosine) + self.sine * spread
+        omega = self.fixed[2][1] * (1 - self.cosine) + self.sine * spread
         limit, most = self.q3[0] - omega, len(self.points) - self.q3[0] + omega
         require(limit > 0, "the tilt lifts the barrier out of reach")
         kappa, product = (k1 * k2 + k3) / m, (k1 * k2 + k3) * k1 * k2 / m**2  # r + s, r s
@@ -1384,7 +1392,7 @@ class Attraction(Axial):
         require(self.weight - start.thrust > self.singular, "a thrust at the start is too low")
         above = self.bottom is None or start.position[2][1] <= self.bottom
         require(above, "a start is below the barrier")
-        box, add = self.grid.cell(start.position), self.added(start)
+        box, add = self.grid.cell(self.path(start)), self.added(start)
         middle = [sum(side) for side in box[:2]]
         disc, side = start is self.starts[0], self.c.claim.reach.sideways
         rim = math.ceil((2 * self.grid.unit * side + 2) ** 2)
@@ -1400,7 +1408,11 @@ class Attraction(Axial):
 
         cover(tree, box, hold, "a start is not shown to have Λ <= level")
 
-    def added(self, start: Object) -> list[int]:
+    def path(self, start: Object) -> Sequence[Interval]:
+        """Return the positions of a start, those before it that matter among them."""
+        return list(start.position)
+
+    def added(self, start: Object) -> Any:
         """Return what a start that moves adds to |δ1|, then |δ2| and |δ3|, and to |δ4|, in 1/ONE.
 
         To lean by φ turns q3* ρ and the unit vectors of q by φ, and adds at most m g φ to |F|.
@@ -1413,7 +1425,7 @@ class Attraction(Axial):
         shares = (self.q3[1] * start.tilt, moved, start.thrust / self.stiffness + lean, last)
         return [math.ceil(ONE * x) for x in shares]
 
-    def below_level(self, add: Sequence[int], cell: Cell) -> bool:
+    def below_level(self, add: Any, cell: Cell) -> bool:
         """Show Λ <= ℓ for positions in a cell.
 
         W is convex, so its corners bound it; q changes by at most Σ 1/ri a metre, and by at most φ
@@ -1430,11 +1442,15 @@ class Attraction(Axial):
         change = sum(ONE * view.radius // (d - view.radius) + 1 for d in view.near)
         sizes = self.slopes(view)  # of q - q* at the centre
         level, whole = (math.isqrt(dot(x, x)) + 1 + change for x in (sizes[:2], sizes))
+        W = Fraction(highest - self.least, self.grid.unit * ONE)
+        return bool(W + self.beside(add, whole, level) <= self.level)
+
+    def beside(self, add: Any, whole: int, level: int) -> Fraction:
+        """Bound Λ - W where |q - q*| and its horizontal part are bounded, in units of 1/ONE."""
         d2, d4 = whole + add[0] + add[1], level + add[3]
         a2, a3, a4 = self.a
-        W = Fraction(highest - self.least, self.grid.unit * ONE)
         rest = a2 * d2**2 + a3 * (d2 + add[2]) ** 2 + a4 * d4**2
-        return bool(W + rest / (2 * ONE**2) <= self.level)
+        return Fraction(rest / (2 * ONE**2))
 
     def words(self) -> str:
         """Say what is proved."""
@@ -1686,28 +1702,10 @@ NONE = Object(
 )
 
 
-class Exponential(Claim):
-    """Every vehicle within tolerances converges at a rate, from some states."""
+class Tolerant(Claim):
+    """A claim about every vehicle within tolerances."""
 
-    own: ClassVar[dict[str, Any]] = {
-        "weights": [positive] * 3,  # w2, w3, w4
-        "lag": maybe({"torque": positive, "thrust": positive}),  # a5, a6
-        "memory": maybe(positive),  # M
-        "multipliers": {"slope": positive, "terms": several(positive, 8)},
-        "domain": {
-            **{"wedge": BOX, "bounds": [positive] * 2, "offset": positive},
-            **{"cone": maybe(share), "tree": TREE},  # the cosine of an angle
-        },
-        "enclosures": {"goal": interval},  # of s3*
-        "hover": VECTOR,  # near the hover at the goal, m
-        "claim": {
-            **dict.fromkeys(("level", "rate", "start_level"), positive),
-            "starts": several(START, MAX_STARTS),
-            "settling": dict.fromkeys(("offset", "radius", "time"), positive),
-            "cone": maybe(share),
-        },
-        "trees": {"near": TREE, "starts": several(TREE, MAX_STARTS)},
-    }
+    high: Fraction  # bounds |J|, 1/m
 
     def __init__(self, c: Any) -> None:
         super().__init__(c)
@@ -1724,18 +1722,8 @@ class Exponential(Claim):
         require(exact, "a modelled force knows nothing of thrust, rotor lag and wind")
         require((c.lag is not None) == (may.rotor_lag > 0), "weights of the lag belong to a lag")
         require((c.memory is not None) == (may.latency > 0), "a memory belongs to a latency")
-        self.low, self.high = c.domain.bounds
-        require(self.low < self.high, "the bounds of J are not in order")
         i1, i2, i3 = c.mission.vehicle.inertia
         self.gyroscopic = max(abs(i3 - i2) / i1, abs(i3 - i1) / i2)  # bounds |Gc|
-        self.grid = Grid(self.points)
-        self.place = Wedges(c, self.points, self.scaled)
-        require(c.claim.starts, "there is no start")
-        costs = ((tree, 10) for tree in (c.trees.near, *c.trees.starts))
-        require_little(self.points, (c.domain.tree, 25 if self.scaled else 15), *costs)
-        require(len(c.trees.starts) == len(c.claim.starts), "a tree a start")
-        angles = c.claim.cone is None or c.domain.cone is not None
-        require(angles, "the angle under which all is seen needs a cone over the domain")
         self.bound()
         late, lagged = may.latency > 0, may.rotor_lag > 0
         held = [*[(True, True)] * 3, (True, False), (True, True), (late, late), (lagged, lagged)]
@@ -1753,12 +1741,12 @@ class Exponential(Claim):
 
     def bound(self) -> None:
         """Bound what the set {Ψ <= ℓ} holds."""
-        c, (w2, w3, w4), may, k1 = self.c, self.c.weights, self.may, self.k[0]
+        c, (w2, w3, w4), may = self.c, self.c.weights, self.may
         double, (low, high) = 2 * c.claim.level, c.enclosures.goal
         self.spread = upward(square_root(double * (1 / w2 + 1 / w3))[1])  # bounds |δ3 - δ2|
         self.sink = upward(square_root(double / w3)[1])  # |δ3|
         self.turn = upward(square_root(double * (1 / w3 + 1 / w4))[1])  # |ζ|
-        speed = k1 / self.m * upward(square_root(double * (1 + 1 / w2))[1])  # |V|
+        speed = self.k[0] / self.m * self.fastest()  # |V|
         self.force, self.push = self.stiffness * self.spread, self.m * may.wind  # |F|, |w|
         least = self.weight - self.force
         require(least > self.push, "the force is not shown to be below the weight")
@@ -1777,11 +1765,10 @@ class Exponential(Claim):
         self.sine = (self.force + self.push) / self.weight  # bounds sin φ
         self.cosine = square_root(1 - self.sine**2)[0]  # below cos φ
         self.lean = upward(square_root(2 / (1 + self.cosine))[1])  # t
-        self.aside = Fraction(0) if self.inertial else high * self.lean  # s3 t
-        self.stretch = upward(
-            1 + (self.aside * self.stiffness / self.weight) ** 2 * (1 / w2 + 1 / w3)
-        )
-        self.shift = upward(self.aside * may.wind / self.gravity)
+
+    def fastest(self) -> Fraction:
+        """Bound |δ1 + δ2|."""
+        raise NotImplementedError
 
     def vertices(self) -> Any:
         """Return the corners of χ, s3 h, ς, τ and π."""
@@ -1799,17 +1786,17 @@ class Exponential(Claim):
     def nominal(
         self, chi: Fraction, drag: Fraction, gain: Fraction, tau: Fraction, pi: Fraction
     ) -> Form:
-        """Return E' without what is bounded by its norm."""
+        """Return E' without what is bounded by its norm, and without what |δ1|² adds."""
         (w2, w3, w4), kappa, stiff = self.c.weights, self.kappa, self.kappa + self.damping
-        (D1, D2, D3, D4), Y, N = self.errors, self.Y, self.N
+        (_, D2, D3, D4), Y, N = self.errors, self.Y, self.N
         zeta, pull = D4 - flat(D3), self.k12 * (D3 - D2)
         dragged = drag * zeta
         lift = kappa * upright(D3) + self.lift if self.c.lag else kappa * upright(D3 - N)
-        d1, d2 = dragged - Y, Y + pull - dragged
+        d2 = Y + pull - dragged
         d3 = Y + pull + (kappa * chi) * zeta - gain * lift
         turning = kappa * chi + (gain - 1) * pi / 2 + pi
         d4 = flat(Y + pull) + turning * zeta + self.command(pi)
-        total: Form = (D1 @ d1) + w2 * (D2 @ d2) + w3 * (D3 @ d3) + w4 * (D4 @ d4)
+        total: Form = w2 * (D2 @ d2) + w3 * (D3 @ d3) + w4 * (D4 @ d4)
         if self.c.lag:
             steady = stiff * flat(N) - pi * zeta - self.lag
             late = steady + tau * (stiff * d4 + self.k12 * ((kappa * chi) * zeta + dragged))
@@ -1856,31 +1843,174 @@ class Exponential(Claim):
             ]
         return [(u, v, upward(radius)) for u, v, radius in each if radius]
 
+    def least_fall(self, fading: Fraction, *corner: Fraction) -> Form:
+        """Return the lower bound of -Ψ' at a corner, without what |δ1|² adds and what J is."""
+        *_, tau, pi = corner
+        c, latency = self.c, self.may.latency
+        form: Form = Form() - self.nominal(*corner)
+        if c.memory:
+            form += (c.memory * fading / latency) * (self.N @ self.N)
+            form -= (c.memory * latency) * (self.Y @ self.Y)
+        for t, (u, v, radius) in zip(c.multipliers.terms, self.terms(tau, pi), strict=True):
+            form -= (radius / 2) * (t * (v @ v) + (1 / t) * (u @ u))
+        return form
+
+    def at_start(self, start: Object, offset: Fraction, level: Fraction) -> tuple[Fraction, ...]:
+        """Bound |δ1|²/2 and the rest of Ψ at a start by |σ - s*| and its horizontal part.
+
+        The rotors are steady: Ua = 0 and b = 0, hence μ = -σn and μT = -κ δ3z.
+        """
+        (w2, w3, w4), may, stiff = self.c.weights, self.may, self.kappa + self.damping
+        f0 = start.thrust + self.weight * start.tilt
+        lean = self.lean * (f0 + self.push) / self.weight  # f0 <= f, as |δ3| shows
+        s3 = Fraction(0) if self.inertial else self.c.enclosures.goal[1]
+        d1 = offset + s3 * lean
+        flat1 = min(d1, level + lean * (offset + s3))  # |Pδ1|, body axes
+        moved, pushed = self.m / self.k[0] * start.speed, f0 / self.stiffness
+        lever = self.weight + f0
+        if not self.inertial:
+            lever -= self.stiffness * self.c.enclosures.goal[0]
+        d2 = d1 + moved
+        d3 = d2 + pushed
+        d4 = flat1 + moved + pushed + lever * start.rate / (self.stiffness * self.kappa)
+        total = w2 * d2**2 + w3 * d3**2 + w4 * d4**2
+        if self.c.lag:
+            asked = stiff * d4 + self.k12 * pushed
+            rotors = self.c.lag.torque * asked**2 + self.c.lag.thrust * (self.kappa * d3) ** 2
+            total += may.rotor_lag * rotors
+        if self.c.memory:
+            total += self.c.memory * (may.latency * self.high * start.speed) ** 2
+        return d1**2 / 2, Fraction(total / 2)
+
+    def left_out(self) -> str:
+        """Say nothing: all that the mission asks to be covered is."""
+        return ""
+
+    def vehicles(self) -> str:
+        """Say which vehicles, winds and cameras are covered."""
+        may = self.may
+        ends = f"{about(1 - may.thrust)} to {about(1 + may.thrust)} times"
+        gained = f"by {ends} what is commanded" if may.thrust else "just as commanded"
+        law = "measured force is exact" if self.law[2] == "measured" else "force is as modelled"
+        torque = "e3×Ω' = a without error, a the angular acceleration commanded"
+        if may.torque:
+            torque = (
+                "e3×Ω' = (I + γ) a + Ω3 G e3×Ω, a commanded, with any 2 x 2 matrices γ and G, which "
+                f"may change, of norm at most {about(may.torque)} (inertia and rotors)"
+            )
+        lag = "no rotor lag"
+        if may.rotor_lag:
+            lag = (
+                "rotors that follow the commanded change of thrust and the commanded torque with a "
+                f"first-order lag of one constant time of at most {about(may.rotor_lag)} s"
+            )
+        late = "no latency"
+        if may.latency:
+            late = (
+                f"an image at most {about(may.latency)} s old when it is used, the frame period "
+                "included, in any way that changes, and turned to now by the body rates"
+            )
+        wind = "no wind"
+        if may.wind:
+            wind = f"a steady wind from anywhere whose force over mass is <= {about(may.wind)} m/s²"
+        yaw = f"|Ω3| <= {about(may.yaw_rate)} rad/s" if may.yaw_rate else "Ω3 = 0"
+        if not (may.torque or may.latency or may.rotor_lag):
+            yaw = "any Ω3"  # nothing but these depends on it
+        return (
+            f"a true thrust over mass that changes {gained}, {torque}, {lag}, {late}, {wind} and "
+            f"{yaw} on the way, where V, Ω and the vertical are known exactly and the {law}"
+        )
+
+    def state(self, start: Object, place: str = "") -> str:
+        """Describe a set of states, by another description of its positions if there is one."""
+        f0 = start.thrust + self.weight * start.tilt
+        sides = ", ".join(about(a, b) for a, b in start.position)
+        held = f"upright state (T > 0) with {place or f'position in ({sides}) m'}, any heading, "
+        if start.speed:
+            held += f"|V| <= {about(start.speed)} m/s"
+            held += (
+                f" in the {about(self.may.latency)} s before too, " if self.may.latency else ", "
+            )
+        else:
+            held += "at rest, "
+            held += f"for {about(self.may.latency)} s already, " if self.may.latency else ""
+        held += f"an acceleration of at most {about(f0 / self.m)} m/s²" if f0 else "no acceleration"
+        held += f" and √(Ω1² + Ω2²) <= {about(start.rate)} rad/s"
+        if self.may.rotor_lag:
+            held += ", thrust and torque of the rotors being steady and zero in turn"
+        return held
+
+
+class Exponential(Tolerant):
+    """Every vehicle within tolerances converges at a rate, from some states."""
+
+    own: ClassVar[dict[str, Any]] = {
+        "weights": [positive] * 3,  # w2, w3, w4
+        "lag": maybe({"torque": positive, "thrust": positive}),  # a5, a6
+        "memory": maybe(positive),  # M
+        "multipliers": {"slope": positive, "terms": several(positive, 8)},
+        "domain": {
+            **{"wedge": BOX, "bounds": [positive] * 2, "offset": positive},
+            **{"cone": maybe(share), "tree": TREE},  # the cosine of an angle
+        },
+        "enclosures": {"goal": interval},  # of s3*
+        "hover": VECTOR,  # near the hover at the goal, m
+        "claim": {
+            **dict.fromkeys(("level", "rate", "start_level"), positive),
+            "starts": several(START, MAX_STARTS),
+            "settling": dict.fromkeys(("offset", "radius", "time"), positive),
+            "cone": maybe(share),
+        },
+        "trees": {"near": TREE, "starts": several(TREE, MAX_STARTS)},
+    }
+
+    def __init__(self, c: Any) -> None:
+        self.low, self.high = c.domain.bounds
+        super().__init__(c)
+        require(self.low < self.high, "the bounds of J are not in order")
+        self.grid = Grid(self.points)
+        self.place = Wedges(c, self.points, self.scaled)
+        require(c.claim.starts, "there is no start")
+        costs = ((tree, 10) for tree in (c.trees.near, *c.trees.starts))
+        require_little(self.points, (c.domain.tree, 25 if self.scaled else 15), *costs)
+        require(len(c.trees.starts) == len(c.claim.starts), "a tree a start")
+        angles = c.claim.cone is None or c.domain.cone is not None
+        require(angles, "the angle under which all is seen needs a cone over the domain")
+
+    def bound(self) -> None:
+        """Bound what the set {Ψ <= ℓ} holds, and how far positions are."""
+        super().bound()
+        c, (w2, w3, _), may = self.c, self.c.weights, self.may
+        high = c.enclosures.goal[1]
+        self.aside = Fraction(0) if self.inertial else high * self.lean  # s3 t
+        self.stretch = upward(
+            1 + (self.aside * self.stiffness / self.weight) ** 2 * (1 / w2 + 1 / w3)
+        )
+        self.shift = upward(self.aside * may.wind / self.gravity)
+
+    def fastest(self) -> Fraction:
+        """Bound |δ1 + δ2|."""
+        return upward(square_root(2 * self.c.claim.level * (1 + 1 / self.c.weights[0]))[1])
+
     def decrease(self, *corner: Fraction) -> Form:
         """Return the lower bound of -Ψ' - r Ψ at a corner."""
-        *_, tau, pi = corner
-        c, rate, latency = self.c, self.c.claim.rate, self.may.latency
+        _, drag, _, tau, _ = corner
+        c, rate, (D1, D2, D3, D4) = self.c, self.c.claim.rate, self.errors
         energy = squares([Fraction(1), *c.weights], self.errors)
         if c.lag:
             energy += tau * (
                 c.lag.torque * (self.lag @ self.lag) + c.lag.thrust * (self.lift @ self.lift)
             )
         j, reach = (self.low + self.high) / 2, (self.high - self.low) / 2
-        V = (self.k[0] / self.m) * (self.errors[0] + self.errors[1])
-        out = self.Y - j * V
+        V = (self.k[0] / self.m) * (D1 + D2)
+        out, x = self.Y - j * V, rate * self.may.latency
+        fading = 1 - x + x**2 / 2 - x**3 / 6  # below exp(-x)
         form: Form = (
-            Form()
-            - self.nominal(*corner)
+            self.least_fall(fading, *corner)
+            - (D1 @ (drag * (D4 - flat(D3)) - self.Y))
             - (rate / 2) * energy
             - c.multipliers.slope * (reach**2 * (V @ V) - out @ out)
         )
-        if c.memory:
-            x = rate * latency
-            fading = 1 - x + x**2 / 2 - x**3 / 6  # below exp(-x)
-            form += (c.memory * fading / latency) * (self.N @ self.N)
-            form -= (c.memory * latency) * (self.Y @ self.Y)
-        for t, (u, v, radius) in zip(c.multipliers.terms, self.terms(tau, pi), strict=True):
-            form -= (radius / 2) * (t * (v @ v) + (1 / t) * (u @ u))
         return form
 
     def verify(self) -> None:
@@ -1940,75 +2070,12 @@ class Exponential(Claim):
         def hold(cell: Cell) -> bool:
             offsets = self.place.start(self.grid, cell)
             return (
-                offsets is not None and self.at_start(start, *offsets) <= self.c.claim.start_level
+                offsets is not None
+                and sum(self.at_start(start, *offsets)) <= self.c.claim.start_level
             )
 
         what = "a start is not shown to have Ψ <= its level"
         cover(tree, self.grid.cell(box), hold, what)
-
-    def at_start(self, start: Object, offset: Fraction, level: Fraction) -> Fraction:
-        """Bound Ψ at a start by |σ - s*| and its horizontal part.
-
-        The rotors are steady: Ua = 0 and b = 0, hence μ = -σn and μT = -κ δ3z.
-        """
-        (w2, w3, w4), may, stiff = self.c.weights, self.may, self.kappa + self.damping
-        f0 = start.thrust + self.weight * start.tilt
-        lean = self.lean * (f0 + self.push) / self.weight  # f0 <= f, as |δ3| shows
-        s3 = Fraction(0) if self.inertial else self.c.enclosures.goal[1]
-        d1 = offset + s3 * lean
-        flat1 = min(d1, level + lean * (offset + s3))  # |Pδ1|, body axes
-        moved, pushed = self.m / self.k[0] * start.speed, f0 / self.stiffness
-        lever = self.weight + f0
-        if not self.inertial:
-            lever -= self.stiffness * self.c.enclosures.goal[0]
-        d2 = d1 + moved
-        d3 = d2 + pushed
-        d4 = flat1 + moved + pushed + lever * start.rate / (self.stiffness * self.kappa)
-        total = d1**2 + w2 * d2**2 + w3 * d3**2 + w4 * d4**2
-        if self.c.lag:
-            asked = stiff * d4 + self.k12 * pushed
-            rotors = self.c.lag.torque * asked**2 + self.c.lag.thrust * (self.kappa * d3) ** 2
-            total += may.rotor_lag * rotors
-        if self.c.memory:
-            total += self.c.memory * (may.latency * self.high * start.speed) ** 2
-        return Fraction(total / 2)
-
-    def left_out(self) -> str:
-        """Say nothing: all that the mission asks to be covered is."""
-        return ""
-
-    def vehicles(self) -> str:
-        """Say which vehicles, winds and cameras are covered."""
-        may = self.may
-        ends = f"{about(1 - may.thrust)} to {about(1 + may.thrust)} times"
-        gained = f"by {ends} what is commanded" if may.thrust else "just as commanded"
-        law = "measured force is exact" if self.law[2] == "measured" else "force is as modelled"
-        torque = "e3×Ω' = a without error, a the angular acceleration commanded"
-        if may.torque:
-            torque = (
-                "e3×Ω' = (I + γ) a + Ω3 G e3×Ω, a commanded, with any 2 x 2 matrices γ and G, which "
-                f"may change, of norm at most {about(may.torque)} (inertia and rotors)"
-            )
-        lag = "no rotor lag"
-        if may.rotor_lag:
-            lag = (
-                "rotors that follow the commanded change of thrust and the commanded torque with a "
-                f"first-order lag of one constant time of at most {about(may.rotor_lag)} s"
-            )
-        late = "no latency"
-        if may.latency:
-            late = (
-                f"an image at most {about(may.latency)} s old when it is used, the frame period "
-                "included, in any way that changes, and turned to now by the body rates"
-            )
-        wind = "no wind"
-        if may.wind:
-            wind = f"a steady wind from anywhere whose force over mass is <= {about(may.wind)} m/s²"
-        yaw = f"|Ω3| <= {about(may.yaw_rate)} rad/s" if may.yaw_rate else "Ω3 = 0"
-        return (
-            f"a true thrust over mass that changes {gained}, {torque}, {lag}, {late}, {wind} and "
-            f"{yaw} on the way, where V, Ω and the vertical are known exactly and the {law}"
-        )
 
     def words(self) -> str:
         """Say what is proved."""
@@ -2040,24 +2107,109 @@ class Exponential(Claim):
             f"({hover}) m{half}."
         )
 
-    def state(self, start: Object) -> str:
-        """Describe a set of states."""
-        f0 = start.thrust + self.weight * start.tilt
-        place = ", ".join(about(a, b) for a, b in start.position)
-        held = f"upright state (T > 0) with position in ({place}) m, any heading, "
-        if start.speed:
-            held += f"|V| <= {about(start.speed)} m/s"
-            held += (
-                f" in the {about(self.may.latency)} s before too, " if self.may.latency else ", "
-            )
-        else:
-            held += "at rest, "
-            held += f"for {about(self.may.latency)} s already, " if self.may.latency else ""
-        held += f"an acceleration of at most {about(f0 / self.m)} m/s²" if f0 else "no acceleration"
-        held += f" and √(Ω1² + Ω2²) <= {about(start.rate)} rad/s"
-        if self.may.rotor_lag:
-            held += ", thrust and torque of the rotors being steady and zero in turn"
-        return held
+
+# With the centroid there is the natural potential W in place of ½|δ1|², of which W' = -eᵀV, and e in
+# place of δ1 = e + η, as for regions of attraction; η = 0 for an inertial goal, and without wind it
+# is as there for one of the image. With q3* and θ = (t, 0) at their ends, and 0 ⪯ Q ⪯ λ I, so
+# yᵀ(λV - y) >= 0,
+#
+#   -(E - ½|δ1|²)' + eᵀV - Mτ'|y|² + (M/τ')|n|² - σQ yᵀ(λV - y) >= ε (k1/m) |Y|²
+#
+# on {Ψ <= ℓ}, where |V| <= (k1/m)(|δ1| + |δ2|), |δ1| <= n + q3*. What is along the second axis is in
+# this as what is along the first if θ = 0. A barrier follows from how U is made, so it needs that
+# the height is driven as modelled: no tolerance but those of torque and yaw rate.
+
+
+class Potential(Tolerant, Attraction):
+    """From some states every vehicle within tolerances converges to the hover at the goal."""
+
+    own: ClassVar[dict[str, Any]] = Attraction.own | {
+        "lag": maybe({"torque": positive, "thrust": positive}),  # a5, a6
+        "memory": maybe(positive),  # M
+        "enclosures": {"goal": interval, "tilt": number, "largest_eigenvalue": positive},
+        "multipliers": {"slope": positive, "terms": several(positive, 8)},
+    }
+    laws: ClassVar[set[tuple[str, ...]]] = {
+        ("centroid", goal, force)
+        for goal in ("image", "inertial")
+        for force in ("modelled", "measured")
+    }
+
+    def __init__(self, c: Any) -> None:
+        self.high = c.enclosures.largest_eigenvalue
+        super().__init__(c)
+        moved = self.may.wind > 0 and not self.inertial
+        require(not moved, "wind moves the potential of a goal that is fixed in the image")
+        tossed = self.may.thrust or self.may.latency or self.may.rotor_lag or self.may.wind
+        require(self.bottom is None or not tossed, "a barrier needs the height driven as modelled")
+
+    def fastest(self) -> Fraction:
+        """Bound |δ1 + δ2|."""
+        second = upward(square_root(2 * self.level / self.a[0])[1])
+        return len(self.points) + self.c.enclosures.goal[1] + second
+
+    def verify_fall(self) -> None:
+        """Verify that Ψ falls as claimed where Q ⪯ λ I."""
+        for q3, corner in itertools.product(self.c.enclosures.goal, self.vertices()):
+            shown = self.decrease(q3, *corner).positive(self.size)
+            require(shown, "-Ψ' is not shown to be above (k1/m) rate·|Y|²")
+
+    def decrease(self, q3: Fraction, *corner: Fraction) -> Form:
+        """Return the lower bound of -Ψ' - (k1/m) ε|Y|² at a corner."""
+        c, (e, D2, D3, _), pace = self.c, self.errors, self.k[0] / self.m
+        lean = Fraction(0) if self.inertial else q3 * self.stiffness / self.weight
+        x = lean * (D3 - D2)
+        eta = Vector([x[0], x[1], -c.enclosures.tilt * x[0]])
+        V, rate = pace * (e + eta + D2), squares([pace * c.claim.rate] * 4, self.errors)
+        form: Form = (
+            self.least_fall(Fraction(1), *corner)
+            + (e @ V)
+            - rate
+            - c.multipliers.slope * (self.Y @ (self.high * V - self.Y))
+        )
+        return form
+
+    def path(self, start: Object) -> Sequence[Interval]:
+        """Return the positions of a start, and those of the latency before it."""
+        moved = start.speed * self.may.latency
+        return [(a - moved, b + moved) for a, b in start.position]
+
+    def added(self, start: Object) -> Any:
+        """Return the start itself."""
+        return start
+
+    def beside(self, add: Any, whole: int, level: int) -> Fraction:
+        """Bound Ψ - W where |q - q*| and its horizontal part are bounded, in units of 1/ONE."""
+        return self.at_start(add, Fraction(whole, ONE), Fraction(level, ONE))[1]
+
+    def words(self) -> str:
+        """Say what is proved."""
+        c, claim = self.c, self.c.claim
+        side, up, down = map(about, vars(claim.reach).values())
+        weights, hover = (", ".join(map(about, x)) for x in (self.a, c.hover))
+        more = ""
+        if c.lag:
+            more = f" + ½ τ ({about(c.lag.torque)} |μ|² + {about(c.lag.thrust)} μT²) of the lag"
+        if c.memory:
+            more += f" + {about(c.memory)} ∫∫ |y|² of the latency"
+        stays = ". This knows no ground: on its way the motion may pass below the target points"
+        if self.bottom is not None:
+            height = about(claim.barrier_height)
+            stays = f"; it stays at least {height} m above the mean height of the target points"
+        others = "".join(f", and in every {self.state(start)}" for start in claim.starts)
+        rest = self.state(
+            self.starts[0],
+            f"a position up to {side} m sideways of the point "
+            f"({hover}) m at its height, up to {up} m above it or {down} m below it",
+        )
+        return (
+            f"For {self.asked()} and for every vehicle with {self.vehicles()}, let Ψ = W + ½(a2|δ2|² "
+            f"+ a3|δ3|² + a4|δ4|²){more}, W = Σ|P'i - ξ| + q3* z less its minimum, (a2, a3, a4) = "
+            f"({weights}). In continuous time and with all target points seen, the controller may be "
+            f"switched on in every {rest}{others}: the motion converges to the hover at the goal"
+            f"{stays}. On the way Ψ <= {about(self.level)} and Ψ' <= -(k1/m) {about(claim.rate)} "
+            f"(|q - q3* ρ|² + |δ2|² + |δ3|² + |δ4|²)."
+        )
 
 
 # --- motions that sink to the target ------------------------------------------------------------
@@ -2293,7 +2445,8 @@ def inhabited(axis: Matrix, turning: Matrix) -> bool:
 
 KINDS: dict[str, Any] = {
     **{"gains": Gains, "counterexample": Counterexample, "region": Eigenvalues, "outside": Outside},
-    **{"attraction": Attraction, "exponential": Exponential, "sinking": Sinking},
+    **{"attraction": Attraction, "exponential": Exponential, "potential": Potential},
+    "sinking": Sinking,
 }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -11,10 +12,10 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import binary_above, binary_below, decimal_above, decimal_below
 from hoverproof.certification.attraction.inequality import Loop
-from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.search import Found, reach_along
 from hoverproof.certification.attraction.sinking import Sinking
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.attraction.tolerant import TolerantLoop, posed
 from hoverproof.certification.attraction.trees import Set
 from hoverproof.certification.problem import force_bound
 from hoverproof.certification.robust import margins
@@ -65,52 +66,90 @@ def draft(mission: Mission, found: Found, starts: Sequence[Start], share: float)
     NotShown
         If the checker would not be shown what it asks for.
     """
-    potential = Potential.of(mission)
-    weights = [decimal_below(float(w), 4) for w in found.weights]
-    level = decimal_below(found.level, DIGITS)
-    force = force_within(mission, weights, level)
+    potential, loop = posed(mission)
     height = None
     if found.bottom is not None:
         height = mission.height_of_target - Fraction(f"{found.bottom:.6f}")
-    loop = Loop.of(mission, potential.q3)
-    if float(force) >= loop.largest_force:
-        raise NotShown("the thrust reaches the singularity T = c q3*")
-    hints, rate, multipliers = _inequality(mission, found, weights, float(force))
+    if isinstance(loop, TolerantLoop):
+        numbers = _tolerant_numbers(mission, found, loop)
+    else:
+        numbers = _numbers(mission, found, loop)
     region = Set(
         potential=potential,
         loop=loop,
-        weights=np.array(weights, float),
-        level=float(level),
-        largest=float(hints["largest_eigenvalue"]),
-        force=float(force),
+        weights=numbers.weighed,
+        level=float(numbers.level),
+        largest=float(numbers.hints["largest_eigenvalue"]),
+        force=float(force_within(mission, numbers.weights, numbers.level)),
         bottom=None if height is None else float(mission.height_of_target - height),
     )
     above = mission.height_of_target - hover_goal(mission).position[2]
     reach = _reach(region, share, None if height is None else above - height)
     claim = {
-        "level": level,
-        "rate": rate,
+        "level": numbers.level,
+        "rate": numbers.rate,
         "barrier_height": height,
         "reach": reach,
         "starts": [start.content() for start in starts],
     }
     return {
-        "weights": weights,
+        "weights": numbers.weights,
+        **numbers.more,
         "hover": list(hover_goal(mission).position),
-        "enclosures": hints,
-        "multipliers": multipliers,
+        "enclosures": numbers.hints,
+        "multipliers": numbers.multipliers,
         "claim": claim,
         "trees": _trees(mission, region, reach, starts),
     }
 
 
-def _inequality(
-    mission: Mission, found: Found, weights: Sequence[Fraction], force: float
-) -> tuple[dict[str, Any], Fraction, list[Fraction]]:
-    """Return the bounds that follow from the level, rounded outward, rate and multipliers."""
+@dataclass(frozen=True)
+class Numbers:
+    """The numbers by which Λ, or Ψ, is shown to fall.
+
+    Attributes
+    ----------
+    weights : (3,)
+        a2, a3, a4, m.
+    weighed : (..,)
+        What the terms of a start are multiplied by beside W, rounded.
+    level, rate : Fraction
+        ℓ, m, and ε.
+    multipliers : list or dict
+    hints : dict
+        Bounds that follow from the level, rounded outward.
+    more : dict
+        What else is weighed.
+    """
+
+    weights: list[Fraction]
+    weighed: Array
+    level: Fraction
+    rate: Fraction
+    multipliers: Any
+    hints: dict[str, Any]
+    more: dict[str, Any]
+
+
+def _require_lift(loop: Loop, force: Fraction) -> None:
+    if float(force) >= loop.largest_force:
+        raise NotShown("the thrust reaches the singularity T = c q3*")
+
+
+def _goal(mission: Mission) -> list[Fraction]:
+    """Return the interval of q3*, rounded outward."""
     low, high = hover_goal(mission).centroid[2]
-    goal = [binary_below(low, BITS), binary_above(high, BITS)]
-    loop, sizes = Loop.of(mission, float(goal[0])), np.array(weights, float)
+    return [binary_below(low, BITS), binary_above(high, BITS)]
+
+
+def _numbers(mission: Mission, found: Found, loop: Loop) -> Numbers:
+    """Round weights and level, and find rate and multipliers."""
+    weights = [decimal_below(float(w), 4) for w in found.weights]
+    level = decimal_below(found.level, DIGITS)
+    exact_force = force_within(mission, weights, level)
+    _require_lift(loop, exact_force)
+    force, goal, sizes = float(exact_force), _goal(mission), np.array(weights, float)
+    loop = Loop.of(mission, float(goal[0]))
     ends = loop.factor(force)
     tilt = decimal_above(loop.tilt(force)[2] * (1 + SPARE), 9)
     largest = decimal_above(found.largest, 5)
@@ -121,11 +160,33 @@ def _inequality(
         least, tau = margins(corner)
         rates.append(float(least))
         multipliers.append(decimal_below(float(tau[0]), DIGITS))
-    rate = decimal_below(min(rates) * (1 - 1e-6), DIGITS)
-    if rate <= 0:
-        raise NotShown("the inequality fails after rounding")
     hints = {"goal": goal, "factor": factor, "tilt": tilt, "largest_eigenvalue": largest}
-    return hints, rate, multipliers
+    return Numbers(weights, sizes, level, _rate(min(rates)), multipliers, hints, {})
+
+
+def _tolerant_numbers(mission: Mission, found: Found, loop: TolerantLoop) -> Numbers:
+    """Round what was found for every vehicle within tolerance, and find the rate."""
+    r, largest = loop.rounded(found), decimal_above(found.largest, 5)
+    force = force_within(mission, r.weights, r.level)
+    _require_lift(loop, force)
+    tilt = decimal_above(loop.tilt(float(force))[2] * (1 + SPARE), 9)
+    slope, *terms = r.multipliers
+    lag = None if r.lag is None else dict(zip(("torque", "thrust"), r.lag, strict=True))
+    return Numbers(
+        weights=list(r.weights),
+        weighed=r.weighed(float(largest)),
+        level=r.level,
+        rate=_rate(loop.rate(r, float(largest))),
+        multipliers={"slope": slope, "terms": terms},
+        hints={"goal": _goal(mission), "tilt": tilt, "largest_eigenvalue": largest},
+        more={"lag": lag, "memory": r.memory},
+    )
+
+
+def _rate(least: float) -> Fraction:
+    if least <= 0:
+        raise NotShown("the inequality fails after rounding")
+    return decimal_below(least * (1 - 1e-6), DIGITS)
 
 
 def _reach(region: Set, share: float, room: Fraction | None) -> dict[str, Fraction]:

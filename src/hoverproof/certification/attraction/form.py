@@ -11,7 +11,7 @@ from functools import cache
 import casadi as ca
 
 from hoverproof.algebra.linear import lie_derivative
-from hoverproof.plant.rigid_body import E3
+from hoverproof.certification.exponential.form import tilted_goal
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Design, Errors, Measurement
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
@@ -160,12 +160,9 @@ def derive_form() -> AttractionForm:
     loop = derive_error_dynamics()
     d, x = loop.design, loop.errors
     weights, lower, theta = ca.SX.sym("a", 3), ca.SX.sym("Q", 6), ca.SX.sym("theta", 2)
-    Y, q3 = ca.SX.sym("Y", ERROR_SIZE), d.goal_centroid[2]
+    Y = ca.SX.sym("Y", ERROR_SIZE)
     part = Errors.from_vector(Y)  # its first is e
-    flat = ca.vertcat(theta, 0)
-    to_tilt = ca.SX.eye(3) - E3 @ (E3 + flat).T  # P - e3 θᵀ
-    eta = q3 * d.stiffness / (d.mass * d.gravity) * to_tilt @ (part.d3 - part.d2)
-    back = ca.vertcat(part.d1 + eta, Y[3:])
+    back = ca.vertcat(part.d1 + tilted_goal(HAMEL_MAHONY, d, theta, part), Y[3:])
     e = Errors.from_vector(x)
     energy = half_squares(weights, e)
     rate = lie_derivative(energy, x, loop.rate)  # without the potential, whose rate is -eᵀV

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.form import derive_form
+from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.robust import Inequality, Term, optimise, reciprocals
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Design
@@ -128,6 +129,58 @@ class Loop:
         S += cross + cross.swapaxes(1, 2)
         return Inequality(S, (Term(u, v[0], np.array(largest / 2)),))
 
+    def at_start(
+        self, mission: Mission, start: Start, whole: Array, level: Array, force: float
+    ) -> Array:
+        """Return what a2, a3, a4 are multiplied by at most in Λ, (k, 3).
+
+        Parameters
+        ----------
+        mission : Mission
+        start : Start
+        whole, level : (k,)
+            Bounds of |q - q3* e3| and of its horizontal part, q as seen by a level camera.
+        force : float
+            Bound of |F| in the set, N.
+        """
+        m, gains, q3 = float(mission.vehicle.mass), mission.gains, self.q3
+        speed, tilt, rate, thrust = map(float, (start.speed, start.tilt, start.rate, start.thrust))
+        moved, lean = m / float(gains.k1) * speed, self.weight / self.stiffness * tilt
+        quick = self.stiffness * float(gains.k1 * gains.k2 + gains.k3)
+        turned = m / quick * (self.weight + thrust - self.stiffness * q3) * rate
+        d2 = whole + q3 * tilt + moved
+        d3 = d2 + thrust / self.stiffness + lean
+        d4 = level + turned + lean + moved + len(mission.target.points) * tilt
+        return np.stack([d2**2 / 2, d3**2 / 2, d4**2 / 2], axis=1)
+
+    def path_before(self, start: Start) -> float:
+        """Return how far before the start positions matter, m.
+
+        Parameters
+        ----------
+        start : Start
+        """
+        return 0.0
+
+    def nominal(self) -> Loop | None:
+        """Return a loop from whose weights to search on, if there is one."""
+        return None
+
+    def solve(self, bounds: Bounds, hovers: Array) -> Solution | None:
+        """Find weights and a level that bring hovers as deep as can be below the level.
+
+        Parameters
+        ----------
+        bounds : Bounds
+        hovers : (k, 4)
+            `Potential.hover_terms` of hovers that are to be inside.
+
+        Returns
+        -------
+        Solution, or None if there is none
+        """
+        return _solve(self, bounds, hovers)
+
 
 @dataclass(frozen=True)
 class Bounds:
@@ -165,29 +218,18 @@ class Solution:
         ℓ, m.
     fill : float
         Largest Λ/ℓ of the hovers, dimensionless; they are inside if it is below 1.
+    multipliers : (j,)
+        Of a tolerant loop.
     """
 
     weights: Array
     level: float
     fill: float
+    multipliers: Array
 
 
-def solve(loop: Loop, bounds: Bounds, hovers: Array) -> Solution | None:
-    """Find weights and a level that bring the hovers as deep as can be below the level.
-
-    Parameters
-    ----------
-    loop : Loop
-    bounds : Bounds
-    hovers : (k, 4)
-        `Potential.hover_terms` of hovers that are to be inside.
-
-    Returns
-    -------
-    Solution, or None if there is none
-    """
-    force, omega = bounds.force, bounds.omega
-    sine, cosine, theta = loop.tilt(force)
+def _solve(loop: Loop, bounds: Bounds, hovers: Array) -> Solution | None:
+    force, theta = bounds.force, loop.tilt(bounds.force)[2]
     asked = LEAST_RATE * np.array([np.zeros((ERROR_SIZE, ERROR_SIZE)), np.eye(ERROR_SIZE)])
     ends = loop.factor(force)
     corners = [loop.corner(f, theta, bounds.largest).less(asked) for f in ends]
@@ -202,15 +244,36 @@ def solve(loop: Loop, bounds: Bounds, hovers: Array) -> Solution | None:
     ]  # of 1, μ, b2, b3, b4 and the largest Λ/ℓ
     inside = np.column_stack([np.zeros(len(hovers)), -hovers, np.ones(len(hovers))])
     pencils = [reciprocals(0.5, {2: 1, 3: 1}, 6)]
-    if omega is not None:
-        left = (omega - loop.q3 * (1 - cosine)) / sine
-        if left <= 0:
+    if bounds.omega is not None:
+        barrier = barrier_pencil(loop, bounds, unit, 6)
+        if barrier is None:
             return None
-        gamma = loop.turn_gain(force)
-        pencils.append(reciprocals(unit * left**2 / 2, {3: gamma**2, 4: (1 + gamma) ** 2}, 6))
+        pencils.append(barrier)
     rows = np.vstack([least, inside, np.eye(6)[2:5]])
     found = optimise([0, 0, 0, 0, 1], corners, rows=rows, pencils=pencils)
     if found is None or not (found.x[:4] > 0).all():
         return None
     mu, *b, fill = found.x
-    return Solution(np.array(b) / mu, float(1 / (mu * unit)), float(fill * unit))
+    return Solution(np.array(b) / mu, float(1 / (mu * unit)), float(fill * unit), np.zeros(0))
+
+
+def barrier_pencil(loop: Loop, bounds: Bounds, unit: float, size: int) -> Array | None:
+    """Return that tilt adds at most ω to the height's equation, as a pencil; None if it does not.
+
+    Parameters
+    ----------
+    loop : Loop
+    bounds : Bounds
+        Of a barrier.
+    unit : float
+        Of b.
+    size : int
+        Of (1, μ, b2, b3, b4, …).
+    """
+    sine, cosine, _ = loop.tilt(bounds.force)
+    left = ((bounds.omega or 0.0) - loop.q3 * (1 - cosine)) / sine
+    if left <= 0:
+        return None
+    gamma = loop.turn_gain(bounds.force)
+    factors = {3: gamma**2, 4: (1 + gamma) ** 2}
+    return reciprocals(unit * left**2 / 2, {k: x for k, x in factors.items() if x}, size)

@@ -47,14 +47,13 @@ class Potential:
         Raises
         ------
         InputError
-            If the goal is not axial: q1* = q2* = 0 exactly; or if the law is not the paper's.
+            If the goal is not axial: q1* = q2* = 0 exactly; or if the feature is scaled.
         """
-        if not mission.law.is_papers:
+        if mission.law.feature != "centroid":
             raise InputError(
                 mission.source,
-                "law",
-                f"{mission.law.name} is not the paper's law, which alone the theorem about regions "
-                "of attraction is about; leave [law] out, or see `hoverproof certify`",
+                "law.feature",
+                f"is {mission.law.feature}, but the natural potential is that of the centroid",
             )
         goal = hover_goal(mission)
         if any(end != 0 for ends in goal.centroid[:2] for end in ends):

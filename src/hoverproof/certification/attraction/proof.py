@@ -27,13 +27,18 @@ from hoverproof.certification.attraction.search import (
 )
 from hoverproof.certification.attraction.sinking import Sinking
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.attraction.tolerant import is_plain, posed
 from hoverproof.certification.attraction.trees import start_terms
 from hoverproof.certification.attraction.verdict import Attraction, AttractionVerdict, Reach
 from hoverproof.certification.certificate import Certificate, rejection, seal
+from hoverproof.certification.exponential import form as of_vehicles
+from hoverproof.certification.exponential.vehicles import require_turned
 from hoverproof.certification.region import holds_target_point
 from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
+from hoverproof.servo.law import Law
+from hoverproof.servo.laws.hamel_mahony import law_of
 
 MOST_STARTS = 16
 Progress = Callable[[str], None]
@@ -73,8 +78,10 @@ def attraction(
         If the goal is not axial, or the mission poses no question.
     """
     tell = progress or (lambda text: None)
+    require_turned(mission)
     verdict = _search_and_prove(mission, objective, starts, barrier, tell)
-    if isinstance(verdict, Undecided) and (objective == "start" or starts):
+    asked = objective == "start" or starts
+    if isinstance(verdict, Undecided) and asked and mission.law.is_papers:
         tell("following the motion from the start")
         return refute(mission, starts or None, verdict)
     return verdict
@@ -114,8 +121,7 @@ class _Question:
 
     @classmethod
     def of(cls, mission: Mission, starts: Sequence[Start]) -> _Question:
-        potential = Potential.of(mission)
-        return cls(mission, potential, Loop.of(mission, potential.q3), tuple(starts))
+        return cls(mission, *posed(mission), tuple(starts))
 
     def search(self, slack: Slack, barrier: bool) -> Search:
         sinking = Sinking.of(self.mission, self.starts) if barrier else None
@@ -127,11 +133,16 @@ class _Question:
         for start in self.starts:
             corners = itertools.product(*([float(end) for end in side] for side in start.position))
             cells = np.array([[(x, x) for x in corner] for corner in corners])
-            found = start_terms(self.mission, self.potential, self.loop, start, cells)
+            found = start_terms(
+                self.mission, self.potential, self.loop, start, cells, self.loop.weight / 2
+            )
             rows.append(found * 1.001)
         if not np.isfinite(rows).all():
             raise InputError("--start", "", "is at a target point, or a hair's breadth from it")
-        return np.unique(np.concatenate(rows), axis=0) if rows else np.zeros((0, 4))
+        return np.unique(np.concatenate(rows), axis=0) if rows else self._no_terms()
+
+    def _no_terms(self) -> np.ndarray[Any, Any]:
+        return self.potential.hover_terms(self.potential.goal[None])[:0]
 
 
 def _search_and_prove(
@@ -150,12 +161,15 @@ def _search_and_prove(
         raise InputError("--start", "", f"at most {MOST_STARTS} starts go into one certificate")
     if any(holds_target_point(mission, start.position) for start in asked.starts):
         raise InputError(mission.source, "--start", "holds a target point")
-    gains = mission.gains
-    possible = gains.k3 >= 3 * gains.k1 * gains.k2
-    if barrier and not possible:
-        return Undecided(mission=mission, reason="a barrier needs k3 >= 3 k1 k2")
-    kinds = [k for k in (True, False) if (barrier is None or k is barrier) and (possible or not k)]
-    reasons = []
+    refused, without = why_not_covered(mission), why_no_barrier(mission)
+    if refused or (barrier and without):
+        return Undecided(mission=mission, reason=refused or without)
+    kinds = [k for k in (True, False) if (barrier is None or k is barrier) and not (k and without)]
+    reasons = (
+        [f"with a barrier: {without}"]
+        if barrier is None and without and not is_plain(mission)
+        else []
+    )
     for with_barrier in kinds:
         verdict: Attraction | str
         try:
@@ -167,6 +181,48 @@ def _search_and_prove(
         reasons.append(("with" if with_barrier else "without") + f" a barrier: {verdict}")
     advice = _advice(mission, bool(asked.starts))
     return Undecided(mission=mission, reason="; ".join(reasons), advice=advice)
+
+
+def why_not_covered(mission: Mission) -> str:
+    """Return why the natural potential proves nothing of what is asked for; empty if it may.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    if is_plain(mission):
+        return ""
+    noise = mission.uncertainty.noise
+    if noise != type(noise)():
+        return (
+            "bounded noise is not covered by a region of attraction: the motion ends near the goal"
+        )
+    if mission.uncertainty.wind and mission.law.goal == "image":
+        return (
+            "wind moves the hover of a goal that is fixed in the image, and the natural potential "
+            "with it, which is not covered; law.goal = 'inertial' is"
+        )
+    return ""
+
+
+def why_no_barrier(mission: Mission) -> str:
+    """Return why no barrier is possible; empty if one may be.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    gains, may = mission.gains, mission.uncertainty
+    if gains.k3 < 3 * gains.k1 * gains.k2:
+        return "a barrier needs k3 >= 3 k1 k2"
+    names = ("thrust", "latency", "rotor_lag", "wind")
+    there = [name for name in names if getattr(may, name)]
+    if there:
+        return (
+            "a barrier follows the height, which is driven just as modelled only without "
+            + " and ".join(f"uncertainty.{name}" for name in there)
+        )
+    return ""
 
 
 def _advice(mission: Mission, asked: bool) -> tuple[str, ...]:
@@ -255,7 +311,9 @@ def prove(
         parts = draft(mission, found, starts, 1 - slack.reach)
     except NotShown as reason:
         return str(reason)
-    certificate = seal(mission, "attraction", parts, model_fingerprint())
+    plain = is_plain(mission)
+    model = model_fingerprint() if plain else tolerant_model(law_of(mission))
+    certificate = seal(mission, "attraction" if plain else "potential", parts, model)
     return rejection(certificate) or _verdict(mission, certificate, parts, starts)
 
 
@@ -277,6 +335,17 @@ def _verdict(
         reach=Reach(**claim["reach"]),
         starts=tuple(starts),
     )
+
+
+@cache
+def tolerant_model(law: Law) -> str:
+    """Return the SHA-256 of the graph of Ψ' for every vehicle within tolerance.
+
+    Parameters
+    ----------
+    law : Law
+    """
+    return fingerprint(of_vehicles.derive_form(law, True, True))
 
 
 @cache

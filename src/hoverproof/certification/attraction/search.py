@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from hoverproof.certification.attraction.inequality import Bounds, Loop, Solution, solve
+from hoverproof.certification.attraction.inequality import Bounds, Loop, Solution
 from hoverproof.certification.attraction.potential import Potential, sphere
 from hoverproof.certification.attraction.sinking import Sinking
 
@@ -126,7 +126,7 @@ class Search:
             `Potential.hover_terms` of hovers that are to be inside.
         """
         bounds = self.bounds(x)
-        found = None if bounds is None else solve(self.loop, bounds, hovers)
+        found = None if bounds is None else self.loop.solve(bounds, hovers)
         return None if bounds is None or found is None else (bounds, found)
 
     def first_guess(self) -> list[tuple[float, float]]:
@@ -150,25 +150,37 @@ class Search:
         value : callable
             Takes bounds and solution; returns what is to be made small.
         """
+        found = self.solve(self._point(hovers, value), hovers)
+        if found is None:
+            return None
+        b, s = found
+        binding = _binding(self, b, s)
+        return Found(s.weights, s.level, s.fill, s.multipliers, b.largest, b.bottom, binding)
+
+    def _point(
+        self, hovers: Array, value: Callable[[Bounds, Solution], float]
+    ) -> tuple[float, float]:
+        """Return where the value is least; without tolerances first, if there are any."""
 
         def cost(x: Sequence[float]) -> float:
             found = self.solve(x, hovers)
             return 1e6 if found is None else value(*found)
 
-        guesses = [(cost(x), x) for x in self.first_guess()]
-        start = min(guesses)[1]
+        nominal, guesses, evaluations = self.loop.nominal(), self.first_guess(), EVALUATIONS
+        if nominal is not None:
+            x, y = replace(self, loop=nominal)._point(hovers, value)
+            near = [(x, y), (x - 0.5, y), (x, y - 0.3), (x - 1, y - 0.6), (x - 2, y - 0.3)]
+            if min(map(cost, near)) < 1e6:
+                guesses, evaluations = near, EVALUATIONS // 2
+        start = min((cost(x), x) for x in guesses)[1]
         simplex = [start, (start[0] + 0.5, start[1]), (start[0], start[1] + 0.15)]
         result = minimize(
             cost,
             start,
             method="Nelder-Mead",
-            options={"maxfev": EVALUATIONS, "initial_simplex": simplex, **ENOUGH},
+            options={"maxfev": evaluations, "initial_simplex": simplex, **ENOUGH},
         )
-        found = self.solve(result.x, hovers)
-        if found is None:
-            return None
-        b, s = found
-        return Found(s.weights, s.level, s.fill, b.largest, b.bottom, _binding(self, b, s))
+        return float(result.x[0]), float(result.x[1])
 
 
 def find(search: Search, objective: Objective, starts: Array) -> Found | None:
@@ -243,7 +255,7 @@ class HoverGrid:
         """
         radii = np.geomspace(0.02, LARGEST_RADIUS, steps)
         places = p.goal + sphere(rays)[:, None] * radii[None, :, None]
-        terms = p.hover_terms(places.reshape(-1, 3)).reshape(rays, steps, 4)
+        terms = p.hover_terms(places.reshape(-1, 3)).reshape(rays, steps, -1)
         return cls(radii, places[..., 2], terms)
 
     def reach(self, weights: Array, level: float, bottom: float | None) -> tuple[Array, Array]:
@@ -333,7 +345,7 @@ def reach_along(p: Potential, direction: Array, weights: Array, level: float) ->
 
 
 def _binding(search: Search, b: Bounds, s: Solution) -> str:
-    a2, a3, _ = s.weights
+    a2, a3 = s.weights[:2]
     force = search.loop.stiffness * np.sqrt(2 * s.level * (1 / a2 + 1 / a3))
     parts = []
     if s.level > 0.99 * b.most_level:

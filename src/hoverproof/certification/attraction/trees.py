@@ -32,8 +32,8 @@ class Set:
     ----------
     potential : Potential
     loop : Loop
-    weights : (3,)
-        a2, a3, a4, m.
+    weights : (3,) or more
+        a2, a3, a4, m, and what else a tolerant loop weighs.
     level : float
         ℓ, m.
     largest : float
@@ -80,9 +80,9 @@ class Set:
             return None
         p = self.potential
         sine, cosine, _ = self.loop.tilt(self.force)
-        gamma, (_, a3, a4) = self.loop.turn_gain(self.force), self.weights
+        gamma, (_, a3, a4) = self.loop.turn_gain(self.force), self.weights[:3]
         spread = np.sqrt(2 * self.level * ((1 + gamma) ** 2 / a4 + gamma**2 / a3))
-        omega = p.q3 * (1 - cosine) + sine * spread
+        omega = self.loop.q3 * (1 - cosine) + sine * spread
         limit = (p.q3 - omega) * (1 - ROOM)
         z = self.bottom - sinking.lag(p.n - p.q3 + omega)
         heights = np.maximum(p.points[:, 2] - z, 0) * (1 + ROOM)
@@ -109,12 +109,13 @@ class Set:
         radius : float or None
             Bound of the horizontal distance from the middle of its box, m.
         """
-        p, whole = self.potential, np.array(start.position, float)
+        p, before = self.potential, self.loop.path_before(start)
+        whole = np.add(np.array(start.position, float), [-before, before])
         middle, weights = whole[:2].mean(axis=1), np.array([1, *self.weights])
         limit = self.level * (1 - ROOM) - 1e-11 * np.abs(whole).max()
 
         def hold(cells: Array) -> Told:
-            inside = start_terms(mission, p, self.loop, start, cells) @ weights <= limit
+            inside = start_terms(mission, p, self.loop, start, cells, self.force) @ weights <= limit
             if radius is not None:
                 gaps = np.maximum(cells[:, :2, 0] - middle, middle - cells[:, :2, 1])
                 far = np.linalg.norm(np.maximum(gaps, 0), axis=1) > radius * (1 + ROOM) + 1e-9
@@ -130,9 +131,11 @@ def _widened(points: Array, room: float) -> Array:
 
 
 def start_terms(
-    mission: Mission, potential: Potential, loop: Loop, start: Start, cells: Array
+    mission: Mission, potential: Potential, loop: Loop, start: Start, cells: Array, force: float
 ) -> Array:
     """Return (k, 4): Λ <= terms · (1, a2, a3, a4) in cells, of states that move as in a start.
+
+    A tolerant loop has further terms; see `tolerant.TolerantLoop`.
 
     See `checker.Attraction.added` and `below_level` there. Infinite where a cell may hold a target
     point.
@@ -145,22 +148,17 @@ def start_terms(
     start : Start
     cells : (k, 3, 2)
         Low and high ends, world frame, m.
+    force : float
+        Bound of |F| in the set, N.
     """
-    m, gains, q3 = float(mission.vehicle.mass), mission.gains, potential.q3
-    speed, tilt, rate, thrust = map(float, (start.speed, start.tilt, start.rate, start.thrust))
-    moved, lean = m / float(gains.k1) * speed, loop.weight / loop.stiffness * tilt
-    quick = loop.stiffness * float(gains.k1 * gains.k2 + gains.k3)
-    turned = m / quick * (loop.weight + thrust - loop.stiffness * q3) * rate
     view = View.of(potential.points, cells)
     ends = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3)
     corners = cells[:, np.arange(3)[None], ends]
     value = potential.value(corners.reshape(-1, 3)).reshape(-1, 8).max(axis=1)
     change = (view.radius[:, None] / view.apart).sum(axis=1)
-    d1 = view.centroid - [0, 0, q3]
+    d1 = view.centroid - [0, 0, potential.q3]
     level, whole = (np.linalg.norm(d1[:, :k], axis=1) + change for k in (2, 3))
-    d2 = whole + q3 * tilt + moved
-    d3 = d2 + thrust / loop.stiffness + lean
-    d4 = level + turned + lean + moved + potential.n * tilt
-    terms = np.stack([value, d2**2 / 2, d3**2 / 2, d4**2 / 2], axis=1)
+    rest = loop.at_start(mission, start, whole, level, force)
+    terms = np.column_stack([value, rest])
     terms[(view.distance <= view.radius[:, None]).any(axis=1)] = np.inf
     return terms

@@ -10,7 +10,13 @@ s_a and U_a being what the rotors do. In
 
     E = ½ Σ wᵢ|δᵢ|² + ½ τ (a5 |μ|² + a6 μT²)
 
-the lag is a factor, so that its derivative is affine in τ, and a lag of zero is none.
+the lag is a factor, so that its derivative is affine in τ, and a lag of zero is none. With the
+natural potential W of the centroid q, of which W' = -eᵀV, e = q - q3 ρ, that stands in place of
+½ w1 |δ1|², and e in place of δ1 = e + η,
+
+    η = (q3 c/(m g)) (P - e3 θᵀ)(δ3 - δ2),   θ = Pρ/(1 + ρ3),
+
+for a goal that is fixed in the image, without wind, and η = 0 for an inertial one.
 """
 
 from __future__ import annotations
@@ -20,7 +26,8 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from hoverproof.algebra.derived import kept_graph
-from hoverproof.servo.law import Errors, Law
+from hoverproof.plant.rigid_body import E3
+from hoverproof.servo.law import Design, Errors, Law
 from hoverproof.servo.laws.hamel_mahony import horizontal
 from hoverproof.servo.layout import Packed, column, scalar
 from hoverproof.servo.uncertain import Doubt, Motion, command, error_rates, kappa
@@ -28,7 +35,7 @@ from hoverproof.servo.uncertain import Doubt, Motion, command, error_rates, kapp
 
 @dataclass(frozen=True)
 class Weights(Packed):
-    """What E is made of besides w1 = 1; every field is an SX.
+    """What E is made of besides w1 = 1, or W; every field is an SX.
 
     Attributes
     ----------
@@ -57,6 +64,8 @@ class Vertex(Packed):
         τ, s.
     swing : SX
         π = 2 (p1 - p2) + p3, 1/s.
+    lean : SX
+        The first of θ, the other is 0: with the potential it matters how the vehicle leans.
     """
 
     lever_ratio: ca.SX = scalar("1")
@@ -64,6 +73,7 @@ class Vertex(Packed):
     thrust_gain: ca.SX = scalar("1")
     lag: ca.SX = scalar("s")
     swing: ca.SX = scalar("1/s")
+    lean: ca.SX = scalar("1")
 
 
 @dataclass(frozen=True)
@@ -73,7 +83,7 @@ class Variables(Packed):
     Attributes
     ----------
     errors : SX
-        δ1 to δ4, (11, 1).
+        δ1 to δ4, (11, 1); with the potential e in place of δ1.
     flow : SX
         y, (3, 1), 1/s.
     ahead : SX
@@ -117,8 +127,25 @@ norm-bounded terms, and 2 E; what each push adds to E'; then s or s_a, ζ, P n, 
 P(δ3 - δ2) and δ1 + δ2."""
 
 
+def tilted_goal(law: Law, design: Design, theta: ca.SX, e: Errors) -> ca.SX:
+    """Return η = s3 (ρ - e3), (3, 1), s3 of what is fixed in the image.
+
+    Parameters
+    ----------
+    law : Law
+    design : Design
+    theta : SX
+        θ = Pρ/(1 + ρ3), (2, 1).
+    e : Errors
+        Of a vehicle without wind.
+    """
+    goal = law.goal.fixed(design)[2]
+    to_tilt = ca.SX.eye(3) - E3 @ (E3 + ca.vertcat(theta, 0)).T  # P - e3 θᵀ
+    return goal * design.stiffness / (design.mass * design.gravity) * to_tilt @ (e.d3 - e.d2)
+
+
 @kept_graph
-def derive_form(law: Law, lagged: bool) -> ca.Function:
+def derive_form(law: Law, lagged: bool, potential: bool = False) -> ca.Function:
     """Return (design, vertex, weights) ↦ the matrices of `ROWS`, one above the other, (62, 20).
 
     Parameters
@@ -126,10 +153,14 @@ def derive_form(law: Law, lagged: bool) -> ca.Function:
     law : Law
     lagged : bool
         Whether rotors lag; without lag the last three variables have no part in it.
+    potential : bool
+        Whether the natural potential is in place of ½ |δ1|²; 2 E is without it.
     """
     d, at, w = law.design.symbols(), Vertex.symbols(), Weights.symbols()
     x, push = Variables.symbols(), Push.symbols()
     e = Errors.from_vector(x.errors)
+    if potential:
+        e = replace(e, d1=e.d1 + tilted_goal(law, d, ca.vertcat(at.lean, 0), e))
     motion = Motion(
         depth_flow=x.flow,
         rate=ca.SX.zeros(3),  # what turns all errors alike does not change their squares
@@ -162,11 +193,13 @@ def derive_form(law: Law, lagged: bool) -> ca.Function:
         smooth_rate = ca.jtimes(smooth, x.errors, rates)
         torque_rate = asked - applied + push.torque - at.lag * smooth_rate
         thrust_rate = lift - lifted - at.lag * kappa(d) * rates[8] + push.lift
+    first = 0 if potential else 1
     sizes = ca.vertcat(
-        *(ca.repmat(w_, n) for w_, n in zip((1, w.d2, w.d3, w.d4), (3, 3, 3, 2), strict=True))
+        *(ca.repmat(w_, n) for w_, n in zip((first, w.d2, w.d3, w.d4), (3, 3, 3, 2), strict=True))
     )
     change = (
         ca.dot(sizes * x.errors, rates)
+        - (1 - first) * ca.dot(x.errors[:3], e.d1 + e.d2) / d.slowness
         + w.torque * ca.dot(x.torque, torque_rate)
         + w.thrust * x.thrust * thrust_rate
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from typing import Protocol
 
 import casadi as ca
 import numpy as np
@@ -23,6 +24,9 @@ Array = NDArray[np.float64]
 W2, W3, W4, TORQUE, THRUST, SLOPE, MEMORY = range(1, 8)
 """Places among (1, parameters)."""
 PARAMETERS = 7
+ALONG_Y = 1, 4, 7, 10, 12, 15, 18
+"""Places of what is along the second axis among the variables. No product in the inequality joins
+it with the others, and it is in it as what is along the first: so it is left out."""
 SPARE = 1e-6
 """What -(E' + …) is asked to be above, as a share of 2 E and of the other squares."""
 
@@ -41,17 +45,76 @@ class Falls:
     corners: tuple[Inequality, ...]
     used: tuple[int, ...]
 
+    def of_used(self) -> tuple[list[int], list[Inequality]]:
+        """Return the places of (1, parameters) that have a part in it, and what these multiply."""
+        there = [0, *self.used]
+        return there, [
+            Inequality(c.S[there], tuple(t._replace(u=t.u[there]) for t in c.terms))
+            for c in self.corners
+        ]
 
-def falls(limits: Limits, middle: float, radius: float, rate: float) -> Falls:
-    """Return -Ψ' - r Ψ ⪰ 0 at every vertex, for all J in a ball.
+
+class Slope(Protocol):
+    """What is known of J, or of Q."""
+
+    def lost(self, flow: Array, velocity: Array) -> Array:
+        """Return a form that is 0 or less for y = J V.
+
+        Parameters
+        ----------
+        flow, velocity : (3, N)
+            y and V of the variables.
+        """
+
+
+@dataclass(frozen=True)
+class Ball:
+    """|J - j I| <= ϱ.
+
+    Attributes
+    ----------
+    middle, radius : float
+        j and ϱ, 1/m.
+    """
+
+    middle: float
+    radius: float
+
+    def lost(self, flow: Array, velocity: Array) -> Array:
+        """Return |y - j V|² - ϱ²|V|²."""
+        off = flow - self.middle * velocity
+        return np.asarray(off.T @ off - self.radius**2 * velocity.T @ velocity)
+
+
+@dataclass(frozen=True)
+class Sector:
+    """0 ⪯ Q ⪯ λ I, so yᵀ(λV - y) >= 0.
+
+    Attributes
+    ----------
+    largest : float
+        λ, 1/m.
+    """
+
+    largest: float
+
+    def lost(self, flow: Array, velocity: Array) -> Array:
+        """Return -yᵀ(λV - y)."""
+        cross = self.largest / 2 * flow.T @ velocity
+        return np.asarray(flow.T @ flow - cross - cross.T)
+
+
+def falls(limits: Limits, slope: Slope, rate: float, potential: bool = False) -> Falls:
+    """Return -Ψ' - r Ψ ⪰ 0 at every vertex, for all J or Q.
 
     Parameters
     ----------
     limits : Limits
-    middle, radius : float
-        j and ϱ, 1/m.
+    slope : Slope
     rate : float
         r, 1/s.
+    potential : bool
+        See `derive_form`; then r is to be 0.
     """
     v = limits.vehicles
     lagged, late = v.rotor_lag > 0, v.latency > 0
@@ -66,17 +129,16 @@ def falls(limits: Limits, middle: float, radius: float, rate: float) -> Falls:
         )
         if there
         for place in range(Variables.size())[Variables.place(name)]
+        if place not in ALONG_Y
     ]
     terms = limits.terms()
     y, n = (np.eye(Variables.size())[Variables.place(name)] for name in ("flow", "ahead"))
     used = (W2, W3, W4, *((TORQUE, THRUST) if lagged else ()), SLOPE, *((MEMORY,) if late else ()))
     corners = []
-    for at in _at_vertices(limits):
+    for at in _at_vertices(limits, potential):
         S = np.zeros((1 + PARAMETERS, *at["fall"].shape[1:]))
         S[:6] = at["fall"] - rate / 2 * at["energy"]
-        V = at["sum"][0] / float(v.design.slowness)
-        off = y - middle * V
-        S[SLOPE] = off.T @ off - radius**2 * V.T @ V
+        S[SLOPE] = slope.lost(y, at["sum"][0] / float(v.design.slowness))
         if late:
             forgets = np.exp(-rate * v.latency)
             S[MEMORY] = forgets / v.latency * n.T @ n - v.latency * y.T @ y
@@ -91,13 +153,13 @@ def falls(limits: Limits, middle: float, radius: float, rate: float) -> Falls:
     return Falls(tuple(corners), used)
 
 
-def _at_vertices(limits: Limits) -> Iterator[dict[str, Array]]:
+def _at_vertices(limits: Limits, potential: bool) -> Iterator[dict[str, Array]]:
     """Yield the matrices of each vertex by name, (6, ..): what 1, w2, w3, w4, a5, a6 multiply."""
     v, k = limits.vehicles, 1 + Weights.size()
     vertices = np.array(list(limits.vertices()))
     weights = np.vstack([np.zeros(Weights.size()), np.eye(Weights.size())])
     count = len(vertices)
-    several = _several(v.law, v.rotor_lag > 0, k * count)
+    several = _several(v.law, v.rotor_lag > 0, potential, k * count)
     found = np.array(
         several(v.numbers, vertices.repeat(k, axis=0).T, np.tile(weights, (count, 1)).T)
     )
@@ -109,8 +171,8 @@ def _at_vertices(limits: Limits) -> Iterator[dict[str, Array]]:
 
 
 @cache
-def _several(law: Law, lagged: bool, count: int) -> ca.Function:
-    return derive_form(law, lagged).map(count)
+def _several(law: Law, lagged: bool, potential: bool, count: int) -> ca.Function:
+    return derive_form(law, lagged, potential).map(count)
 
 
 @dataclass(frozen=True)
@@ -179,12 +241,8 @@ def solve(
     if not np.isfinite(limits.lever).all() or limits.tilt >= 1:
         return None
     low, high = ball
-    found = falls(limits, (low + high) / 2, (high - low) / 2, rate)
-    there = [0, *found.used]
-    corners = [
-        Inequality(c.S[there], tuple(t._replace(u=t.u[there]) for t in c.terms))
-        for c in found.corners
-    ]
+    found = falls(limits, Ball((low + high) / 2, (high - low) / 2), rate)
+    there, corners = found.of_used()
     place = {name: there.index(name) for name in found.used}
     size = len(there) + 1  # and the largest Ψ/ℓ of the starts, the last
     spare = np.zeros_like(corners[0].S)

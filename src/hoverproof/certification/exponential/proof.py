@@ -15,7 +15,7 @@ from hoverproof.certification.exponential.draft import Parts, draft
 from hoverproof.certification.exponential.form import derive_form
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.search import Candidate, Search
-from hoverproof.certification.exponential.vehicles import Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles, require_turned
 from hoverproof.certification.exponential.verdict import Exponential, Settling
 from hoverproof.certification.region import holds_target_point
 from hoverproof.certification.verdict import Undecided
@@ -87,13 +87,7 @@ def _require(mission: Mission, starts: Sequence[Start]) -> None:
         raise InputError("--start", "", f"at most {MOST_STARTS} starts go into one certificate")
     if any(holds_target_point(mission, start.position) for start in starts):
         raise InputError(mission.source, "--start", "holds a target point")
-    if mission.uncertainty.latency and not mission.sensors.gyro_turned:
-        raise InputError(
-            mission.source,
-            "uncertainty.latency",
-            "is covered only if the controller turns the feature it holds with the gyroscope; "
-            "set gyro_turned = true in [sensors]",
-        )
+    require_turned(mission)
 
 
 def _found(search: Search) -> Candidate | str:

@@ -13,12 +13,34 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Design, Law
 from hoverproof.servo.laws.hamel_mahony import law_of
 from hoverproof.servo.uncertain import kappa
 
 Array = NDArray[np.float64]
+
+
+def require_turned(mission: Mission) -> None:
+    """Refuse a latency through which the feature is not turned with the gyroscope.
+
+    Parameters
+    ----------
+    mission : Mission
+
+    Raises
+    ------
+    InputError
+        If there is one.
+    """
+    if mission.uncertainty.latency and not mission.sensors.gyro_turned:
+        raise InputError(
+            mission.source,
+            "uncertainty.latency",
+            "is covered only if the controller turns the feature it holds with the gyroscope; "
+            "set gyro_turned = true in [sensors]",
+        )
 
 
 @dataclass(frozen=True)
@@ -215,12 +237,17 @@ class Limits:
         return self.quickness[1] * (self.reach.d3 + self.ahead)
 
     @cached_property
+    def lean(self) -> float:
+        """Bound of the tangent of half the tilt."""
+        return float(self.tilt / (1 + np.sqrt(1 - self.tilt**2)))
+
+    @cached_property
     def stretching(self) -> float:
         """Bound of |D_c'/D_c| with rotors that lag, 1/s: a torque that stays turns δ4 more or less."""
         return (1 + self.vehicles.thrust) * self.sinking + self.crosswind
 
     def vertices(self) -> Iterator[tuple[float, ...]]:
-        """Yield χ, h, ς, τ and π at all vertices."""
+        """Yield χ, h, ς, τ and π at all vertices, and how the vehicle leans most."""
         v = self.vehicles
         swing = 2 * self.sinking + self.crosswind if v.thrust or v.torque or v.rotor_lag else 0.0
         sides = (
@@ -229,6 +256,7 @@ class Limits:
             (1 - v.thrust, 1 + v.thrust),
             (0.0, v.rotor_lag),
             (-swing, swing),
+            (self.lean if v.in_image else 0.0,),
         )
         yield from itertools.product(*(sorted(set(side)) for side in sides))
 
