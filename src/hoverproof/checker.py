@@ -1582,7 +1582,7 @@ class Wedges:
 
     def sight(self, cell: Cell) -> "Sight":
         """See the target from a cell."""
-        scale, axes = ONE_OF_THEM // self.unit, ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+        axes = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
         wedge = [
             Tangent(
                 (a + b) * ONE_OF_THEM // (2 * self.unit),
