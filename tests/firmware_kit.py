@@ -215,10 +215,15 @@ def build_for(board, package, sources, out, *extra):
     return out
 
 
-def emulate(board, image, *options, timeout=300):
+def emulation(board, image, *options):
+    """Return the command that runs an image on a board; what it prints is printed here."""
     command = [tool("qemu-system-arm"), "-M", board.machine, "-nographic", "-monitor", "none"]
     semihosting = ("-serial", "none", "-semihosting-config", "enable=on,target=native")
-    return run(*command, *semihosting, *options, "-kernel", image, timeout=timeout).stdout
+    return [*command, *semihosting, *options, "-kernel", image]
+
+
+def emulate(board, image, *options, timeout=300):
+    return run(*emulation(board, image, *options), timeout=timeout).stdout
 
 
 def count_instructions(board, image, function, caller="main"):
