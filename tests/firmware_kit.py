@@ -168,6 +168,7 @@ def names_header(package, steps=30_000):
     if sized:
         low, high = package.manifest["input_box"]["angular_radius_rad"]
         macros += f"#define RADIUS_LOW {low!r}\n#define RADIUS_HIGH {high!r}\n"
+        macros += f"#define P_SPREAD_LOW {prefix}_SPREAD_LOW\n"
         n = len(package.manifest["mission"]["target"]["points"])
         macros += f"#define TARGET_POINTS {n}\n"
     sensing = package.manifest["sensing"]
