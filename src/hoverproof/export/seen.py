@@ -18,11 +18,11 @@ class SeenFeature:
     Attributes
     ----------
     seen : SX
-        Symbols: what is taken in.
+        Symbols: what is taken in, (2, n) image points, or (3, 1).
     feature : SX
         In these, and in the symbol `spread`, (3, 1).
     spread, spread_of : SX
-        n² - |q|² as a symbol and in what is seen, (1, 1); (0, 1) where the feature does without.
+        n² - |q|² as a symbol and in what is seen, (1, 1), or (0, 1) where the feature does without.
     """
 
     seen: ca.SX
