@@ -168,6 +168,7 @@ def names_header(package, steps=30_000):
     if sized:
         low, high = package.manifest["input_box"]["angular_radius_rad"]
         macros += f"#define RADIUS_LOW {low!r}\n#define RADIUS_HIGH {high!r}\n"
+        macros += f"#define P_SPREAD_LOW {prefix}_SPREAD_LOW\n"
         n = len(package.manifest["mission"]["target"]["points"])
         macros += f"#define TARGET_POINTS {n}\n"
     sensing = package.manifest["sensing"]
@@ -215,10 +216,15 @@ def build_for(board, package, sources, out, *extra):
     return out
 
 
-def emulate(board, image, *options, timeout=300):
+def emulation(board, image, *options):
+    """Return the command that runs an image on a board; what it prints is printed here."""
     command = [tool("qemu-system-arm"), "-M", board.machine, "-nographic", "-monitor", "none"]
     semihosting = ("-serial", "none", "-semihosting-config", "enable=on,target=native")
-    return run(*command, *semihosting, *options, "-kernel", image, timeout=timeout).stdout
+    return [*command, *semihosting, *options, "-kernel", image]
+
+
+def emulate(board, image, *options, timeout=300):
+    return run(*emulation(board, image, *options), timeout=timeout).stdout
 
 
 def count_instructions(board, image, function, caller="main"):

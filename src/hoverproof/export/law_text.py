@@ -37,7 +37,8 @@ class LawText:
     meanings : mapping of str to str
         The closed form of each number.
     statements : tuple of str
-        From the input and the excess of thrust to the outputs.
+        From the input, the excess of thrust and what is checked before (`spread`, `lift`) to the
+        outputs.
     of_gains, gap_of_gains : tuple of str
         From gains to the numbers that follow from them, and to m g less the singular thrust.
     image_square : str
@@ -99,7 +100,9 @@ def law_text(mission: Mission, options: Options, law: FlightLaw) -> LawText:
     body = [[f"in->{v}[{k}]" for k in range(3)] for v in body_sensors(law.source)]
     numbers = literals(law.coefficients, options.precision)
     named = [f"params->{c}" if c in tuned else c for c in law.coefficients]
-    inputs = [seen, *body, ["thrust_excess"], named]
+    function = law.after_checks
+    checked = [[name] for name in ("spread", "lift") if name in function.name_in()]
+    inputs: list[Sequence[str]] = [seen, *body, ["thrust_excess"], named, *checked]
     results = {
         "thrust_rate": ["out->thrust_rate"],
         "torque": [f"out->torque[{i}]" for i in range(3)],
@@ -111,7 +114,7 @@ def law_text(mission: Mission, options: Options, law: FlightLaw) -> LawText:
         coefficients={c: v for c, v in numbers.items() if c not in tuned},
         tuned={c: v for c, v in numbers.items() if c in tuned},
         meanings=law.meanings,
-        statements=tuple(statements(law.function, inputs, results, options.precision)),
+        statements=tuple(statements(function, inputs, results, options.precision)),
         of_gains=_from_gains(law, options, {c: f"params->{c}" for c in tuned}),
         gap_of_gains=_from_gains(law, options, gap),
         image_square=sum_of_squares(seen),

@@ -196,6 +196,8 @@ def random_step(
 def law_at(law: FlightLaw, step: Step, precision: Precision) -> dict[str, list[np.floating]]:
     """Evaluate the law operation by operation, each rounded as on the target.
 
+    What is checked before the law is computed before it, as there.
+
     Parameters
     ----------
     law : FlightLaw
@@ -205,14 +207,19 @@ def law_at(law: FlightLaw, step: Step, precision: Precision) -> dict[str, list[n
     precision : Precision
         The type of the target.
     """
-    arguments: list[list[Any]] = [
-        [Rounded(x) for x in step.seen.ravel(order="F")],
-        *([Rounded(x) for x in getattr(step, name)] for name in body_sensors(law.source)),
-        [Rounded(step.excess)],
-        [Rounded(precision.round(c)) for c in law.coefficients.values()],
-    ]
-    values = evaluate(law.function, arguments, lambda c: Rounded(precision.round(c)))
-    names = [law.function.name_out(i) for i in range(law.function.n_out())]
+
+    def rounded(function: ca.Function, arguments: list[list[Any]]) -> list[list[list[Any]]]:
+        return evaluate(function, arguments, lambda c: Rounded(precision.round(c)))
+
+    seen = [Rounded(x) for x in step.seen.ravel(order="F")]
+    body = [[Rounded(x) for x in getattr(step, name)] for name in body_sensors(law.source)]
+    numbers = [Rounded(precision.round(c)) for c in law.coefficients.values()]
+    arguments = [seen, *body, [Rounded(step.excess)], numbers]
+    for checked, of in ((law.spread, [seen]), (law.lift, [*body, numbers])):
+        if checked is not None:
+            arguments.append(rounded(checked, of)[0][0])
+    values = rounded(law.after_checks, arguments)
+    names = [law.after_checks.name_out(i) for i in range(law.after_checks.n_out())]
     return {
         n: [row[0].value for row in m] for n, m in zip(names, values, strict=True) if n in RESULTS
     }
