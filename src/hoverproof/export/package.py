@@ -22,7 +22,8 @@ from hoverproof.export.targets import TARGETS, titles
 from hoverproof.files import write_text
 from hoverproof.mission.sections import LawChoice, Mission
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import choices_of, law_of
+from hoverproof.servo.laws.hamel_mahony import choices_of
+from hoverproof.servo.laws.heading import flown_law
 from hoverproof.version import __version__
 
 FILES = {
@@ -124,9 +125,9 @@ def write_package(
         rotor_limits=rotor_limits,
         camera=camera,
     )
-    law = law or law_of(mission)
+    law = law or flown_law(mission)
     if standing.certificate is not None:
-        own = law_of(mission)
+        own = flown_law(mission)
         about = f"a certificate of {mission.name} is about {own.name}, not about {law.name}"
         checker.require(law == own, about)
         standing = replace(standing, thrust=_check(standing.certificate, mission))
