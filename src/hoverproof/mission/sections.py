@@ -139,7 +139,7 @@ class Goal(_Section):
 class Gains(_Section):
     """Control gains: k1 kg m/s, k2 1/m, k3 and k4 kg/s, k_yaw kg m²/s, k_heading kg m²/s².
 
-    The last goes with goal.heading, and is optional: see `Mission.k_heading`.
+    The last goes with goal.heading; left out it is k_yaw²/(4 I3), but at most k_yaw times 1 rad/s.
     """
 
     k1: Annotated[Fraction, _quantity("kg m/s", "0", "1e9", open_low=True)]
