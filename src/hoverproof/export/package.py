@@ -243,7 +243,8 @@ def _instruction_budget(filled: Contents) -> int:
     """Most instructions of a step: a part for each point, one for each number, and the rest."""
     points = 12 * filled.points if filled.options.of_points else 0
     felt, sized = 50 if filled.law.lift else 0, 24 + points if filled.law.spread else 0
-    return points + 4 * filled.law.numbers + 175 + felt + sized
+    headed = 16 if filled.law.heading else 0
+    return points + 4 * filled.law.numbers + 175 + felt + sized + headed
 
 
 def _flash_budget(filled: Contents) -> int:
@@ -251,4 +252,5 @@ def _flash_budget(filled: Contents) -> int:
     points = 40 * filled.points if filled.options.of_points else 0
     tuning = 180 * len(filled.design.gains) if filled.options.tunable else 0
     felt, sized = 100 if filled.law.lift else 0, 60 + points if filled.law.spread else 0
-    return points + 25 * filled.law.numbers + 1400 + tuning + felt + sized
+    headed = 60 if filled.law.heading else 0
+    return points + 25 * filled.law.numbers + 1400 + tuning + felt + sized + headed

@@ -220,7 +220,7 @@ def read(
     around : Surroundings
         Those that `Features.surroundings` says.
     noise : SX
-        (`imu_noise`, 1), standard normal: gyro, velocity, gravity, accelerometer, compass.
+        (k, 1), standard normal, k = `imu_noise`: gyro, velocity, gravity, accelerometer, compass.
     law : Law
     """
     body = RigidBodyState.from_vector(memory["state"])
@@ -254,7 +254,7 @@ def decide(
     around : Surroundings
         Those that `Features.surroundings` says.
     noise : SX
-        (`imu_noise`, 1), standard normal: gyro, velocity, gravity, accelerometer, compass.
+        (k, 1), standard normal, k = `imu_noise`: gyro, velocity, gravity, accelerometer, compass.
     law : Law
     """
     measured = read(memory, design, around, noise, law)

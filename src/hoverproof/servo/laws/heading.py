@@ -67,7 +67,13 @@ class WithHeading(Measurement):
 
 @dataclass(frozen=True)
 class WithAccelerometerAndHeading(WithAccelerometer):
-    """What an accelerometer and a compass tell, besides; see `WithHeading`."""
+    """What an accelerometer and a compass tell, besides.
+
+    Attributes
+    ----------
+    heading : SX
+        (cos ψ, sin ψ), (2, 1); see `WithHeading`.
+    """
 
     heading: ca.SX = column("1", 2)
 
