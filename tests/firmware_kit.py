@@ -126,6 +126,8 @@ def other_laws():
         Kind("x4-flyer", best, (uncertified, ("precision", "float64"), ("sensing", "centroid"))),
         Kind("x4-flyer", best, (uncertified, ("sensing", "centroid"))),
         Kind("x4-flyer", best, (uncertified, ("camera", True))),
+        Kind("crazyflie-2.1", (("goal.heading", "0.5"),), (("tunable", True),)),
+        Kind("x4-flyer", (*best, ("goal.heading", "-2")), (uncertified, ("camera", True))),
         Kind(options=(("camera", True), ("sensing", "centroid"), ("precision", "float64"))),
     ]
 

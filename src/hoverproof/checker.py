@@ -334,12 +334,13 @@ UNCERTAINTY = {  # what a proof is asked to cover; without it, nothing
     "noise": dict.fromkeys(("feature", "velocity", "force", "rate"), size),  # 1, m/s, N, rad/s
 }
 CAMERA = {"half_angle": positive}  # rad
+WHERE = {"height": number}, {"centroid": VECTOR}  # m; q*
 PLAIN = {
     "name": word(r"[\w.-]{1,64}", "the mission has no proper name"),
     "vehicle": dict.fromkeys(VEHICLE, positive) | {"inertia": [positive] * 3},  # kg m²
     "target": {"points": several(VECTOR, MAX_POINTS)},  # world axes, z down, m
-    "goal": ({"height": number}, {"centroid": VECTOR}),  # m; q*
-    "gains": dict.fromkeys(GAINS, positive),
+    "goal": (*WHERE, *(where | {"heading": number} for where in WHERE)),  # rad
+    "gains": tuple(dict.fromkeys((*GAINS, *more), positive) for more in ((), ("k_heading",))),
     "bounds": tuple(bounds | force for bounds in ASSUMED for force in FORCE),
     "start": dict.fromkeys(("position", "velocity", "rotation", "rates"), VECTOR),
 }
@@ -463,6 +464,8 @@ class Claim:
         if self.law[1] == "inertial":
             require(self.vertical(), "a goal fixed to the vertical is straight below")
             self.fixed = [(Fraction(0), Fraction(0))] * 3
+        self.heading = hasattr(goal, "heading")
+        require(self.heading or not hasattr(k, "k_heading"), "there is no heading to turn to")
 
     def vertical(self) -> bool:
         """Tell whether q* is vertical, to rounding."""
@@ -1105,10 +1108,12 @@ class Gains(Sigma):
         if self.box is not None:
             stays = "the vehicle stays in that box and T in its interval"
             region = super().words() + " "
+        alike = self.heading and not any(map(any, self.fixed[:2]))  # Ω3 is in no term but Ω×δi
+        yaw = ", whatever the yaw rate Ω3 is," if alike else " and Ω3 = 0,"
         return (
             f"For {self.asked()}, the matrix Σ({Q}, T) is positive definite: XᵀΣX > {margin} kg/s "
-            f"times Σ wi|δi|² for all X ≠ 0, w = ({weights}). {region}Hence, while {stays} and "
-            f"Ω3 = 0, the Lyapunov function L = ½ Σ wi|δi|² falls at least as fast as exp(-r t), "
+            f"times Σ wi|δi|² for all X ≠ 0, w = ({weights}). {region}Hence, while {stays}"
+            f"{yaw} the Lyapunov function L = ½ Σ wi|δi|² falls at least as fast as exp(-r t), "
             f"r = {rate} 1/s. At the goal {Q} is within {these}."
         )
 
@@ -2323,6 +2328,7 @@ class Sinking(Axial):
     def __init__(self, c: Any) -> None:
         super().__init__(c)
         p, n = c.motion, len(self.points)
+        require(not self.heading, "a vehicle that turns to a heading has a yaw rate")
         self.time, self.steps = p.time, p.steps
         self.start = [*p.position, *p.velocity, *p.axis, *p.turning, p.thrust]
         self.depth = max(point[2] for point in self.points)  # z of the lowest target point, m

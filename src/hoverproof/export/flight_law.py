@@ -25,7 +25,8 @@ from hoverproof.mission.sections import Mission
 from hoverproof.plant import rigid_body, rotors
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, law_of
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.laws.heading import flown_law
 from hoverproof.servo.layout import place
 
 ROTORS = {"arm": 1, "drag_ratio": 1}
@@ -107,7 +108,7 @@ def flight_law(
     AssertionError
         If the graph is not the derived controller, compared in exact arithmetic.
     """
-    law, points = law or law_of(mission), len(mission.target.points)
+    law, points = law or flown_law(mission), len(mission.target.points)
     return _flight_law(law, tuple(_design_values(mission, law)), (sensing, points), tunable)
 
 
@@ -183,7 +184,7 @@ def assert_is_the_controller(
         return [Fraction(draw.randint(-(10**9), 10**9), 10**8 + 7) for _ in range(n)]
 
     feature = some(3)
-    parts = {name: some(3) for name in body_sensors(law)}
+    parts = {name: some(law.measurement.sizes()[name]) for name in body_sensors(law)}
     (excess,) = some(1)
     got = evaluate(function, [feature, *parts.values(), [excess], list(coefficients)])
     named = dict(zip((function.name_out(i) for i in range(function.n_out())), got, strict=True))
@@ -313,6 +314,7 @@ def _scheme(chain: Chain, numbers: Coefficients, feature: ca.SX) -> dict[str, ca
         ("d2", chain.d2),
         ("excess", chain.lift),
         ("drift", chain.drift),
+        *((name, chain.sensors[name]) for name in chain.sensors if name == "heading"),
     )
     outputs = ca.vertcat(chain.thrust_rate, chain.direct, chain.divided, chain.yaw, chain.gap)
     names = ["U", "roll", "pitch", "roll_gap", "pitch_gap", "yaw", "hover_gap"]

@@ -46,6 +46,8 @@ class LawText:
     lift, spread : tuple of str
         From the input to the T - m g that the law measures, and to n² - |q|²; empty where the law
         does without.
+    heading : bool
+        Whether the law turns to a heading.
     """
 
     sha256: str
@@ -58,6 +60,7 @@ class LawText:
     image_square: str
     lift: tuple[str, ...]
     spread: tuple[str, ...]
+    heading: bool
 
     @property
     def numbers(self) -> int:
@@ -97,7 +100,10 @@ def law_text(mission: Mission, options: Options, law: FlightLaw) -> LawText:
     """
     tuned = law.tuned if options.tunable else ()
     seen = options.seen(len(mission.target.points))
-    body = [[f"in->{v}[{k}]" for k in range(3)] for v in body_sensors(law.source)]
+    body = [
+        ["heading[0]", "heading[1]"] if v == "heading" else [f"in->{v}[{k}]" for k in range(3)]
+        for v in body_sensors(law.source)
+    ]
     numbers = literals(law.coefficients, options.precision)
     named = [f"params->{c}" if c in tuned else c for c in law.coefficients]
     function = law.after_checks
@@ -120,6 +126,7 @@ def law_text(mission: Mission, options: Options, law: FlightLaw) -> LawText:
         image_square=sum_of_squares(seen),
         lift=_told(law.lift, [*body, list(numbers.values())], options),
         spread=_told(law.spread, [seen], options),
+        heading=law.source.heading is not None,
     )
 
 
@@ -143,7 +150,8 @@ def vehicle_text(mission: Mission, options: Options, law: Law) -> VehicleText:
         FLOAT64,
     )
     points = [FLOAT64.literal(c) for p in mission.target.points for c in p]
-    fields = {u: [f"in->{u}[{k}]" for k in range(3)] for u in body_sensors(law)}
+    sizes = law.measurement.sizes()
+    fields = {u: [f"in->{u}[{k}]" for k in range(sizes[u])] for u in body_sensors(law)}
     sensors, goal = sense_function(n, options.sensing, law), law.goal_feature(mission)
     design = [FLOAT64.literal(c) for c in law.design.values(mission, goal)]
     inputs = [x, points, ["vehicle->thrust"], design]
