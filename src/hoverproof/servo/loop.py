@@ -376,9 +376,11 @@ def _slowest_rates(numbers: LoopNumbers, designs: Array) -> Array:
     columns = numbers.depth_matrix().T.ravel()  # a slope need not be symmetric
     inputs: list[Any] = [designs, columns, [numbers.hover_thrust]]
     rows = evaluate(_loop_at_goal(numbers.law), inputs, float)[0]
-    count = designs.shape[1]
-    B = np.array([[np.broadcast_to(entry, count) for entry in row] for row in rows])
-    return np.asarray(-np.linalg.eigvals(np.moveaxis(B, -1, 0)).real.max(axis=1), np.float64)
+    B = np.empty((designs.shape[1], len(rows), len(rows)))
+    for i, row in enumerate(rows):
+        for j, entry in enumerate(row):
+            B[:, i, j] = entry
+    return np.asarray(-np.linalg.eigvals(B).real.max(axis=1), np.float64)
 
 
 def _floats(values: Any) -> Array:

@@ -9,7 +9,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.certification.attraction.potential import sphere
@@ -27,6 +26,7 @@ from hoverproof.certification.exponential.program import (
     solve,
 )
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
+from hoverproof.descent import Ends, descend
 
 Array = NDArray[np.float64]
 EVALUATIONS = 24
@@ -289,10 +289,4 @@ class Search:
 
 
 def _minimum(cost: Callable[[Array], float], simplex: Array, evaluations: int) -> Array:
-    result = minimize(
-        cost,
-        simplex[0],
-        method="Nelder-Mead",
-        options={"maxfev": evaluations, "initial_simplex": simplex},
-    )
-    return np.asarray(result.x)
+    return descend(cost, simplex, Ends(evaluations, values=1e-3, places=1e-3))[1]
