@@ -1977,7 +1977,7 @@ class Exponential(Tolerant):
         self.place = Wedges(c, self.points, self.scaled)
         require(c.claim.starts, "there is no start")
         costs = ((tree, 10) for tree in (c.trees.near, *c.trees.starts))
-        require_little(self.points, (c.domain.tree, 25 if self.scaled else 15), *costs)
+        require_little(self.points, (c.domain.tree, 20 if self.scaled else 15), *costs)
         require(len(c.trees.starts) == len(c.claim.starts), "a tree a start")
         angles = c.claim.cone is None or c.domain.cone is not None
         require(angles, "the angle under which all is seen needs a cone over the domain")

@@ -1,4 +1,4 @@
-"""Where the feature is near the one wanted, and how far J is there from a multiple of I: sampled."""
+"""Where the feature is near the one wanted, and how far J is there from j I, as sampled."""
 
 from __future__ import annotations
 

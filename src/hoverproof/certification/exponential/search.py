@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 EVALUATIONS = 24
 MOST_RATES, FIRST_STEP, CLOSE = 12, 1.6, 1.04
 FAILED = 1e3
-HIGHEST = 0.82
+HIGHEST = 0.835
 """Share of s3* that d is at most: |σ| is small near the target."""
 SLOWEST = 0.05
 """The rate that is first asked for, as a share of 2 (k1/m)(j - ϱ)."""
@@ -40,7 +40,7 @@ ROOM = 0.01
 """Share of the level, and of the ball, that is spared for the proof."""
 SETTLED = 0.1
 """Of the largest distance of a start from the goal: there the vehicle has settled."""
-NEAR = 0.15
+NEAR = 0.1
 """Share of |σ - σ*| there that is spared for the proof."""
 DIRECTIONS = 300
 
@@ -182,16 +182,14 @@ class Search:
         result[MEMORY] = v.latency**2 / 2 * (lam * speed) ** 2
         return result
 
-    def limits(self, x: Sequence[float], ball: tuple[float, float]) -> Limits:
+    def limits(self, x: Array, ball: tuple[float, float]) -> Limits:
         """Return the limits of a reach, of which the last parameter is the share of the largest."""
         v = self.vehicles
         low = v.weight - v.stiffness * v.in_image
         force = 0.95 * low / v.stiffness / (1 + np.exp(-x[1]))
         return Limits(v, Reach(force, 0.75 * force, 1.75 * force, 6 * np.exp(x[0])), ball[1])
 
-    def at(
-        self, x: Sequence[float], rate: float, starts: Array
-    ) -> tuple[float, tuple[float, float], Solution] | None:
+    def at(self, x: Array, rate: float, starts: Array) -> Candidate | None:
         """Return d, the ball of J and the best weights, for the logarithm of d and the reach."""
         d = float(np.exp(x[0]))
         if d > HIGHEST * self.scene.wanted:
@@ -211,7 +209,7 @@ class Search:
         found = solve(limits, ball, rate, level, starts)
         if found is None:
             return None
-        return Candidate(np.array(x, float), d, ball, rate, tilted, found)
+        return Candidate(x, d, ball, rate, tilted, found)
 
     def deepest(self, starts: Array) -> Candidate | None:
         """Bring the starts as deep inside as can be, at a slow rate."""
