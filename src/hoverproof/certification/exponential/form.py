@@ -195,7 +195,7 @@ def derive_form(law: Law, lagged: bool, potential: bool = False) -> ca.Function:
         )
         torque_rate = asked - applied + push.torque - at.lag * smooth_rate
         thrust_rate = lift - lifted - at.lag * kappa(d) * rates[8] + push.lift
-    first = 0 if potential else 1
+    first = ca.SX(0 if potential else 1)
     sizes = ca.vertcat(
         *(ca.repmat(w_, n) for w_, n in zip((first, w.d2, w.d3, w.d4), (3, 3, 3, 2), strict=True))
     )
