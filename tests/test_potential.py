@@ -117,12 +117,6 @@ def test_without_tolerance_it_is_the_region_of_the_modelled_vehicle():
     assert found[0].level == pytest.approx(found[1].level, rel=1e-3)
 
 
-def test_the_paper_s_law_without_tolerance_has_the_certificate_it_had():
-    shipped = checker.read("proofs/crazyflie-2.1.attraction.cert.json")
-    assert shipped["kind"] == "attraction"
-    assert checker.check(shipped)
-
-
 # --- forgeries ----------------------------------------------------------------------------------
 
 
@@ -261,8 +255,10 @@ def test_along_flights_at_the_corners_the_functional_falls(name, proofs, monkeyp
 def test_the_functional_rises_for_vehicles_far_out_of_tolerance(proofs, monkeypatch):
     monkeypatch.setattr(kit.View, "energy", energy_of)
     content = copy.deepcopy(proofs("late").certificate.content)
-    content["mission"]["uncertainty"] |= {"torque": "0.9", "thrust": "0.9", "latency": "0.6"}
-    made = fly(Case(content), np.random.default_rng(1), 100, 6.0, 0.05, start=Case(content).start)
+    content["mission"]["uncertainty"] |= {"torque": "0.9", "thrust": "0.9", "latency": "0.4"}
+    case = Case(content)
+    with np.errstate(all="ignore"):
+        made = fly(case, np.random.default_rng(1), 100, 3.0, 0.05, start=case.start)
     assert made.fall.min() < 0
 
 
@@ -290,11 +286,13 @@ def test_without_a_barrier_it_is_said_why(name):
     assert f"uncertainty.{name}" in verdict.reason
 
 
-@pytest.mark.parametrize(("goal", "torque"), itertools.product(("image", "inertial"), ("0", "0.2")))
+@pytest.mark.parametrize(
+    ("goal", "torque"), itertools.product(("image", "inertial"), ("0", "0.03"))
+)
 def test_a_barrier_holds_with_any_torque_within_tolerance(goal, torque):
     wide = {"law.goal": goal, "uncertainty.torque": torque}
-    mission = load("x4-flyer-tuned", {"law.force": "measured", **wide})
-    verdict = attraction(mission, starts=[Start.hover(F(1), F(0), F(-4))], barrier=True)
+    mission = load("x4-flyer", {"law.force": "measured", **wide})
+    verdict = attraction(mission, barrier=True)
     assert verdict.status == "proved", verdict.reason
     assert verdict.barrier_height > 0
     assert checker.check(verdict.certificate.content)

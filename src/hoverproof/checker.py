@@ -2151,7 +2151,7 @@ class Potential(Tolerant, Attraction):
     def fastest(self) -> Fraction:
         """Bound |δ1 + δ2|."""
         second = upward(square_root(2 * self.level / self.a[0])[1])
-        return len(self.points) + self.c.enclosures.goal[1] + second
+        return Fraction(len(self.points) + self.c.enclosures.goal[1] + second)
 
     def verify_fall(self) -> None:
         """Verify that Ψ falls as claimed where Q ⪯ λ I."""

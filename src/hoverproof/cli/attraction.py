@@ -65,6 +65,7 @@ def attraction(
 
     Example: `hoverproof attraction x4-flyer --objective radius --no-barrier`
     """
+    from hoverproof.certification.attraction.verdict import Attraction
     from hoverproof.certification.convergence import attraction as decide
     from hoverproof.cli.answers.attraction import AttractionAnswer
 
@@ -83,8 +84,8 @@ def attraction(
         stem = certificate_stem(loaded, mission, set_)
         path = out or Path(f"{stem}.attraction.{verdict.ending}.json")
         verdict.certificate.save(path)
-        if figure and verdict.proved:
-            picture = _draw(verdict.proved, path)
+        if figure and isinstance(verdict, Attraction) and not verdict.tolerant:
+            picture = _draw(verdict, path)
     return tell(AttractionAnswer(verdict, path, picture), json_, loaded)
 
 

@@ -28,6 +28,7 @@ from hoverproof.design.limits import (
     designed_gains,
     highest_k4,
 )
+from hoverproof.errors import InputError
 from hoverproof.mission.sections import Gains, Mission
 from hoverproof.servo.law import Design
 from hoverproof.servo.loop import slowest_rates
@@ -93,7 +94,19 @@ class GainRegionSearch:
         limits : Limits
         floor : float
             Least decay rate of the slowest motion at the goal, 1/s.
+
+        Raises
+        ------
+        InputError
+            If the law is not the paper's.
         """
+        if not mission.law.is_papers:
+            raise InputError(
+                mission.source,
+                "law",
+                f"{mission.law.name} is not the paper's law, for which alone gains are searched by "
+                "their region of attraction",
+            )
         return cls(mission, limits, FirstCommand.of(mission), Potential.of(mission), floor)
 
     @property

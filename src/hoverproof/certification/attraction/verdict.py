@@ -16,6 +16,14 @@ NOT_COVERED = (
 )
 """What no theorem says, in words."""
 
+OF_TOLERANT = (
+    "goals whose centroid is not straight below",
+    "noise of measurements, gusts, and a controller that runs in steps",
+    "frames that bend, ground effect, drag, limits of the rotors",
+    "a camera that loses the target: every point is taken to be seen at all times",
+)
+"""What no theorem about every vehicle within tolerance says, in words."""
+
 GROUND = "the ground: without a barrier, a motion may pass below the target points"
 
 
@@ -28,7 +36,8 @@ def not_covered(verdict: AttractionVerdict) -> tuple[str, ...]:
     """
     region = verdict.proved
     grounded = region is not None and region.barrier_height is None
-    return (*NOT_COVERED, *([GROUND] if grounded else []))
+    common = OF_TOLERANT if region is not None and region.tolerant else NOT_COVERED
+    return (*common, *([GROUND] if grounded else []))
 
 
 @dataclass(frozen=True)
@@ -82,6 +91,11 @@ class Attraction(Proved):
     barrier_height: Fraction | None
     reach: Reach
     starts: tuple[Start, ...]
+
+    @property
+    def tolerant(self) -> bool:
+        """Whether it is about every vehicle within tolerance: of Ψ in place of Λ."""
+        return bool(self.certificate.content["kind"] == "potential")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -193,7 +193,7 @@ def derive_form(law: Law, lagged: bool, potential: bool = False) -> ca.Function:
         smooth_rate = ca.jtimes(smooth, x.errors, rates)
         torque_rate = asked - applied + push.torque - at.lag * smooth_rate
         thrust_rate = lift - lifted - at.lag * kappa(d) * rates[8] + push.lift
-    first = 0 if potential else 1
+    first = ca.SX(0 if potential else 1)
     sizes = ca.vertcat(
         *(
             ca.repmat(ca.SX(x), n)

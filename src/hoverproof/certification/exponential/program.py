@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from typing import Protocol
 
 import casadi as ca
 import numpy as np
@@ -54,19 +53,6 @@ class Falls:
         ]
 
 
-class Slope(Protocol):
-    """What is known of J, or of Q."""
-
-    def lost(self, flow: Array, velocity: Array) -> Array:
-        """Return a form that is 0 or less for y = J V.
-
-        Parameters
-        ----------
-        flow, velocity : (3, N)
-            y and V of the variables.
-        """
-
-
 @dataclass(frozen=True)
 class Ball:
     """|J - j I| <= ϱ.
@@ -81,7 +67,13 @@ class Ball:
     radius: float
 
     def lost(self, flow: Array, velocity: Array) -> Array:
-        """Return |y - j V|² - ϱ²|V|²."""
+        """Return |y - j V|² - ϱ²|V|².
+
+        Parameters
+        ----------
+        flow, velocity : (3, N)
+            y and V of the variables.
+        """
         off = flow - self.middle * velocity
         return np.asarray(off.T @ off - self.radius**2 * velocity.T @ velocity)
 
@@ -99,18 +91,25 @@ class Sector:
     largest: float
 
     def lost(self, flow: Array, velocity: Array) -> Array:
-        """Return -yᵀ(λV - y)."""
+        """Return -yᵀ(λV - y).
+
+        Parameters
+        ----------
+        flow, velocity : (3, N)
+            y and V of the variables.
+        """
         cross = self.largest / 2 * flow.T @ velocity
         return np.asarray(flow.T @ flow - cross - cross.T)
 
 
-def falls(limits: Limits, slope: Slope, rate: float, potential: bool = False) -> Falls:
+def falls(limits: Limits, slope: Ball | Sector, rate: float, potential: bool = False) -> Falls:
     """Return -Ψ' - r Ψ ⪰ 0 at every vertex, for all J or Q.
 
     Parameters
     ----------
     limits : Limits
-    slope : Slope
+    slope : Ball or Sector
+        What is known of J, or Q: its form is 0 or less.
     rate : float
         r, 1/s.
     potential : bool
