@@ -1503,6 +1503,7 @@ class Exponential(Claim):
         self.grid = Grid(self.points)
         self.place = Place(self.points, self.grid, self.law[0], c.enclosures.goal)
         require(c.claim.starts, "there is no start")
+        require(c.claim.start_level <= c.claim.level, "a start is above the level")
         require(len(c.trees.starts) == len(c.claim.starts), "a tree a start")
         angles = c.claim.cone is None or c.domain.cone is not None
         require(angles, "the angle under which all is seen needs a cone over the domain")
@@ -1759,8 +1760,8 @@ class Exponential(Claim):
         torque = "e3×Ω' = a without error, a the angular acceleration commanded"
         if may.torque:
             torque = (
-                "e3×Ω' = (I + γ) a + Ω3 G e3×Ω, a commanded, with any 2 x 2 matrices γ and G, which "
-                f"may change, of norm at most {about(may.torque)} (inertia and rotors)"
+                "e3×Ω' = (I + γ) a + Ω3 G e3×Ω, a the angular acceleration commanded, with any 2 x 2 "
+                f"matrices γ and G, which may change, of norm at most {about(may.torque)}"
             )
         lag = "no rotor lag"
         if may.rotor_lag:
@@ -1789,16 +1790,17 @@ class Exponential(Claim):
         weights, hover = (", ".join(map(about, x)) for x in (c.weights, c.hover))
         more = ""
         if c.lag:
-            more += f" + ½ τ ({about(c.lag.torque)} |μ|² + {about(c.lag.thrust)} μT²) of the rotors' lag"
+            lag = f"{about(c.lag.torque)} |μ|² + {about(c.lag.thrust)} μT²"
+            more += f" + ½ τ ({lag}) of the lag τ"
         if c.memory:
-            more += f" + {about(c.memory)} ∫∫ exp(r (z - t)) |y|² of the latency"
-        seen = "all target points seen"
+            more += f" + {about(c.memory)} ∫∫ exp(r (z - t)) |y(z)|² dz dx of the latency"
         sides = " x ".join(f"[{about(a)}, {about(b)}]" for a, b in c.domain.box)
         half = ""
         if claim.cone is not None:
+            angle = f"{math.degrees(math.acos(claim.cone)):.4g}°"
             half = (
-                ", and every target point is seen at an angle from the optical axis whose cosine is "
-                f"at least {about(claim.cone)}, at most {math.degrees(math.acos(claim.cone)):.4g}°"
+                f"; on the way every target point is seen at an angle of at most arccos "
+                f"{about(claim.cone)}, {angle}, from the optical axis"
             )
         starts = "; or ".join(map(self.state, claim.starts))
         s3 = f"{float(sum(self.goal) / 2):.12g}"
@@ -1806,12 +1808,12 @@ class Exponential(Claim):
             f"For the mission {self.name} ({self.of_another_law()}m = {self.m} kg, g = "
             f"{self.gravity} m/s², {self.gains()}, goal straight below where its feature is (0, 0, "
             f"{s3}) to 12 digits), and for every vehicle with {self.vehicles()}, let Ψ = ½(|δ1|² + "
-            f"w2|δ2|² + w3|δ3|² + w4|δ4|²){more}, (w2, w3, w4) = ({weights}). In continuous time and "
-            f"with {seen}, the controller may be switched on in every {starts}: then Ψ(0) <= "
-            f"{about(claim.start_level)} and Ψ(t) <= Ψ(0) exp(-r t), r = {about(claim.rate)} 1/s, "
-            f"for all t >= 0; the vehicle stays in the box {sides} m; and after "
-            f"{about(soon.time)} s it is, and stays, within {about(soon.radius)} m of the point "
-            f"({hover}) m{half}."
+            f"w2|δ2|² + w3|δ3|² + w4|δ4|²){more}, (w2, w3, w4) = ({weights}). In continuous time "
+            f"and with all target points seen, the controller may be switched on in every {starts}. "
+            f"Then Ψ(0) <= {about(claim.start_level)} and Ψ(t) <= Ψ(0) exp(-r t), r = "
+            f"{about(claim.rate)} 1/s, for all t >= 0; the vehicle stays in the box {sides} m; and "
+            f"after {about(soon.time)} s it is, and stays, within {about(soon.radius)} m of the "
+            f"point ({hover}) m{half}."
         )
 
     def state(self, start: Object) -> str:
