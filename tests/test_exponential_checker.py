@@ -53,6 +53,7 @@ def balances(law, tolerances, level, many, seed=1):
 # --- the inequality -----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "tolerances"),
     [
@@ -72,6 +73,7 @@ def test_no_vehicle_within_tolerances_has_psi_fall_less_than_the_bound(law, tole
     assert (spare < 1e-3).sum() > MANY / 20  # and often it is no higher
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("tolerances", "level", "needed"),
     [

@@ -1410,9 +1410,9 @@ def state_of(start: Object) -> str:
 #   -E' - r E - Mτ'|y|² + (M/τ') exp(-rτ')|n|² - σJ(ϱ²|V|² - |y - jV|²) >= 0,
 #
 # where uᵀHv <= (R/2)(t|v|² + |u|²/t) for what E' has of norm |H| <= R, with any t > 0. The rest is
-# affine, and all of it concave, in each of χ, s3 h, ς, τ and π: their ends suffice. No product in it
-# is of components along different axes, and those along y stand in it as those along x: they are
-# left out. On {Ψ <= ℓ},
+# affine, and all of it concave, in each of χ, s3 h, ς, τ and π: their ends suffice. No product in
+# it is of components along different axes, and those along y stand in it as those along x: they
+# are left out. On {Ψ <= ℓ},
 #
 #   |δ3|² <= 2ℓ/w3, |δ3 - δ2|² <= 2ℓ(1/w2 + 1/w3), |ζ|² <= 2ℓ(1/w3 + 1/w4), |F| = c|δ3 - δ2| <= f,
 #   |V|² <= (k1/m)² 2ℓ(1 + 1/w2), |n| <= τ'(j + ϱ)|V|, (m g - f)² - (m w')² <= Tc² <= (m g + f)²,
@@ -1426,30 +1426,30 @@ def state_of(start: Object) -> str:
 
 
 class Place:
-    """STUB until the predicates over cells are there."""
+    """What holds over cells; nothing is shown yet, so that no certificate is accepted."""
 
     def __init__(self, points: Matrix, grid: Grid, feature: str, goal: Interval) -> None:
         self.points, self.grid, self.feature, self.goal = points, grid, feature, goal
 
     def outside(self, cell: Cell, offset: Fraction) -> bool:
         """Show |σ - s*| > offset all over a cell."""
-        raise NotImplementedError
+        return False
 
     def in_ball(self, cell: Cell, low: Fraction, high: Fraction) -> bool:
         """Show that J is in its ball all over a cell."""
-        raise NotImplementedError
+        return False
 
     def in_cone(self, cell: Cell, cosine: Fraction) -> bool:
         """Show that all target points are in a cone about the vertical all over a cell."""
-        raise NotImplementedError
+        return False
 
     def near(self, cell: Cell, center: Row, radius: Fraction) -> bool:
         """Show that a cell is within a radius."""
-        raise NotImplementedError
+        return False
 
     def offsets(self, cell: Cell) -> tuple[Fraction, Fraction] | None:
         """Bound |σ - s*| and its horizontal part over a cell."""
-        raise NotImplementedError
+        return None
 
 
 NONE = Object(
@@ -1505,6 +1505,8 @@ class Exponential(Claim):
         require(c.claim.starts, "there is no start")
         require(c.claim.start_level <= c.claim.level, "a start is above the level")
         require(len(c.trees.starts) == len(c.claim.starts), "a tree a start")
+        trees = c.domain.tree, c.trees.near, *c.trees.starts
+        require_little(self.points, *((tree, 10) for tree in trees))
         angles = c.claim.cone is None or c.domain.cone is not None
         require(angles, "the angle under which all is seen needs a cone over the domain")
         self.bound()
@@ -1757,11 +1759,12 @@ class Exponential(Claim):
         ends = f"{about(1 - may.thrust)} to {about(1 + may.thrust)} times"
         gained = f"by {ends} what is commanded" if may.thrust else "just as commanded"
         law = "measured force is exact" if self.law[2] == "measured" else "force is as modelled"
-        torque = "e3×Ω' = a without error, a the angular acceleration commanded"
+        torque = "e3×Ω' as commanded"
         if may.torque:
             torque = (
-                "e3×Ω' = (I + γ) a + Ω3 G e3×Ω, a the angular acceleration commanded, with any 2 x 2 "
-                f"matrices γ and G, which may change, of norm at most {about(may.torque)}"
+                "e3×Ω' = (I + γ) a + Ω3 G e3×Ω but for lag, a the angular acceleration commanded, "
+                "with any 2 x 2 matrices γ and G, which may change, of norm at most "
+                f"{about(may.torque)}"
             )
         lag = "no rotor lag"
         if may.rotor_lag:
@@ -1793,7 +1796,8 @@ class Exponential(Claim):
             lag = f"{about(c.lag.torque)} |μ|² + {about(c.lag.thrust)} μT²"
             more += f" + ½ τ ({lag}) of the lag τ"
         if c.memory:
-            more += f" + {about(c.memory)} ∫∫ exp(r (z - t)) |y(z)|² dz dx of the latency"
+            more += f" + {about(c.memory)} ∫∫ exp(r (z - t)) |y(z)|² dz dx of the latency, z from "
+            more += "t + x to t, x from minus the latency to 0, y = J V the flow of the feature"
         sides = " x ".join(f"[{about(a)}, {about(b)}]" for a, b in c.domain.box)
         half = ""
         if claim.cone is not None:
@@ -1809,8 +1813,8 @@ class Exponential(Claim):
             f"{self.gravity} m/s², {self.gains()}, goal straight below where its feature is (0, 0, "
             f"{s3}) to 12 digits), and for every vehicle with {self.vehicles()}, let Ψ = ½(|δ1|² + "
             f"w2|δ2|² + w3|δ3|² + w4|δ4|²){more}, (w2, w3, w4) = ({weights}). In continuous time "
-            f"and with all target points seen, the controller may be switched on in every {starts}. "
-            f"Then Ψ(0) <= {about(claim.start_level)} and Ψ(t) <= Ψ(0) exp(-r t), r = "
+            f"and with all target points seen, the controller may be switched on in every {starts}."
+            f" Then Ψ(0) <= {about(claim.start_level)} and Ψ(t) <= Ψ(0) exp(-r t), r = "
             f"{about(claim.rate)} 1/s, for all t >= 0; the vehicle stays in the box {sides} m; and "
             f"after {about(soon.time)} s it is, and stays, within {about(soon.radius)} m of the "
             f"point ({hover}) m{half}."
@@ -1830,9 +1834,11 @@ class Exponential(Claim):
             held += "at rest, "
             held += f"for {about(self.may.latency)} s already, " if self.may.latency else ""
         held += f"an acceleration of at most {about(f0 / self.m)} m/s²" if f0 else "no acceleration"
-        held += f" and √(Ω1² + Ω2²) <= {about(start.rate)} rad/s"
+        held += (
+            f" and √(Ω1² + Ω2²) <= {about(start.rate)} rad/s" if start.rate else " and Ω1 = Ω2 = 0"
+        )
         if self.may.rotor_lag:
-            held += ", thrust and torque of the rotors being steady and zero in turn"
+            held += ", with the rotors steady: thrust that does not change, no torque"
         return held
 
 
