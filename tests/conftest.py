@@ -31,6 +31,11 @@ def pytest_configure(config: pytest.Config) -> None:
     share()  # before pytest-xdist starts its processes
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with what takes longest, so that no process is left alone with it at the end."""
+    items.sort(key=lambda item: item.get_closest_marker("long") is None)
+
+
 @pytest.fixture(scope="session")
 def x4() -> Mission:
     return load("x4-flyer")

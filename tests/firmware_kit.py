@@ -126,6 +126,8 @@ def other_laws():
         Kind("x4-flyer", best, (uncertified, ("precision", "float64"), ("sensing", "centroid"))),
         Kind("x4-flyer", best, (uncertified, ("sensing", "centroid"))),
         Kind("x4-flyer", best, (uncertified, ("camera", True))),
+        Kind("crazyflie-2.1", (("goal.heading", "0.5"),), (("tunable", True),)),
+        Kind("x4-flyer", (*best, ("goal.heading", "-2")), (uncertified, ("camera", True))),
         Kind(options=(("camera", True), ("sensing", "centroid"), ("precision", "float64"))),
     ]
 
@@ -168,6 +170,7 @@ def names_header(package, steps=30_000):
     if sized:
         low, high = package.manifest["input_box"]["angular_radius_rad"]
         macros += f"#define RADIUS_LOW {low!r}\n#define RADIUS_HIGH {high!r}\n"
+        macros += f"#define P_SPREAD_LOW {prefix}_SPREAD_LOW\n"
         n = len(package.manifest["mission"]["target"]["points"])
         macros += f"#define TARGET_POINTS {n}\n"
     sensing = package.manifest["sensing"]
@@ -215,10 +218,15 @@ def build_for(board, package, sources, out, *extra):
     return out
 
 
-def emulate(board, image, *options, timeout=300):
+def emulation(board, image, *options):
+    """Return the command that runs an image on a board; what it prints is printed here."""
     command = [tool("qemu-system-arm"), "-M", board.machine, "-nographic", "-monitor", "none"]
     semihosting = ("-serial", "none", "-semihosting-config", "enable=on,target=native")
-    return run(*command, *semihosting, *options, "-kernel", image, timeout=timeout).stdout
+    return [*command, *semihosting, *options, "-kernel", image]
+
+
+def emulate(board, image, *options, timeout=300):
+    return run(*emulation(board, image, *options), timeout=timeout).stdout
 
 
 def count_instructions(board, image, function, caller="main"):

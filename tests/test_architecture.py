@@ -15,7 +15,7 @@ import hoverproof
 HOUSE = Path(hoverproof.__file__).parent
 FLOORS = [
     {"errors", "version"},
-    {"compilers", "files", "spread"},
+    {"compilers", "descent", "files", "spread"},
     {"mission", "algebra"},
     {"plant"},
     {"servo"},

@@ -195,6 +195,7 @@ LEAN = [
     (f"check {PROOF}", {*NUMBERS, *SOLVERS, *OTHERS}),
     ("certify x4-flyer", {*SEARCHES, *OTHERS, "h5py", "hoverproof.paper.equations"}),
     ("region x4-flyer --no-figure", {*SOLVERS, *OTHERS, "h5py"}),
+    ("attraction x4-flyer --no-figure", {*SEARCHES, *FIGURES, *TABLES, "h5py"}),
     ("simulate x4-flyer --no-figures --duration 1", {*SOLVERS, *OTHERS, "cffi"}),
 ]
 

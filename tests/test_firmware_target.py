@@ -22,6 +22,7 @@ from firmware_kit import (
     emulate,
     export,
     kinds,
+    load_weight,
     names_header,
     run,
     tool,
@@ -90,16 +91,10 @@ def test_cppcheck_finds_a_planted_breach_of_misra(tmp_path):
 def eva(package, folder, entry, excess, *options):
     """Return the number of alarms that Frama-C's Eva raises."""
     (folder / "firmware_names.h").write_text(names_header(package))
-    box = package.manifest["input_box"]
     macros = {
         "SOURCE": f'\\"{package.name}.c\\"',
-        "IMAGE_REACH": box["image_root_sum_of_squares"][1],
-        "SPEED_REACH": box["velocity_length_m_per_s"][1],
-        "RATE_REACH": box["rate_length_rad_per_s"][1],
-        "DOWN_REACH": box["gravity_direction_length"][1],
         "EXCESS_FROM": excess[0],
         "EXCESS_TO": excess[1],
-        "LAW_PARAMS": "",
     }
     defines = " ".join(f"-D{k}={v}" for k, v in macros.items())
     extra = f"-I{package.folder} -I{folder} {defines}"
@@ -126,9 +121,54 @@ def test_eva_proves_finite_outputs_over_the_certified_box_and_alarms_beyond(
     assert eva(package, tmp_path, "law_over_box", beyond, "-eva-precision", "3") > 0
 
 
+APART = ("-eva-precision", "3", "-eva-slevel", "1000", "-eva-split-return", "full")
+"""Options that keep the cases of the harness apart."""
+
+BEST = {"law": {"feature": "scaled", "goal": "inertial", "force": "measured"}}
+EVERY_CHOICE = pytest.mark.parametrize(
+    ("overrides", "options"),
+    [
+        ({"law": {"feature": "scaled"}}, {}),
+        ({"law": {"goal": "inertial"}}, {}),
+        ({"law": {"force": "measured"}}, {}),
+        (BEST, {}),
+        (BEST, {"precision": "float64"}),
+        (BEST, {"sensing": "centroid"}),
+        (BEST, {"camera": True}),
+    ],
+    ids=str,
+)
+
+
+@EVERY_CHOICE
+def test_eva_proves_the_same_of_each_choice_of_a_law(overrides, options, tmp_path):
+    package = export(tmp_path / "fw", "x4-flyer", overrides, allow_uncertified=True, **options)
+    low, high = (t - load_weight(package) for t in package.manifest["thrust"])
+    assert eva(package, tmp_path, "law_over_box", (low, high), *APART) == 0
+    beyond = (-1.5 * load_weight(package), high)
+    assert eva(package, tmp_path, "law_over_box", beyond, *APART) > 0
+
+
+@EVERY_CHOICE
+def test_eva_proves_a_step_of_each_law_on_anything_finite(overrides, options, tmp_path):
+    package = export(tmp_path / "fw", "x4-flyer", overrides, allow_uncertified=True, **options)
+    assert eva(package, tmp_path, "step_on_anything", (0, 0), *APART) == 0
+
+
+@pytest.mark.long
 def test_eva_proves_a_step_on_anything_finite_free_of_run_time_errors(tmp_path):
     package = export(tmp_path / "fw")
-    assert eva(package, tmp_path, "step_on_anything", (0, 0), "-eva-precision", "8") == 0
+    assert eva(package, tmp_path, "step_on_anything", (0, 0), *APART) == 0
+
+
+@pytest.mark.parametrize("check", ["spread >= X4_FLYER_SPREAD_LOW", "lift > X4_FLYER_EXCESS_FLOOR"])
+def test_eva_finds_a_check_left_out(check, tmp_path):
+    package = export(tmp_path / "fw", "x4-flyer", BEST, allow_uncertified=True)
+    source = package.sources[0]
+    text = source.read_text()
+    assert text.count(f"({check}) &&") == 1
+    source.write_text(text.replace(f"({check}) &&", ""))
+    assert eva(package, tmp_path, "step_on_anything", (0, 0), *APART) > 0
 
 
 # --- boards -------------------------------------------------------------------------------------
@@ -154,9 +194,13 @@ def test_the_object_has_no_soft_double_no_library_and_no_variables(kind, tmp_pat
 
 @EACH_KIND
 def test_boards_and_host_compute_the_same_bits(kind, tmp_path):
-    """Self-test, 10,000 random inputs and 30 s at 1 kHz; the vehicle is simulated on the board."""
+    """Self-test, 10,000 random inputs and a flight at 1 kHz; the vehicle is simulated on the board.
+
+    Both precisions of the first preset fly for 30 s, the others for 5 s.
+    """
     package = kind.export(tmp_path / "fw")
-    (tmp_path / "firmware_names.h").write_text(names_header(package, 30_000))
+    steps = 30_000 if kind in kinds()[:2] else 5_000
+    (tmp_path / "firmware_names.h").write_text(names_header(package, steps))
     sources = [TARGET / "bits.c", package.folder / "example" / "vehicle.c"]
     includes = (*package.includes, f"-I{tmp_path}")
     said = set()

@@ -28,6 +28,7 @@ from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Design, Errors, Feature, Measurement
 from hoverproof.servo.laws.choices import WithAccelerometer
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, LAWS, horizontal, wanted_rates
+from hoverproof.servo.laws.heading import DesignWithHeading
 from hoverproof.servo.layout import scalar
 from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, sense, slowest_rate
 from hoverproof.servo.lyapunov import (
@@ -106,7 +107,7 @@ def test_the_law_of_the_guide_is_one_file_and_flies(x4, tmp_path, monkeypatch):
 
 
 def test_the_gains_of_a_law_are_those_of_a_mission():
-    assert tuple(Design.gains()) == tuple(Gains.model_fields)
+    assert tuple(DesignWithHeading.gains()) == tuple(Gains.model_fields)
     for name, unit in Design.gains().items():
         assert unit in Gains.__doc__, name
 

@@ -36,6 +36,7 @@ def faults(tally, *, contradict):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_no_random_mission_gives_a_traceback_a_hang_or_a_bad_message(tally):
     assert faults(tally, contradict=False) == []
 

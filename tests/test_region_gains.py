@@ -112,6 +112,7 @@ def test_k1_is_the_smallest_that_settles_fast_enough(x4, stiff, k3):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_no_random_feasible_gains_have_a_larger_ball(answer, out, whole):
     """The rule for k1 and k4 included: the random gains keep the limits, and no more.
 
@@ -182,6 +183,7 @@ def test_a_goal_off_the_axis_is_refused():
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_the_curve_of_region_against_speed_falls_and_each_point_is_proved(capsys):
     options = ("--objective", "region", "--pareto", 3, "--out", "curve.svg", "--json")
     status, words, _ = run(capsys, "tune", "crazyflie-2.1", *options)

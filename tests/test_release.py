@@ -156,6 +156,7 @@ def test_the_sdist_is_whole(built):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_the_wheel_works_alone_in_an_empty_environment(built, tmp_path):
     """Install it with its dependencies, as pipx does, and run it away from the checkout."""
     venv.create(tmp_path / "venv")

@@ -334,12 +334,13 @@ UNCERTAINTY = {  # what a proof is asked to cover; without it, nothing
     "noise": dict.fromkeys(("feature", "velocity", "force", "rate"), size),  # 1, m/s, N, rad/s
 }
 CAMERA = {"half_angle": positive}  # rad
+WHERE = {"height": number}, {"centroid": VECTOR}  # m; q*
 PLAIN = {
     "name": word(r"[\w.-]{1,64}", "the mission has no proper name"),
     "vehicle": dict.fromkeys(VEHICLE, positive) | {"inertia": [positive] * 3},  # kg m²
     "target": {"points": several(VECTOR, MAX_POINTS)},  # world axes, z down, m
-    "goal": ({"height": number}, {"centroid": VECTOR}),  # m; q*
-    "gains": dict.fromkeys(GAINS, positive),
+    "goal": (*WHERE, *(where | {"heading": number} for where in WHERE)),  # rad
+    "gains": tuple(dict.fromkeys((*GAINS, *more), positive) for more in ((), ("k_heading",))),
     "bounds": tuple(bounds | force for bounds in ASSUMED for force in FORCE),
     "start": dict.fromkeys(("position", "velocity", "rotation", "rates"), VECTOR),
 }
@@ -463,6 +464,8 @@ class Claim:
         if self.law[1] == "inertial":
             require(self.vertical(), "a goal fixed to the vertical is straight below")
             self.fixed = [(Fraction(0), Fraction(0))] * 3
+        self.heading = hasattr(goal, "heading")
+        require(self.heading or not hasattr(k, "k_heading"), "there is no heading to turn to")
 
     def vertical(self) -> bool:
         """Tell whether q* is vertical, to rounding."""
@@ -597,16 +600,24 @@ def smallest_above(view: View, low: Fraction) -> bool:
 
 # --- the slope of the scaled centroid ------------------------------------------------------------
 #
-# With C any point, r0 = |C - ξ|, p0 = (C - ξ)/r0, t = 1/r0, ei = Pi - C, di = 2 ei·p0 + t|ei|²,
-# κi = r0/ri = 1/√(1 + t di), λi = -di κi/(1 + 1/κi), the unit vectors are pi = p0 + t wi with
-# wi = λi p0 + κi ei, and (I - pi piᵀ)/ri - (I - p0 p0ᵀ)/r0 = t² Di,
-# Di = λi I - κi (wi piᵀ + p0 wiᵀ) - λi p0 p0ᵀ. Nothing cancels in them. With w̄ their mean,
-# ui = wi - w̄, S = n Σ|ui|² = (n² - a²)/t², a = |q|, q̂ = q/a and N = Σ κi (I - pi piᵀ) = r0 Q,
+# With C the mean of the points, r0 = |C - ξ|, p0 = (C - ξ)/r0, t = 1/r0 and ei = Pi - C, so that
+# Σ ei = 0, let bi = ei·p0, di = 2 bi + t|ei|², fi = ri/r0 = √(1 + t di), κi = 1/fi,
+# λi = -di κi/(1 + fi), ηi = (bi di (1 + 1/(1 + fi)) - |ei|²) κi/(1 + fi), vi = ηi p0 + λi ei and
+# wi = ei - bi p0 + t vi. The unit vectors are pi = p0 + t wi, κi = 1 + t λi, λi = -bi + t ηi. With
+# v̄ the mean of the vi, q = n (p0 + t² v̄). With gij = (di - dj)/(fi + fj), ri - rj = gij and
+# eij = ei - ej, n² - |q|² = ½ ΣΣ |pi - pj|² = t² S, S = Σ over pairs of κi κj (|eij|² - gij²), and
 #
-#     J = √(n (n + a)/(2 S)) (N/a + q̂ hᵀ),
-#     hᵀ = (1/(2 (n + a)) - 1/a) q̂ᵀN - n Σ uiᵀDi / S.
+#     r0 ∂S/∂C = Σ κi κj (-t (|eij|² - gij²)((λi + λj) p0 + κi wi + κj wj) - 2 gij (wi - wj)) = S'.
 #
-# Over a cell each of these is enclosed by a number, a slope and a rest.
+# With a = |q|, A = n √n √((n + a)/(2 S))/a, h = (1/(2 (n + a)) - 1/a) a' - S'/(2 S),
+# a' = -t² (S' - 2 S p0)/(2 a), and R̄ the mean of ηi (I - p0 p0ᵀ) - ui p0ᵀ - p0 uiᵀ - κi wi wiᵀ,
+# ui = λi wi + vi,
+#
+#     s = A (p0 + t² v̄)/t,    J = A (I + t² (R̄ + v̄ p0ᵀ) + (p0 + t² v̄) hᵀ).
+#
+# Nothing cancels in them. Over a cell each of these is enclosed by a number, a slope and a rest.
+#
+# A cell is a box of positions, or a wedge: a box of x, y, u, where (x, y, 1)/u = C - ξ.
 
 BITS = 192  # numbers are multiples of 2^-BITS
 ONE_OF_THEM = 1 << BITS
@@ -638,16 +649,23 @@ class Tangent(NamedTuple):
         return Tangent(self.mid - other.mid, (a - x, b - y, c - z), self.rest + other.rest)
 
     def __mul__(self, other: "Tangent") -> "Tangent":  # type: ignore[override]
-        (a, b, c), (x, y, z), m, k = self.slope, other.slope, self.mid, other.mid
-        slope = (m * x + k * a) >> BITS, (m * y + k * b) >> BITS, (m * z + k * c) >> BITS
-        rest = abs(m) * other.rest + abs(k) * self.rest + self.spread() * other.spread()
-        return Tangent(m * k >> BITS, slope, (rest >> BITS) + 5)
+        (m, (a, b, c), r), (k, (x, y, z), t) = self, other
+        far = (abs(a) + abs(b) + abs(c) + r) * (abs(x) + abs(y) + abs(z) + t)
+        return Tangent(
+            m * k >> BITS,
+            ((m * x + k * a) >> BITS, (m * y + k * b) >> BITS, (m * z + k * c) >> BITS),
+            (abs(m) * t + abs(k) * r + far >> BITS) + 5,
+        )
 
     def times(self, n: int, d: int = 1) -> "Tangent":
         """Return it times n/d."""
         a, b, c = self.slope
         slope = a * n // d, b * n // d, c * n // d
         return Tangent(self.mid * n // d, slope, self.rest * abs(n) // d + 5)
+
+    def scaled(self, c: Fraction) -> "Tangent":
+        """Return it times a number."""
+        return self.times(c.numerator, c.denominator)
 
     def bent(self, value: int, slope: int, least: int, bend: int) -> "Tangent":
         """Return a function of it: its value and slope at mid, from which it bends away.
@@ -678,6 +696,7 @@ class Tangent(NamedTuple):
 
 Three = list[Tangent]
 NOTHING = Tangent(0, (0, 0, 0), 0)
+ONE_TANGENT = Tangent(ONE_OF_THEM, (0, 0, 0), 0)
 
 
 def along(x: Iterable[Tangent], y: Iterable[Tangent]) -> Tangent:
@@ -700,51 +719,136 @@ def place_in(grid: Grid, cell: Cell) -> Three:
     return xi
 
 
+class Target:
+    """Target points from their mean, and what is the same from wherever they are seen."""
+
+    def __init__(self, points: Matrix) -> None:
+        self.n = len(points)
+        self.mean = [sum(side, Fraction(0)) / self.n for side in zip(*points, strict=True)]
+        self.apart = [minus(point, self.mean) for point in points]
+        self.squares = [dot(e, e) for e in self.apart]
+        constant = Tangent.constant
+        self.constants = [([constant(x) for x in e], constant(dot(e, e))) for e in self.apart]
+        self.pairs = [
+            (i, j, across, constant(dot(across, across)), self.squares[i] - self.squares[j])
+            for i, j in itertools.combinations(range(self.n), 2)
+            for across in [minus(self.apart[i], self.apart[j])]
+        ]
+
+
+class Sight:
+    """A target seen from a cell, or from a position."""
+
+    def __init__(self, target: Target, p0: Three, t: Tangent) -> None:
+        n, axes = target.n, range(3)
+        self.n, self.target, self.p0, self.t, self.square = n, target, p0, t, t * t
+        self.rays = [self.ray(i) for i in range(n)]
+        self.mean = [add_up(ray.v[k] for ray in self.rays).times(1, n) for k in axes]
+        self.lead = [p0[k] + self.square * self.mean[k] for k in axes]  # q/n
+
+    @classmethod
+    def over(cls, target: Target, xi: Three) -> "Sight":
+        """See the target from the positions of a cell."""
+        ray = [Tangent.constant(c) - x for c, x in zip(target.mean, xi, strict=True)]
+        t = along(ray, ray).root().inverse()
+        return cls(target, [x * t for x in ray], t)
+
+    @classmethod
+    def over_wedge(cls, target: Target, wedge: Three) -> "Sight":
+        """See the target from the positions of a wedge."""
+        x, y, u = wedge
+        z = (x * x + y * y + ONE_TANGENT).root().inverse()
+        return cls(target, [x * z, y * z, z], u * z)
+
+    def ray(self, i: int) -> Object:
+        """Return what is seen of a point."""
+        p0, t, e, square = self.p0, self.t, self.target.apart[i], self.target.squares[i]
+        exact, exact_square = self.target.constants[i]
+        b = add_up(p0[k].scaled(e[k]) for k in range(3) if e[k])
+        d = b.times(2) + t.scaled(square)
+        far = (t * d + ONE_TANGENT).root()
+        near, short = far.inverse(), (far + ONE_TANGENT).inverse()
+        scale = near * short
+        bend = NOTHING - d * scale
+        eta = (b * d * (short + ONE_TANGENT) - exact_square) * scale
+        v = [eta * p0[k] + bend.scaled(e[k]) if e[k] else eta * p0[k] for k in range(3)]
+        w = [t * v[k] - b * p0[k] + exact[k] for k in range(3)]
+        return Object(far=far, near=near, bend=bend, eta=eta, v=v, w=w)
+
+    def look(self) -> None:
+        """Compute S, over pairs, and what follows from it."""
+        self.pairs = []
+        for i, j, across, square, more in self.target.pairs:
+            one, other = self.rays[i], self.rays[j]
+            d = add_up(self.p0[k].scaled(2 * across[k]) for k in range(3) if across[k])
+            d = d + self.t.scaled(more) if more else d
+            g = d * (one.far + other.far).inverse()
+            both = one.near * other.near
+            part = both * (square - g * g)
+            self.pairs.append(((g * both).times(2), part))
+        self.spread = add_up(part for *_, part in self.pairs)  # S
+        a = (Tangent.constant(Fraction(self.n**2)) - self.square * self.spread).root()
+        whole = a + Tangent.constant(Fraction(self.n))
+        self.short, self.whole, self.less = a.inverse(), whole.inverse(), self.spread.inverse()
+        cube = Tangent.constant(Fraction(self.n**3, 2))
+        self.gain = (cube * whole * self.less).root() * self.short  # A
+
+    def scaled(self) -> Three:
+        """Enclose s."""
+        self.look()
+        size = self.gain * self.t.inverse()
+        return [size * x for x in self.lead]
+
+    def slope(self) -> list[Three]:
+        """Enclose J, (3, 3), 1/m; after `look`."""
+        p0, t, axes, n = self.p0, self.t, range(3), self.n
+        weights, turns = [NOTHING] * n, [NOTHING] * n  # of κi wi and wi in S'
+        for (i, j, *_), (twice, part) in zip(self.target.pairs, self.pairs, strict=True):
+            weights[i], weights[j] = weights[i] + part, weights[j] + part
+            turns[i], turns[j] = turns[i] + twice, turns[j] - twice
+        bent = add_up(ray.bend * weight for ray, weight in zip(self.rays, weights, strict=True))
+        falling = [(t * bent) * x for x in p0]  # -S'
+        near = [[ray.near * x for x in ray.w] for ray in self.rays]
+        for ray, scaled, weight, turn in zip(self.rays, near, weights, turns, strict=True):
+            thin = t * weight
+            falling = [
+                x + thin * scaled[k] + turn * ray.w[k] for k, x in zip(axes, falling, strict=True)
+            ]
+        scale = (self.whole.times(1, 2) - self.short) * self.short * self.square
+        ahead = [
+            scale * (self.spread * p0[k] + falling[k].times(1, 2))
+            + (falling[k] * self.less).times(1, 2)
+            for k in axes
+        ]
+        side = [add_up(ray.bend * ray.w[k] + ray.v[k] for ray in self.rays) for k in axes]
+        eta = add_up(ray.eta for ray in self.rays)
+        turned = [side[k] + (eta * p0[k]).times(1, 2) for k in axes]
+        R = [[NOTHING] * 3 for _ in axes]
+        for i in axes:
+            for j in range(i + 1):
+                both = add_up(x[i] * ray.w[j] for x, ray in zip(near, self.rays, strict=True))
+                R[i][j] = NOTHING - both - turned[i] * p0[j] - turned[j] * p0[i]
+            R[i][i] += eta
+        J = [[R[max(i, j)][min(i, j)].times(1, n) for j in axes] for i in axes]
+        for i, j in itertools.product(axes, axes):
+            bent = self.square * (J[i][j] + self.mean[i] * p0[j]) + self.lead[i] * ahead[j]
+            J[i][j] = self.gain * (bent + (ONE_TANGENT if i == j else NOTHING))
+        return J
+
+
 def slope_over(points: Matrix, grid: Grid, cell: Cell) -> list[Three] | None:
     """Enclose J over a cell, (3, 3); None if the target is too near."""
     try:
-        return scaled_slope(points, place_in(grid, cell))
+        return scaled_slope(Target(points), place_in(grid, cell))
     except Rejected:  # a number is not shown to be positive
         return None
 
 
-def scaled_slope(points: Matrix, xi: Three) -> list[Three]:
+def scaled_slope(target: Target, xi: Three) -> list[Three]:
     """Enclose J at the positions of a cell, (3, 3), 1/m."""
-    n, one, axes = len(points), Tangent.constant(Fraction(1)), range(3)
-    C = [sum(side, Fraction(0)) / n for side in zip(*points, strict=True)]
-    ray = [Tangent.constant(c) - x for c, x in zip(C, xi, strict=True)]
-    t = along(ray, ray).root().inverse()
-    p0 = [x * t for x in ray]
-    rays = []
-    for point in points:
-        e = [Tangent.constant(x - c) for x, c in zip(point, C, strict=True)]
-        d = along(e, p0).times(2) + along(e, e) * t
-        far = (one + t * d).root()  # ri/r0
-        near = far.inverse()
-        bend = NOTHING - d * near * (one + far).inverse()
-        w = [bend * p0[k] + near * e[k] for k in axes]
-        rays.append((w, [p0[k] + t * w[k] for k in axes], near, bend))
-    mean = [add_up(w[k] for w, *_ in rays).times(1, n) for k in axes]
-    apart = [[w[k] - mean[k] for k in axes] for w, *_ in rays]
-    S = add_up(along(u, u) for u in apart).times(n)
-    a = (Tangent.constant(Fraction(n * n)) - t * t * S).root()
-    whole, short, less = a + Tangent.constant(Fraction(n)), a.inverse(), S.inverse()
-    q = [(p0[k] + t * mean[k]).times(n) * short for k in axes]
-    N = [[NOTHING] * 3 for _ in axes]
-    falling = [NOTHING] * 3  # Σ uiᵀDi
-    for u, (w, p, near, bend) in zip(apart, rays, strict=True):
-        up, uw = along(u, p0), along(u, w) * near
-        kp, bent = [near * x for x in p], up * near
-        for i in axes:
-            falling[i] += bend * (u[i] - up * p0[i]) - uw * p[i] - bent * w[i]
-            for j in range(i + 1):
-                N[i][j] += (near if i == j else NOTHING) - kp[i] * p[j]
-    N = [[N[max(i, j)][min(i, j)] for j in axes] for i in axes]
-    seen = [along(q, row) for row in N]
-    first = whole.inverse().times(1, 2) - short
-    h = [first * seen[k] - (falling[k] * less).times(n) for k in axes]
-    stretch = (whole * less).times(n, 2).root()
-    return [[stretch * (N[i][j] * short + q[i] * h[j]) for j in axes] for i in axes]
+    sight = Sight.over(target, xi)
+    sight.look()
+    return sight.slope()
 
 
 def within_ball(J: list[Three] | None, low: Fraction, high: Fraction) -> bool:
@@ -773,7 +877,7 @@ def within_ball(J: list[Three] | None, low: Fraction, high: Fraction) -> bool:
 
 def beyond_ball(points: Matrix, position: Row, x: Row, low: Fraction, high: Fraction) -> bool:
     """Show |J x - j x| > ϱ|x| at a position."""
-    J = scaled_slope(points, [Tangent.constant(c) for c in position])
+    J = scaled_slope(Target(points), [Tangent.constant(c) for c in position])
     j, size, square = (low + high) / 2, square_root(dot(x, x))[1], Fraction(0)
     for row, along_it in zip(J, x, strict=True):
         value = dot([Fraction(y.mid, ONE_OF_THEM) for y in row], x) - j * along_it
@@ -1004,10 +1108,12 @@ class Gains(Sigma):
         if self.box is not None:
             stays = "the vehicle stays in that box and T in its interval"
             region = super().words() + " "
+        alike = self.heading and not any(map(any, self.fixed[:2]))  # Ω3 is in no term but Ω×δi
+        yaw = ", whatever the yaw rate Ω3 is," if alike else " and Ω3 = 0,"
         return (
             f"For {self.asked()}, the matrix Σ({Q}, T) is positive definite: XᵀΣX > {margin} kg/s "
-            f"times Σ wi|δi|² for all X ≠ 0, w = ({weights}). {region}Hence, while {stays} and "
-            f"Ω3 = 0, the Lyapunov function L = ½ Σ wi|δi|² falls at least as fast as exp(-r t), "
+            f"times Σ wi|δi|² for all X ≠ 0, w = ({weights}). {region}Hence, while {stays}"
+            f"{yaw} the Lyapunov function L = ½ Σ wi|δi|² falls at least as fast as exp(-r t), "
             f"r = {rate} 1/s. At the goal {Q} is within {these}."
         )
 
@@ -1436,36 +1542,163 @@ def state_of(start: Object) -> str:
 #
 # With σ(ξ) the feature that a level camera sees, |σ - s*| = |δ1| for an inertial goal; for that of
 # the image |σ - s3 R e3| = |δ1|, |R e3 - e3| = sin φ/cos(φ/2) <= t sin φ. So |σ - s*| <=
-# √(2ΨA) + b, A = 1 + (s3 t c/(m g))² (1/w2 + 1/w3), b = s3 t w'/g. The domain is a box each cell
+# √(2ΨA) + b, A = 1 + (s3 t c/(m g))² (1/w2 + 1/w3), b = s3 t w'/g. The domain is a wedge each cell
 # of which has |σ - s*| > d >= √(2ℓA) + b, or J in its ball; those at the faces have the first. So
 # no motion leaves it. At a start, |F| <= f0 and sin φ <= (f0 + m w')/(m g).
 
 
-class Place:
-    """What holds over cells; nothing is shown yet, so that no certificate is accepted."""
+class Wedges:
+    """Positions above a target in cells of x, y and u: (x, y, 1)/u is where its mean lies from them.
 
-    def __init__(self, points: Matrix, grid: Grid, feature: str, goal: Interval) -> None:
-        self.points, self.grid, self.feature, self.goal = points, grid, feature, goal
+    A target that is its own mirror image across x or y needs one half of the wedge. With one that
+    is the same along x and y, what lies at y > x is seen as its image is.
+    """
 
-    def outside(self, cell: Cell, offset: Fraction) -> bool:
-        """Show |σ - s*| > offset all over a cell."""
-        return False
+    def __init__(self, c: Any, points: Matrix, scaled: bool) -> None:
+        self.points, self.scaled, self.n = points, scaled, len(points)
+        self.sides, self.goal = c.domain.wedge, c.enclosures.goal
+        require(self.sides[2][0] > 0, "the wedge is not above the target")
+        self.unit = 2**40 * math.lcm(*(end.denominator for side in self.sides for end in side))
+        require(self.unit < 10**46, "the ends of the wedge are too long")
+        self.whole = [(int(a * self.unit), int(b * self.unit)) for a, b in self.sides]
+        self.target = Target(points)
+        self.mean, apart = self.target.mean, set(map(tuple, self.target.apart))
+        images = {(-x, y, z) for x, y, z in apart}, {(x, -y, z) for x, y, z in apart}
+        self.mirrored = [image == apart for image in images]
+        swapped = {(y, x, z) for x, y, z in apart} == apart
+        self.swapped = swapped and self.sides[0] == self.sides[1]
 
-    def in_ball(self, cell: Cell, low: Fraction, high: Fraction) -> bool:
-        """Show that J is in its ball all over a cell."""
-        return False
+    def faces(self) -> list[tuple[int, int]]:
+        """Return the axis and the side of each face; a plane of symmetry is none."""
+        each = itertools.product(range(3), (0, 1))
+        return [(k, side) for k, side in each if side or not self.halved(k)]
 
-    def in_cone(self, cell: Cell, cosine: Fraction) -> bool:
-        """Show that all target points are in a cone about the vertical all over a cell."""
-        return False
+    def halved(self, k: int) -> bool:
+        """Tell whether the other half of the wedge is the mirror image of this one."""
+        return k < 2 and self.mirrored[k] and self.sides[k][0] == 0
 
-    def near(self, cell: Cell, center: Row, radius: Fraction) -> bool:
+    def left_out(self, cell: Cell) -> bool:
+        """Tell whether the image of a cell with x and y exchanged is looked at."""
+        return self.swapped and cell[1][0] >= cell[0][1]
+
+    def at_face(self, cell: Cell) -> bool:
+        """Tell whether a cell is at a face."""
+        return any(cell[k][side] == self.whole[k][side] for k, side in self.faces())
+
+    def sight(self, cell: Cell) -> "Sight":
+        """See the target from a cell."""
+        axes = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+        wedge = [
+            Tangent(
+                (a + b) * ONE_OF_THEM // (2 * self.unit),
+                tuple(x * ((b - a) * ONE_OF_THEM // (2 * self.unit)) for x in axis),  # type: ignore[arg-type]
+                2,
+            )
+            for (a, b), axis in zip(cell, axes, strict=True)
+        ]
+        return Sight.over_wedge(self.target, wedge)
+
+    def off(self, sight: "Sight") -> Three:
+        """Enclose σ - σ*."""
+        seen = sight.scaled() if self.scaled else [x.times(self.n) for x in sight.lead]
+        low, high = (math.floor(end * ONE_OF_THEM) for end in self.goal)
+        return [*seen[:2], seen[2] - Tangent((low + high) // 2, (0, 0, 0), high - low + 2)]
+
+    def beyond(self, off: Three, distance: Fraction) -> bool:
+        """Show |σ - σ*| > distance, along its direction in the middle."""
+        largest = max(abs(x.mid) for x in off)
+        along = [x.mid * 2**30 // largest for x in off] if largest else [0, 0, 0]
+        part = add_up(x.times(a) for x, a in zip(off, along, strict=True))
+        least = part.mid - part.spread()
+        return least > 0 and least**2 > dot(along, along) * (distance * ONE_OF_THEM) ** 2
+
+    def outside(self, cell: Cell, distance: Fraction) -> bool:
+        """Show |σ - σ*| > distance over a cell, or leave it out."""
+        try:
+            return self.left_out(cell) or self.beyond(self.off(self.sight(cell)), distance)
+        except Rejected:  # a number is not shown to be positive
+            return False
+
+    def hold(self, cell: Cell, grid: Grid, domain: Any) -> bool:
+        """Show that a cell is beyond the domain, or that J is in its bounds over it, and what is seen."""
+        if self.left_out(cell):
+            return True
+        try:
+            sight = self.sight(cell)
+            if self.beyond(self.off(sight), domain.offset):
+                return True
+            if self.at_face(cell) or (domain.cone and not self.steep(cell, domain.cone)):
+                return False
+            low, high = domain.bounds
+            if self.scaled:
+                return within_ball(sight.slope(), low, high)
+        except Rejected:
+            return False
+        sides = zip(*self.corners(cell), strict=True)
+        view = View(grid, grid.cell([(min(side), max(side)) for side in sides]))
+        return largest_below(view, high) and smallest_above(view, low)
+
+    def corners(self, cell: Cell) -> list[list[Fraction]]:
+        """Return the positions of the corners; a cell is their convex hull."""
+        unit = Fraction(1, self.unit)
+        return [
+            minus(self.mean, (Fraction(x, u), Fraction(y, u), 1 / (u * unit)))
+            for x, y, u in itertools.product(*cell)
+        ]
+
+    def on_symmetry(self, position: Row) -> bool:
+        """Tell whether a position is its own image wherever images are not looked at."""
+        level = minus(position, self.mean)[:2]
+        alike = not self.swapped or level[0] == level[1]
+        return alike and not any(x for k, x in enumerate(level) if self.halved(k))
+
+    def steep(self, cell: Cell, cosine: Fraction) -> bool:
+        """Show that all target points are in a cone about the vertical: at the corners, as it is convex."""
+        for corner, point in itertools.product(self.corners(cell), self.points):
+            x, y, z = minus(point, corner)
+            if z <= 0 or z**2 < cosine**2 * (x**2 + y**2 + z**2):
+                return False
+        return True
+
+    def close(self, cell: Cell, center: Row, radius: Fraction) -> bool:
         """Show that a cell is within a radius."""
-        return False
+        rays = (minus(corner, center) for corner in self.corners(cell))
+        return all(dot(ray, ray) <= radius**2 for ray in rays)
 
-    def offsets(self, cell: Cell) -> tuple[Fraction, Fraction] | None:
-        """Bound |σ - s*| and its horizontal part over a cell."""
-        return None
+    def holds(self, box: Sequence[Interval]) -> bool:
+        """Tell whether a box of positions is in the wedge, or in its mirror images."""
+        (u0, u1), mean = self.sides[2], self.mean
+        for corner in itertools.product(*box):
+            *level, height = minus(mean, corner)
+            if height <= 0 or not u0 * height <= 1 <= u1 * height:
+                return False
+            for k, x in enumerate(level):
+                a, b = self.sides[k]
+                a = -b if self.halved(k) else a
+                if not a * height <= x <= b * height:
+                    return False
+        return True
+
+    def start(self, grid: Grid, cell: Cell) -> tuple[Fraction, Fraction] | None:
+        """Bound |σ - σ*| and its horizontal part over a box of positions."""
+        try:
+            off = self.off(Sight.over(self.target, place_in(grid, cell)))
+        except Rejected:
+            return None
+        far = [Fraction(abs(x.mid) + x.spread(), ONE_OF_THEM) ** 2 for x in off]
+        whole, level = (square_root(sum(part, Fraction(0)))[1] for part in (far, far[:2]))
+        return whole, level
+
+    def words(self) -> str:
+        """Describe the wedge."""
+        (u0, u1), level = self.sides[2], []
+        for k in range(2):
+            a, b = self.sides[k]
+            level.append(f"[{about(-b if self.halved(k) else a)}, {about(b)}]")
+        return (
+            f"between {about(1 / u1)} m and {about(1 / u0)} m above the mean of the target points, "
+            f"which lies in {' x '.join(level)} times that height from it"
+        )
 
 
 NONE = Object(
@@ -1726,7 +1959,7 @@ class Exponential(Tolerant):
         "memory": maybe(positive),  # M
         "multipliers": {"slope": positive, "terms": several(positive, 8)},
         "domain": {
-            **{"box": BOX, "bounds": [positive] * 2, "offset": positive},
+            **{"wedge": BOX, "bounds": [positive] * 2, "offset": positive},
             **{"cone": maybe(share), "tree": TREE},  # the cosine of an angle
         },
         "enclosures": {"goal": interval},  # of s3*
@@ -1745,12 +1978,12 @@ class Exponential(Tolerant):
         super().__init__(c)
         require(self.low < self.high, "the bounds of J are not in order")
         self.grid = Grid(self.points)
-        self.place = Place(self.points, self.grid, self.law[0], c.enclosures.goal)
+        self.place = Wedges(c, self.points, self.scaled)
         require(c.claim.starts, "there is no start")
         require(c.claim.start_level <= c.claim.level, "a start is above the level")
+        costs = ((tree, 10) for tree in (c.trees.near, *c.trees.starts))
+        require_little(self.points, (c.domain.tree, 20 if self.scaled else 15), *costs)
         require(len(c.trees.starts) == len(c.claim.starts), "a tree a start")
-        trees = c.domain.tree, c.trees.near, *c.trees.starts
-        require_little(self.points, *((tree, 10) for tree in trees))
         angles = c.claim.cone is None or c.domain.cone is not None
         require(angles, "the angle under which all is seen needs a cone over the domain")
 
@@ -1805,16 +2038,12 @@ class Exponential(Tolerant):
         claim, domain, place = self.c.claim, self.c.domain, self.place
         far = self.shift + square_root(2 * claim.level * self.stretch)[1]
         require(far <= domain.offset, "the level is not shown to be within the domain")
-        box = self.grid.cell(domain.box)
-
-        def hold(cell: Cell) -> bool:
-            if place.outside(cell, domain.offset):
-                return True
-            at_face = any(a == c or b == d for (a, b), (c, d) in zip(cell, box, strict=True))
-            inside = not at_face and place.in_ball(cell, self.low, self.high)
-            return inside and (domain.cone is None or place.in_cone(cell, domain.cone))
-
-        cover(domain.tree, box, hold, "the domain is not shown")
+        cover(
+            domain.tree,
+            place.whole,
+            lambda cell: place.hold(cell, self.grid, domain),
+            "the domain is not shown",
+        )
         if claim.cone is not None:
             cosine, sine = domain.cone, square_root(1 - domain.cone**2)[1]
             seen = claim.cone <= cosine * self.cosine - sine * self.sine
@@ -1832,22 +2061,23 @@ class Exponential(Tolerant):
         fallen = exponential_above(claim.rate * soon.time, claim.start_level / level)
         require(fallen, "the settling time does not follow from the rate")
 
+        require(place.on_symmetry(self.c.hover), "the hover point is not where the target is alike")
+
         def hold(cell: Cell) -> bool:
-            near = place.near(cell, self.c.hover, soon.radius)
+            near = place.close(cell, self.c.hover, soon.radius)
             return near or place.outside(cell, soon.offset)
 
-        box = self.grid.cell(self.c.domain.box)
-        cover(self.c.trees.near, box, hold, "the vehicle is not shown to be within the radius")
+        what = "the vehicle is not shown to be within the radius"
+        cover(self.c.trees.near, place.whole, hold, what)
 
     def verify_start(self, start: Object, tree: str) -> None:
         """Verify that Ψ <= ℓ0 in a set of states; the vehicle was near its positions before."""
         moved = start.speed * self.may.latency
         box = [(a - moved, b + moved) for a, b in start.position]
-        inside = zip(box, self.c.domain.box, strict=True)
-        require(all(within(*sides) for sides in inside), "a start is not in the box of the domain")
+        require(self.place.holds(box), "a start is not in the wedge of the domain")
 
         def hold(cell: Cell) -> bool:
-            offsets = self.place.offsets(cell)
+            offsets = self.place.start(self.grid, cell)
             return (
                 offsets is not None and self.at_start(start, *offsets) <= self.c.claim.start_level
             )
@@ -1866,7 +2096,6 @@ class Exponential(Tolerant):
         if c.memory:
             more += f" + {about(c.memory)} ∫∫ exp(r (z - t)) |y(z)|² dz dx of the latency, z from "
             more += "t + x to t, x from minus the latency to 0, y = J V the flow of the feature"
-        sides = " x ".join(f"[{about(a)}, {about(b)}]" for a, b in c.domain.box)
         half = ""
         if claim.cone is not None:
             angle = f"{math.degrees(math.acos(claim.cone)):.4g}°"
@@ -1883,22 +2112,22 @@ class Exponential(Tolerant):
             f"w2|δ2|² + w3|δ3|² + w4|δ4|²){more}, (w2, w3, w4) = ({weights}). In continuous time "
             f"and with all target points seen, the controller may be switched on in every {starts}."
             f" Then Ψ(0) <= {about(claim.start_level)} and Ψ(t) <= Ψ(0) exp(-r t), r = "
-            f"{about(claim.rate)} 1/s, for all t >= 0; the vehicle stays in the box {sides} m; and "
+            f"{about(claim.rate)} 1/s, for all t >= 0; the vehicle stays {self.place.words()}; and "
             f"after {about(soon.time)} s it is, and stays, within {about(soon.radius)} m of the "
             f"point ({hover}) m{half}."
         )
 
 
-# With the centroid there is the natural potential W in place of ½|δ1|², of which W' = -eᵀV, and e in
-# place of δ1 = e + η, as for regions of attraction; η = 0 for an inertial goal, and without wind it
-# is as there for one of the image. With q3* and θ = (t, 0) at their ends, and 0 ⪯ Q ⪯ λ I, so
+# With the centroid there is the natural potential W in place of ½|δ1|², of which W' = -eᵀV, and e
+# in place of δ1 = e + η, as for regions of attraction; η = 0 for an inertial goal, and without wind
+# it is as there for one of the image. With q3* and θ = (t, 0) at their ends, and 0 ⪯ Q ⪯ λ I, so
 # yᵀ(λV - y) >= 0,
 #
 #   -(E - ½|δ1|²)' + eᵀV - Mτ'|y|² + (M/τ')|n|² - σQ yᵀ(λV - y) >= ε (k1/m) |Y|²
 #
-# on {Ψ <= ℓ}, where |V| <= (k1/m)(|δ1| + |δ2|), |δ1| <= n + q3*. What is along the second axis is in
-# this as what is along the first if θ = 0. A barrier follows from how U is made, so it needs that
-# the height is driven as modelled: no tolerance but those of torque and yaw rate.
+# on {Ψ <= ℓ}, where |V| <= (k1/m)(|δ1| + |δ2|), |δ1| <= n + q3*. What is along the second axis is
+# in this as what is along the first if θ = 0. A barrier follows from how U is made, so it needs
+# that the height is driven as modelled: no tolerance but those of torque and yaw rate.
 
 
 class Potential(Tolerant, Attraction):
@@ -1986,10 +2215,10 @@ class Potential(Tolerant, Attraction):
             f"({hover}) m at its height, up to {up} m above it or {down} m below it",
         )
         return (
-            f"For {self.asked()} and for every vehicle with {self.vehicles()}, let Ψ = W + ½(a2|δ2|² "
-            f"+ a3|δ3|² + a4|δ4|²){more}, W = Σ|P'i - ξ| + q3* z less its minimum, (a2, a3, a4) = "
-            f"({weights}). In continuous time and with all target points seen, the controller may be "
-            f"switched on in every {rest}{others}: the motion converges to the hover at the goal"
+            f"For {self.asked()} and for every vehicle with {self.vehicles()}, let Ψ = W + "
+            f"½(a2|δ2|² + a3|δ3|² + a4|δ4|²){more}, W = Σ|P'i - ξ| + q3* z less its "
+            f"minimum, (a2, a3, a4) = ({weights}). In continuous time and with all target points seen, the controller may "
+            f"be switched on in every {rest}{others}: the motion converges to the hover at the goal"
             f"{stays}. On the way Ψ <= {about(self.level)} and Ψ' <= -(k1/m) {about(claim.rate)} "
             f"(|q - q3* ρ|² + |δ2|² + |δ3|² + |δ4|²)."
         )
@@ -2106,6 +2335,7 @@ class Sinking(Axial):
     def __init__(self, c: Any) -> None:
         super().__init__(c)
         p, n = c.motion, len(self.points)
+        require(not self.heading, "a vehicle that turns to a heading has a yaw rate")
         self.time, self.steps = p.time, p.steps
         self.start = [*p.position, *p.velocity, *p.axis, *p.turning, p.thrust]
         self.depth = max(point[2] for point in self.points)  # z of the lowest target point, m

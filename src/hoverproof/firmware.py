@@ -20,7 +20,8 @@ from hoverproof.export.contents import Standing
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import choices_of, law_of
+from hoverproof.servo.laws.hamel_mahony import choices_of
+from hoverproof.servo.laws.heading import flown_law
 from hoverproof.servo.layout import place
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import flight as simulation
@@ -81,7 +82,7 @@ def export_c(
     InputError
         If an argument cannot be used or the folder cannot be written to.
     """
-    own = law_of(mission)
+    own = flown_law(mission)
     if law is not None and law != own:
         if not allow_uncertified:
             why = f"its certificate is about its law, {own.name}, not about {law.name}"
@@ -181,7 +182,7 @@ def flown_firmware(
         firmware = _exported(mission, law, camera=not ideal)
     elif firmware.manifest["mission"] != mission.exact():
         raise InputError(mission.source, "", f"is not the mission of the firmware {firmware.name}")
-    elif firmware.manifest["law"] != choices_of(law or law_of(mission)):
+    elif firmware.manifest["law"] != choices_of(law or flown_law(mission)):
         raise InputError(mission.source, "law", f"is not the law of the firmware {firmware.name}")
     if not ideal:
         plan = Plan(mission, step, steps.samples, every, seed, scattered=False, law=law)

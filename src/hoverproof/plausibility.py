@@ -151,6 +151,7 @@ def _bandwidth(mission: Mission) -> Iterator[Finding]:
     for name, key, fast in (
         ("bandwidth", "gains", bandwidth(mission)),
         ("yaw bandwidth", "gains.k_yaw", float(g.k_yaw / v.inertia[2])),
+        *_heading_bandwidth(mission),
     ):
         if constant and fast * constant > 1:
             yield Finding(
@@ -163,6 +164,13 @@ def _bandwidth(mission: Mission) -> Iterator[Finding]:
             yield Finding(
                 name, key, f"no rotor follows a {name} of {fast:.4g} rad/s ({BANDWIDTH:g} at most)"
             )
+
+
+def _heading_bandwidth(mission: Mission) -> list[tuple[str, str, float]]:
+    if mission.goal.heading is None:
+        return []
+    fast = math.sqrt(mission.k_heading / mission.vehicle.inertia[2])
+    return [("heading bandwidth", "gains.k_heading", fast)]
 
 
 def _rotors(mission: Mission) -> Iterator[Finding]:

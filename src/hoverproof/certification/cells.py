@@ -38,7 +38,9 @@ def most_cells(points: int, cost: int) -> int:
     return checker.MAX_WORK // ((points + 5) * cost)
 
 
-def grow_tree(box: Array, holds: Holds, most: int) -> str | None:
+def grow_tree(
+    box: Array, holds: Holds, most: int, scale: Sequence[float] | None = None
+) -> str | None:
     """Halve a box across the longest side of each cell until something holds over every cell.
 
     Parameters
@@ -49,6 +51,8 @@ def grow_tree(box: Array, holds: Holds, most: int) -> str | None:
         Takes cells, (k, d, 2); tells for each whether it holds, (k,).
     most : int
         Largest number of cells at the end.
+    scale : (d,), optional
+        What the sides are multiplied by when they are compared.
 
     Returns
     -------
@@ -71,7 +75,8 @@ def grow_tree(box: Array, holds: Holds, most: int) -> str | None:
         sides, middles = np.ptp(cells, axis=2), cells.mean(axis=2, keepdims=True).repeat(2, axis=2)
         if (sides.max(axis=1) <= SMALLEST).any() or not holds(middles).all():
             return None
-        axis, row = sides.argmax(axis=1), np.arange(len(cells))
+        axis = (sides * (1.0 if scale is None else np.array(scale))).argmax(axis=1)
+        row = np.arange(len(cells))
         letters[~held] = axis + 1
         halves = cells[:, None].repeat(2, axis=1)
         halves[row, 0, axis, 1] = halves[row, 1, axis, 0] = middles[row, axis, 0]

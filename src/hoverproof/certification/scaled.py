@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import product
+from functools import cached_property
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -77,6 +78,179 @@ class Tangent:
 
 Three = list[Tangent]
 NOTHING = Tangent(0.0, np.zeros((3, 1)), 0.0)
+AXES = np.eye(3)[..., None]
+
+
+@dataclass(frozen=True)
+class Ray:
+    """What is seen of one target point.
+
+    Attributes
+    ----------
+    far, near, bend : Tangent
+        r/r0, κ = r0/r and λ.
+    v, w : (3,) of Tangent
+        p = p0 + t w, w = e - (e·p0) p0 + t v.
+    eta : Tangent
+        η.
+    """
+
+    far: Tangent
+    near: Tangent
+    bend: Tangent
+    v: Three
+    w: Three
+    eta: Tangent
+
+
+@dataclass(frozen=True)
+class Sight:
+    """A target seen from cells of positions; see `checker.Sight`, where the equations stand.
+
+    Attributes
+    ----------
+    apart : (n, 3)
+        Of the target points from their mean, m.
+    p0 : (3,) of Tangent
+        Direction of the mean.
+    t : Tangent
+        One over its distance, 1/m.
+    """
+
+    apart: Array
+    p0: Three
+    t: Tangent
+
+    @classmethod
+    def over(cls, points: Array, cells: Array) -> Sight:
+        """See a target from boxes of positions.
+
+        Parameters
+        ----------
+        points : (n, 3)
+            World frame, m.
+        cells : (k, 3, 2)
+            Low and high ends, m.
+        """
+        C, middle, half = points.mean(axis=0), cells.mean(axis=2), np.ptp(cells, axis=2) / 2
+        ray = [Tangent(C[k] - middle[:, k], -AXES[k] * half[:, k], 0.0) for k in range(3)]
+        t = _along(ray, ray).root().inverse()
+        return cls(points - C, [x * t for x in ray], t)
+
+    @classmethod
+    def over_wedges(cls, points: Array, wedges: Array) -> Sight:
+        """See a target from wedges of positions.
+
+        Parameters
+        ----------
+        points : (n, 3)
+            World frame, m.
+        wedges : (k, 3, 2)
+            Ends of the x and y of the mean over the height below, and of one over that, 1/m.
+        """
+        middle, half = wedges.mean(axis=2), np.ptp(wedges, axis=2) / 2
+        x, y, t = (Tangent(middle[:, k], AXES[k] * half[:, k], 0.0) for k in range(3))
+        z = (x * x + y * y + 1).root().inverse()
+        return cls(points - points.mean(axis=0), [x * z, y * z, z], t * z)
+
+    @cached_property
+    def rays(self) -> list[Ray]:
+        """Each point."""
+        return [self._ray(e) for e in self.apart]
+
+    def _ray(self, e: Array) -> Ray:
+        p0, t, square = self.p0, self.t, float(e @ e)
+        b = _sum(x * y for x, y in zip(e, p0, strict=True) if x)
+        d = 2 * b + square * t
+        far = (t * d + 1).root()
+        near, short = far.inverse(), (far + 1).inverse()
+        scale = near * short
+        bend = -1 * (d * scale)
+        eta = (b * d * (short + 1) + -square) * scale
+        v = [eta * x + y * bend for x, y in zip(p0, e, strict=True)]
+        w = [t * y + -1 * (b * x) + z for x, y, z in zip(p0, v, e, strict=True)]
+        return Ray(far, near, bend, v, w, eta)
+
+    @cached_property
+    def _pairs(self) -> list[tuple[int, int, Tangent, Tangent]]:
+        """Each pair: which, 2 g κ κ and its part of S."""
+        found = []
+        for i, j in combinations(range(len(self.apart)), 2):
+            one, other, e = self.rays[i], self.rays[j], self.apart[i] - self.apart[j]
+            more = float(self.apart[i] @ self.apart[i] - self.apart[j] @ self.apart[j])
+            d = _sum(2 * x * y for x, y in zip(e, self.p0, strict=True) if x) + more * self.t
+            g, both = d * (one.far + other.far).inverse(), one.near * other.near
+            found.append((i, j, 2 * (g * both), both * (-1 * (g * g) + float(e @ e))))
+        return found
+
+    @cached_property
+    def _spread(self) -> Tangent:
+        return _sum(part for *_, part in self._pairs)
+
+    @cached_property
+    def _sizes(self) -> tuple[Tangent, Tangent, Tangent]:
+        """1/a, 1/(n + a) and 1/S."""
+        n = len(self.apart)
+        a = (-1 * (self.t * self.t * self._spread) + n * n).root()
+        return a.inverse(), (a + n).inverse(), self._spread.inverse()
+
+    @cached_property
+    def _gain(self) -> Tangent:
+        n, (short, _, less) = len(self.apart), self._sizes
+        a = (-1 * (self.t * self.t * self._spread) + n * n).root()
+        return float(n**1.5) * ((0.5 * ((a + n) * less)).root() * short)
+
+    @cached_property
+    def _mean(self) -> Three:
+        return [1 / len(self.rays) * _sum(ray.v[k] for ray in self.rays) for k in range(3)]
+
+    @cached_property
+    def lead(self) -> Three:
+        """q/n, (3,)."""
+        square = self.t * self.t
+        return [x + square * y for x, y in zip(self.p0, self._mean, strict=True)]
+
+    def centroid(self) -> Three:
+        """Return q, (3,)."""
+        return [len(self.apart) * x for x in self.lead]
+
+    def scaled(self) -> Three:
+        """Return the scaled centroid s, (3,)."""
+        size = self._gain * self.t.inverse()
+        return [size * x for x in self.lead]
+
+    def slope(self) -> list[Three]:
+        """Return J, (3, 3), 1/m."""
+        p0, t, axes, square, n = self.p0, self.t, range(3), self.t * self.t, len(self.rays)
+        short, whole, less = self._sizes
+        weights, turns = [NOTHING] * n, [NOTHING] * n
+        for i, j, twice, part in self._pairs:
+            weights[i], weights[j] = weights[i] + part, weights[j] + part
+            turns[i], turns[j] = turns[i] + twice, turns[j] - twice
+        bent = _sum(ray.bend * weight for ray, weight in zip(self.rays, weights, strict=True))
+        falling = [(t * bent) * x for x in p0]  # -S'
+        near = [[ray.near * x for x in ray.w] for ray in self.rays]
+        for ray, scaled, weight, turn in zip(self.rays, near, weights, turns, strict=True):
+            thin = t * weight
+            falling = [falling[k] + thin * scaled[k] + turn * ray.w[k] for k in axes]
+        scale = (0.5 * whole - short) * short * square
+        ahead = [
+            scale * (self._spread * p0[k] + 0.5 * falling[k]) + 0.5 * (falling[k] * less)
+            for k in axes
+        ]
+        side = [_sum(ray.bend * ray.w[k] + ray.v[k] for ray in self.rays) for k in axes]
+        eta = _sum(ray.eta for ray in self.rays)
+        turned = [side[k] + 0.5 * (eta * p0[k]) for k in axes]
+        R = [[NOTHING] * 3 for _ in axes]
+        for i in axes:
+            for j in range(i + 1):
+                both = _sum(x[i] * ray.w[j] for x, ray in zip(near, self.rays, strict=True))
+                R[i][j] = -1 * both - turned[i] * p0[j] - turned[j] * p0[i]
+            R[i][i] += eta
+        share, mean = 1 / len(self.rays), self._mean
+        J = [[share * R[max(i, j)][min(i, j)] + mean[i] * p0[j] for j in axes] for i in axes]
+        J = [[square * J[i][j] + self.lead[i] * ahead[j] for j in axes] for i in axes]
+        return [[self._gain * (J[i][j] + float(i == j)) for j in axes] for i in axes]
 
 
 def slopes(points: Array, cells: Array) -> list[Three]:
@@ -89,40 +263,7 @@ def slopes(points: Array, cells: Array) -> list[Three]:
     cells : (k, 3, 2)
         Low and high ends, m.
     """
-    n, C, axes = len(points), points.mean(axis=0), range(3)
-    half, middle = (cells[..., 1] - cells[..., 0]) / 2, cells.mean(axis=2)
-    ray = [Tangent(C[k] - middle[:, k], -np.eye(3)[k][:, None] * half[:, k], 0.0) for k in axes]
-    t = _along(ray, ray).root().inverse()
-    p0 = [x * t for x in ray]
-    rays = []
-    for e in points - C:
-        d = 2 * _sum(e[k] * p0[k] for k in axes) + float(e @ e) * t
-        far = (t * d + 1).root()
-        near = far.inverse()
-        bend = -1 * (d * near * (far + 1).inverse())
-        w = [bend * p0[k] + e[k] * near for k in axes]
-        rays.append((w, [p0[k] + t * w[k] for k in axes], near, bend))
-    mean = [1 / n * _sum(w[k] for w, *_ in rays) for k in axes]
-    apart = [[w[k] - mean[k] for k in axes] for w, *_ in rays]
-    S = n * _sum(_along(u, u) for u in apart)
-    a = (-1 * (t * t * S) + n * n).root()
-    whole, short, less = a + n, a.inverse(), S.inverse()
-    q = [n * (p0[k] + t * mean[k]) * short for k in axes]
-    N = [[NOTHING] * 3 for _ in axes]
-    falling = [NOTHING] * 3
-    for u, (w, p, near, bend) in zip(apart, rays, strict=True):
-        up, uw = _along(u, p0), _along(u, w) * near
-        kp, bent = [near * x for x in p], up * near
-        for i in axes:
-            falling[i] += bend * (u[i] - up * p0[i]) - uw * p[i] - bent * w[i]
-            for j in range(i + 1):
-                N[i][j] += (near if i == j else NOTHING) - kp[i] * p[j]
-    N = [[N[max(i, j)][min(i, j)] for j in axes] for i in axes]
-    seen = [_along(q, row) for row in N]
-    first = 0.5 * whole.inverse() - short
-    h = [first * seen[k] - n * (falling[k] * less) for k in axes]
-    stretch = (n / 2 * (whole * less)).root()
-    return [[stretch * (N[i][j] * short + q[i] * h[j]) for j in axes] for i in axes]
+    return Sight.over(points, cells).slope()
 
 
 def slopes_at(points: Array, positions: Array) -> Array:
@@ -152,9 +293,23 @@ def within_ball(points: Array, cells: Array, low: float, high: float) -> Told:
     low, high : float
         1/m.
     """
-    count, j, reach = len(cells), (low + high) / 2, (high - low) / 2 * (1 - ROOM)
     with np.errstate(all="ignore"):
-        J = slopes(points, cells)
+        return in_ball(slopes(points, cells), len(cells), low, high)
+
+
+def in_ball(J: list[Three], count: int, low: float, high: float) -> Told:
+    """Tell whether |J - j I| < ϱ for enclosures of J, low = j - ϱ and high = j + ϱ, (k,).
+
+    Parameters
+    ----------
+    J : (3, 3) of Tangent
+        Of k cells.
+    count : int
+        k.
+    low, high : float
+        1/m.
+    """
+    j, reach = (low + high) / 2, (high - low) / 2 * (1 - ROOM)
     mid = _matrices([[x.mid for x in row] for row in J], count) - j * np.eye(3)
     slope = [_matrices([[x.slope[k] for x in row] for row in J], count) for k in range(3)]
     rest = np.sqrt(sum(np.broadcast_to(x.rest, count) ** 2 for row in J for x in row))

@@ -16,12 +16,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.attraction.inequality import Loop
-from hoverproof.certification.attraction.potential import Potential, sphere
+from hoverproof.certification.attraction.potential import Potential, sphere, undominated
 from hoverproof.certification.attraction.search import SLACKS, Search, reach_along
+from hoverproof.descent import Ends, descend
 from hoverproof.design.limits import (
     FirstCommand,
     Limits,
@@ -35,7 +35,7 @@ from hoverproof.servo.loop import slowest_rates
 
 Array = NDArray[np.float64]
 ROUNDS = 4
-STEPS = 70
+STEPS = Ends(evaluations=70, values=1e-4, places=1e-4)
 ENOUGH = 0.01
 """A ball that grows by less than this part ends the search."""
 LOSS = 0.005
@@ -157,7 +157,7 @@ class GainRegionSearch:
         fours = [self._with_highest_k4(k1, a * self.most, b * self.most) for a, b in shares]
         return max(float(self._rates(four).max()) for four in fours)
 
-    def cost(self, gains: Sequence[float], x: Sequence[float], hovers: Array) -> float:
+    def cost(self, gains: Sequence[float], x: Sequence[float] | Array, hovers: Array) -> float:
         """Return the log of the largest Λ/ℓ of hovers, `NONE` where the inequality fails.
 
         Parameters
@@ -217,22 +217,16 @@ class GainRegionSearch:
         return best
 
     def _ball(self, size: float) -> Array:
-        return self.potential.hover_terms(self.potential.goal + size * sphere(200))
+        return undominated(self.potential.hover_terms(self.potential.goal + size * sphere(200)))
 
-    def _at(self, z: Sequence[float], hovers: Array) -> float:
+    def _at(self, z: Sequence[float] | Array, hovers: Array) -> float:
         gains = self.gains(math.exp(z[0]), math.exp(z[1]))
         return NONE if gains is None else self.cost(gains, z[2:], hovers)
 
     def _descend(self, start: Point, hovers: Array) -> Point:
-        corners = [np.array(start.z), *(np.array(start.z) + 0.3 * unit for unit in np.eye(4))]
-        found = minimize(
-            self._at,
-            corners[0],
-            (hovers,),
-            method="Nelder-Mead",
-            options={"maxfev": STEPS, "initial_simplex": corners, "fatol": 1e-4},
-        )
-        return min(Point(self._at(start.z, hovers), start.z), Point(found.fun, tuple(found.x)))
+        corners = np.array(start.z) + 0.3 * np.eye(5, 4, -1)
+        value, lowest = descend(lambda z: self._at(z, hovers), corners, STEPS)
+        return Point(value, tuple(lowest))
 
     def _radius(self, point: Point, size: float) -> float:
         """Return the radius of the ball about the goal that a point's level holds, m."""
@@ -241,8 +235,8 @@ class GainRegionSearch:
         found = self._inner(gains).solve(point.z[2:], self._ball(size))
         assert found is not None
         s = found[1]
-        reached = (reach_along(self.potential, d, s.weights, s.level) for d in sphere(60))
-        return min(min(reached), 3 * size)
+        reached = reach_along(self.potential, sphere(60), s.weights, s.level)
+        return min(float(reached.min()), 3 * size)
 
     def short(self, point: Point) -> Iterator[Gains]:
         """Yield the shortest decimals that keep the limits and all but `LOSS` of the level.

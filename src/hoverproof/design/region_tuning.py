@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 
 import numpy as np
 
@@ -33,7 +34,10 @@ Report = Callable[[int, int], None]
 
 
 def tune_region(
-    mission: Mission, limits: Limits, minimum_decay: float | None = None
+    mission: Mission,
+    limits: Limits,
+    minimum_decay: float | None = None,
+    before: Callable[[], Attraction | None] | None = None,
 ) -> RegionTuned | Infeasible:
     """Find the gains with the largest certified ball of hovers about the goal.
 
@@ -45,6 +49,8 @@ def tune_region(
     minimum_decay : float, optional
         Least decay rate of the slowest motion at the goal, 1/s; by default that of the mission's
         own gains.
+    before : callable, optional
+        Gives the region of the mission's own gains, where it is known.
 
     Returns
     -------
@@ -76,7 +82,7 @@ def tune_region(
     return RegionTuned(
         mission=tuned,
         region=region,
-        before=_own_region(mission),
+        before=before() if before else _own_region(mission),
         slowest_rate=slowest,
         slowest_rate_before=own,
         decay_rate=_decay_rate(tuned),
@@ -180,9 +186,9 @@ def region_pareto(
     if fastest is None or lowest is None or lowest >= fastest:
         floor = lowest or slowest_rate(mission)
         return [(floor, Infeasible(mission, _why_not(replace(search, floor=floor))))]
-    points = []
+    points, before = [], cache(lambda: _own_region(mission))
     for i, rate in enumerate(np.geomspace(lowest, fastest, count)):
         floor = float(f"{rate:.3g}") if i or minimum_decay is None else rate
-        points.append((floor, tune_region(mission, limits, floor)))
+        points.append((floor, tune_region(mission, limits, floor, before)))
         report(i + 1, count)
     return points

@@ -8,9 +8,10 @@ from fractions import Fraction
 import casadi as ca
 
 from hoverproof.export.emitter import statements
-from hoverproof.export.flight_law import FlightLaw, seen_feature
+from hoverproof.export.flight_law import FlightLaw
 from hoverproof.export.law_text import sum_of_squares
 from hoverproof.export.options import Options
+from hoverproof.export.seen import seen_feature
 from hoverproof.plant.rigid_body import skew
 
 KEPT = 64
@@ -32,8 +33,8 @@ class CameraText:
     field : str
         Of a frame: ``"image"`` or ``"centroid"``.
     feature, spread, turned : tuple of str
-        Statements: from a frame to the feature and to n² - |q|² (empty where the law does without),
-        and from a feature and a turn to the feature after it.
+        Statements: from a frame and its n² - |q|² to the feature, from a frame to the latter (empty
+        where the law does without), and from a feature and a turn to the feature after it.
     image_square : str
         An expression: the sum of the squares of what the camera saw.
     kept : int
@@ -85,13 +86,15 @@ def camera_text(law: FlightLaw, options: Options, points: int) -> CameraText | N
         if field == "image"
         else [f"frame->centroid[{k}]" for k in range(3)]
     )
-    seen, feature, spread = seen_feature(law.source.feature, options.camera, points)
-    of_seen = ca.Function("feature", [seen], [ca.cse(feature)], ["seen"], ["feature"])
+    seen = seen_feature(law.source.feature, options.camera, points)
+    inputs = [seen.seen, seen.spread]
+    of_seen = ca.Function("feature", inputs, [ca.cse(seen.feature)])
+    spread = seen.spread_function()
     places = [f"feature[{k}]" for k in range(3)]
     real = options.precision.c_type
     return CameraText(
         field=field,
-        feature=tuple(statements(of_seen, [names], {"feature": places}, options.precision)),
+        feature=tuple(statements(of_seen, [names, ["spread"]], {"o0": places}, options.precision)),
         spread=()
         if spread is None
         else tuple(

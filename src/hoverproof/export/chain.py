@@ -30,7 +30,7 @@ class Chain:
     arm, drag : SX
         Of the rotors, (1, 1), m.
     sensors : dict of str to SX
-        What is taken in of the body, each (3, 1).
+        What is taken in of the body, each (3, 1); a heading is (2, 1).
     excess : SX
         T - m g of the thrust that is commanded, (1, 1), N.
     image_error, tilt : SX
@@ -105,12 +105,12 @@ def body_sensors(law: Law) -> tuple[str, ...]:
     ----------
     law : Law
     """
-    return (*_BODY_SENSORS, *_besides(law))
+    return (*_BODY_SENSORS, *_besides(law), *(() if law.heading is None else ("heading",)))
 
 
 def _besides(law: Law) -> list[str]:
-    """Return the names of what a law measures besides what every law does."""
-    return [name for name in law.measurement.sizes() if name not in Measurement.sizes()]
+    """Return the names of what a law measures of the force, besides what every law measures."""
+    return [name for name in law.force.measurement.sizes() if name not in Measurement.sizes()]
 
 
 @cache

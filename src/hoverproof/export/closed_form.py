@@ -77,4 +77,6 @@ def _name(symbol: ca.SX) -> str:
     stem, _, index = name.rpartition("_")
     if stem in ("inertia", "goal_centroid"):
         return {"inertia": "I", "goal_centroid": "q"}[stem] + str(int(index) + 1)
+    if stem == "goal_heading":
+        return ("cos(yaw*)", "sin(yaw*)")[int(index)]
     return {"mass": "m", "gravity": "g", "arm": "d", "drag_ratio": "kappa"}.get(name, name)

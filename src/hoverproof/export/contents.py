@@ -326,6 +326,7 @@ def _limits(
         box=InputBox(
             specific_force=None if law.lift is None else Fraction(160),
             spread=spread,
+            heading=None if law.source.heading is None else Fraction(1, 10),
         ),
         centroid_square=(Fraction(101, 100) * len(mission.target.points)) ** 2,
         feature_square=_longest_feature(law.source, len(mission.target.points), spread) ** 2,

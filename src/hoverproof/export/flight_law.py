@@ -20,11 +20,13 @@ from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.export.chain import Chain, body_sensors, chain_of
 from hoverproof.export.closed_form import closed_forms
 from hoverproof.export.quadratic import Coefficients, Variables, quadratic
+from hoverproof.export.seen import SeenFeature, seen_feature
 from hoverproof.mission.sections import Mission
-from hoverproof.plant import camera, rigid_body, rotors
+from hoverproof.plant import rigid_body, rotors
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Feature, Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, law_of
+from hoverproof.servo.law import Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.laws.heading import flown_law
 from hoverproof.servo.layout import place
 
 ROTORS = {"arm": 1, "drag_ratio": 1}
@@ -43,6 +45,9 @@ class FlightLaw:
         (image, centroid or feature, what the law takes in of the body, thrust_excess, coefficients)
         ↦ the outputs thrust_rate in N/s, torque in N m and rotor in N, and what else is worth a
         name.
+    after_checks : casadi.Function
+        The same as it is printed: what is checked before, spread and lift, are further inputs of
+        it, where the law has them.
     coefficients : dict of str to Fraction
         The numbers, exact, in the order of the last input.
     meanings : dict of str to str
@@ -65,6 +70,7 @@ class FlightLaw:
     """
 
     function: ca.Function
+    after_checks: ca.Function
     coefficients: dict[str, Fraction]
     meanings: dict[str, str]
     of_gains: ca.Function
@@ -102,7 +108,7 @@ def flight_law(
     AssertionError
         If the graph is not the derived controller, compared in exact arithmetic.
     """
-    law, points = law or law_of(mission), len(mission.target.points)
+    law, points = law or flown_law(mission), len(mission.target.points)
     return _flight_law(law, tuple(_design_values(mission, law)), (sensing, points), tunable)
 
 
@@ -115,18 +121,19 @@ def _flight_law(
     samples = [list(here), *(_with_gains(law, here, g) for g in _other_gains(law, here))]
     numbers = Coefficients(chain.design, samples if tunable else samples[:1])
     feature = ca.SX.sym("feature", 3)
-    by_feature = _function(_scheme(chain, numbers, feature, feature), chain, numbers)
+    by_feature, _ = _functions(chain, numbers, SeenFeature(feature, feature))
     forms = closed_forms(ca.vertcat(*numbers.expressions.values()))
     expressions = ca.vertcat(*(form.value for form in forms))
     at_samples = numbers.at_samples(expressions)
     for i, sample in enumerate(numbers.samples):
         assert_is_the_controller(by_feature, sample, [values[i] for values in at_samples], law)
-    seen, of_seen, spread = seen_feature(law.feature, *sensing)
-    function = _function(_scheme(chain, numbers, seen, of_seen), chain, numbers)
+    seen = seen_feature(law.feature, *sensing)
+    function, after_checks = _functions(chain, numbers, seen)
     tuned, rest = _gains_and_rest(law)
     (singular,) = numbers.at_samples(chain.singular)
     return FlightLaw(
         function=function,
+        after_checks=after_checks,
         coefficients={k: v[0] for k, v in zip(numbers.expressions, at_samples, strict=True)},
         meanings={k: form.text for k, form in zip(numbers.expressions, forms, strict=True)},
         of_gains=ca.Function(
@@ -140,7 +147,7 @@ def _flight_law(
         ),
         singular_excess=singular[0],
         lift=_lift(chain, numbers, by_feature) if chain.measures_thrust else None,
-        spread=spread,
+        spread=seen.spread_function(),
         source=law,
     )
 
@@ -177,7 +184,7 @@ def assert_is_the_controller(
         return [Fraction(draw.randint(-(10**9), 10**9), 10**8 + 7) for _ in range(n)]
 
     feature = some(3)
-    parts = {name: some(3) for name in body_sensors(law)}
+    parts = {name: some(law.measurement.sizes()[name]) for name in body_sensors(law)}
     (excess,) = some(1)
     got = evaluate(function, [feature, *parts.values(), [excess], list(coefficients)])
     named = dict(zip((function.name_out(i) for i in range(function.n_out())), got, strict=True))
@@ -219,36 +226,6 @@ def _with_gains(law: Law, design: Sequence[Fraction], gains: Sequence[Fraction])
     return [others.get(i, number) for i, number in enumerate(design)]
 
 
-def seen_feature(
-    feature: Feature, sensing: str, points: int
-) -> tuple[ca.SX, ca.SX, ca.Function | None]:
-    """Return what is taken in of the image, the feature of it, and its spread if that counts.
-
-    Parameters
-    ----------
-    feature : Feature
-    sensing : {"points", "centroid", "feature"}
-        What is taken in.
-    points : int
-        Number of target points.
-    """
-    q, spread = ca.SX.sym("centroid", 3), ca.SX.sym("spread")
-    counts = ca.depends_on(feature.of(q, spread, points), spread)
-    if sensing == "points":
-        seen = ca.SX.sym("image", 2, points)
-        directions = camera.spherical(seen)
-        of_seen = feature.seen(directions)
-        spread = camera.spread(directions, camera.centroid(directions))
-    elif sensing == "centroid":
-        seen, of_seen, spread = q, feature.at(q, points), points**2 - ca.dot(q, q)
-    else:
-        return q, q, None
-    if not counts:
-        return seen, of_seen, None
-    told = ca.Function("spread", [seen], [spread], ["seen"], ["spread"])
-    return seen, of_seen, share_reciprocals(told)
-
-
 def _lift(chain: Chain, numbers: Coefficients, law: ca.Function) -> ca.Function:
     """Return the thrust that a law measures, computed as within the law."""
     coefficients = ca.vertcat(*numbers.symbols.values())
@@ -260,20 +237,40 @@ def _lift(chain: Chain, numbers: Coefficients, law: ca.Function) -> ca.Function:
     )
 
 
-def _function(named: dict[str, ca.SX], chain: Chain, numbers: Coefficients) -> ca.Function:
-    seen = named.pop("seen")
+def _functions(
+    chain: Chain, numbers: Coefficients, seen: SeenFeature
+) -> tuple[ca.Function, ca.Function]:
+    """Return the law, and the law for what is checked before it."""
+    named = _scheme(chain, numbers, seen.feature)
+    checked = {"spread": (seen.spread, seen.spread_of)}
+    if chain.measures_thrust:
+        checked["lift"] = chain.lift, named["lift"]
+    symbols, values = (ca.vertcat(*parts) for parts in zip(*checked.values(), strict=True))
     inputs = {
-        "seen": seen,
+        "seen": seen.seen,
         **chain.sensors,
         "thrust_excess": chain.excess,
         "coefficients": ca.vertcat(*numbers.symbols.values()),
     }
+    if symbols.is_empty():
+        law = _function(inputs, named)
+        return law, law
+    whole = dict(zip(named, ca.substitute(list(named.values()), [symbols], [values]), strict=True))
+    further = {name: symbol for name, (symbol, _) in checked.items() if not symbol.is_empty()}
+    others = {name: value for name, value in named.items() if name not in further}
+    return _function(inputs, whole), _function(inputs | further, others)
+
+
+def _function(inputs: dict[str, ca.SX], named: dict[str, ca.SX]) -> ca.Function:
     law = ca.Function("law", list(inputs.values()), list(named.values()), list(inputs), list(named))
     return share_reciprocals(law)
 
 
-def _scheme(chain: Chain, numbers: Coefficients, seen: ca.SX, feature: ca.SX) -> dict[str, ca.SX]:
-    """Build the graph; every value in it that has a meaning comes with a name."""
+def _scheme(chain: Chain, numbers: Coefficients, feature: ca.SX) -> dict[str, ca.SX]:
+    """Build the graph, with a symbol for the lift that a law measures.
+
+    Every value in it that has a meaning comes with a name.
+    """
     rate = _variables("rate", chain.sensors["rate"])
 
     def over(*parts: tuple[str, ca.SX]) -> Variables:
@@ -317,6 +314,7 @@ def _scheme(chain: Chain, numbers: Coefficients, seen: ca.SX, feature: ca.SX) ->
         ("d2", chain.d2),
         ("excess", chain.lift),
         ("drift", chain.drift),
+        *((name, chain.sensors[name]) for name in chain.sensors if name == "heading"),
     )
     outputs = ca.vertcat(chain.thrust_rate, chain.direct, chain.divided, chain.yaw, chain.gap)
     names = ["U", "roll", "pitch", "roll_gap", "pitch_gap", "yaw", "hover_gap"]
@@ -335,7 +333,7 @@ def _scheme(chain: Chain, numbers: Coefficients, seen: ca.SX, feature: ca.SX) ->
     )
     mixed = quadratic(mixing, ["rotor"] * 4, wrench, numbers)
 
-    graph = {"seen": seen, "centroid": feature, "image_error": image_error, "tilt": tilt}
+    graph = {"centroid": feature, "image_error": image_error, "tilt": tilt}
     if chain.measures_thrust:
         graph["felt"] = ca.vertcat(*felt)
         graph["lift"], graph["drift"] = (
@@ -348,8 +346,8 @@ def _scheme(chain: Chain, numbers: Coefficients, seen: ca.SX, feature: ca.SX) ->
         ca.vertcat(chain.d2, chain.tilt, chain.felt),
         ca.vertcat(graph["d2"], tilt, graph.get("felt", ca.SX(0, 1))),
     )
-    inner = ca.vertcat(chain.d2, chain.s, chain.lift, chain.drift)
-    outer = ca.vertcat(graph["d2"], graph["s"], graph.get("lift", lift), graph.get("drift", drift))
+    inner = ca.vertcat(chain.d2, chain.s, chain.drift)
+    outer = ca.vertcat(graph["d2"], graph["s"], graph.get("drift", drift))
     graph["thrust_rate"], graph["gap"], graph["alpha"] = (
         ca.substitute(value, inner, outer) for value in (U, gap, alpha)
     )

@@ -37,7 +37,8 @@ class LawText:
     meanings : mapping of str to str
         The closed form of each number.
     statements : tuple of str
-        From the input and the excess of thrust to the outputs.
+        From the input, the excess of thrust and what is checked before (`spread`, `lift`) to the
+        outputs.
     of_gains, gap_of_gains : tuple of str
         From gains to the numbers that follow from them, and to m g less the singular thrust.
     image_square : str
@@ -45,6 +46,8 @@ class LawText:
     lift, spread : tuple of str
         From the input to the T - m g that the law measures, and to n² - |q|²; empty where the law
         does without.
+    heading : bool
+        Whether the law turns to a heading.
     """
 
     sha256: str
@@ -57,6 +60,7 @@ class LawText:
     image_square: str
     lift: tuple[str, ...]
     spread: tuple[str, ...]
+    heading: bool
 
     @property
     def numbers(self) -> int:
@@ -96,10 +100,15 @@ def law_text(mission: Mission, options: Options, law: FlightLaw) -> LawText:
     """
     tuned = law.tuned if options.tunable else ()
     seen = options.seen(len(mission.target.points))
-    body = [[f"in->{v}[{k}]" for k in range(3)] for v in body_sensors(law.source)]
+    body = [
+        ["heading[0]", "heading[1]"] if v == "heading" else [f"in->{v}[{k}]" for k in range(3)]
+        for v in body_sensors(law.source)
+    ]
     numbers = literals(law.coefficients, options.precision)
     named = [f"params->{c}" if c in tuned else c for c in law.coefficients]
-    inputs = [seen, *body, ["thrust_excess"], named]
+    function = law.after_checks
+    checked = [[name] for name in ("spread", "lift") if name in function.name_in()]
+    inputs: list[Sequence[str]] = [seen, *body, ["thrust_excess"], named, *checked]
     results = {
         "thrust_rate": ["out->thrust_rate"],
         "torque": [f"out->torque[{i}]" for i in range(3)],
@@ -111,12 +120,13 @@ def law_text(mission: Mission, options: Options, law: FlightLaw) -> LawText:
         coefficients={c: v for c, v in numbers.items() if c not in tuned},
         tuned={c: v for c, v in numbers.items() if c in tuned},
         meanings=law.meanings,
-        statements=tuple(statements(law.function, inputs, results, options.precision)),
+        statements=tuple(statements(function, inputs, results, options.precision)),
         of_gains=_from_gains(law, options, {c: f"params->{c}" for c in tuned}),
         gap_of_gains=_from_gains(law, options, gap),
         image_square=sum_of_squares(seen),
         lift=_told(law.lift, [*body, list(numbers.values())], options),
         spread=_told(law.spread, [seen], options),
+        heading=law.source.heading is not None,
     )
 
 
@@ -140,7 +150,8 @@ def vehicle_text(mission: Mission, options: Options, law: Law) -> VehicleText:
         FLOAT64,
     )
     points = [FLOAT64.literal(c) for p in mission.target.points for c in p]
-    fields = {u: [f"in->{u}[{k}]" for k in range(3)] for u in body_sensors(law)}
+    sizes = law.measurement.sizes()
+    fields = {u: [f"in->{u}[{k}]" for k in range(sizes[u])] for u in body_sensors(law)}
     sensors, goal = sense_function(n, options.sensing, law), law.goal_feature(mission)
     design = [FLOAT64.literal(c) for c in law.design.values(mission, goal)]
     inputs = [x, points, ["vehicle->thrust"], design]

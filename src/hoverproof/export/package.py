@@ -22,7 +22,8 @@ from hoverproof.export.targets import TARGETS, titles
 from hoverproof.files import write_text
 from hoverproof.mission.sections import LawChoice, Mission
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import choices_of, law_of
+from hoverproof.servo.laws.hamel_mahony import choices_of
+from hoverproof.servo.laws.heading import flown_law
 from hoverproof.version import __version__
 
 FILES = {
@@ -124,9 +125,9 @@ def write_package(
         rotor_limits=rotor_limits,
         camera=camera,
     )
-    law = law or law_of(mission)
+    law = law or flown_law(mission)
     if standing.certificate is not None:
-        own = law_of(mission)
+        own = flown_law(mission)
         about = f"a certificate of {mission.name} is about {own.name}, not about {law.name}"
         checker.require(law == own, about)
         standing = replace(standing, thrust=_check(standing.certificate, mission))
@@ -242,7 +243,8 @@ def _instruction_budget(filled: Contents) -> int:
     """Most instructions of a step: a part for each point, one for each number, and the rest."""
     points = 12 * filled.points if filled.options.of_points else 0
     felt, sized = 50 if filled.law.lift else 0, 24 + points if filled.law.spread else 0
-    return points + 4 * filled.law.numbers + 175 + felt + sized
+    headed = 16 if filled.law.heading else 0
+    return points + 4 * filled.law.numbers + 175 + felt + sized + headed
 
 
 def _flash_budget(filled: Contents) -> int:
@@ -250,4 +252,5 @@ def _flash_budget(filled: Contents) -> int:
     points = 40 * filled.points if filled.options.of_points else 0
     tuning = 180 * len(filled.design.gains) if filled.options.tunable else 0
     felt, sized = 100 if filled.law.lift else 0, 60 + points if filled.law.spread else 0
-    return points + 25 * filled.law.numbers + 1400 + tuning + felt + sized
+    headed = 60 if filled.law.heading else 0
+    return points + 25 * filled.law.numbers + 1400 + tuning + felt + sized + headed

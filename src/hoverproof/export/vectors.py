@@ -45,6 +45,8 @@ class InputBox:
         m/s², of a law that measures it; accelerometers of 16 g stay inside.
     spread : (low, high), optional
         n² - |q|², of a law whose feature tells the size of the target: dimensionless.
+    heading : Fraction, optional
+        Of a law that turns to one: the least length that is one, dimensionless; no fault below.
     """
 
     image: Fraction = Fraction(20)
@@ -54,6 +56,7 @@ class InputBox:
     dt: Fraction = Fraction(1, 10)
     specific_force: Fraction | None = None
     spread: tuple[Fraction, Fraction] | None = None
+    heading: Fraction | None = None
 
     def as_json(self, sensing: str, points: int) -> dict[str, Any]:
         """Return the box in words and numbers.
@@ -77,6 +80,8 @@ class InputBox:
             felt = {"specific_force_length_m_per_s2": [0, float(self.specific_force)]}
         else:
             felt = {}
+        if self.heading is not None:
+            felt["heading_length"] = [float(self.heading), float(self.direction[1])]
         return {
             **seen,
             **felt,
@@ -100,6 +105,8 @@ class Step:
         T - m g in N, and s.
     specific_force : (3,)
         m/s²; of no account to a law that does not measure it.
+    heading : (2,)
+        (cos ψ, sin ψ); likewise.
     """
 
     seen: NDArray[Any]
@@ -109,6 +116,7 @@ class Step:
     excess: np.floating
     dt: np.floating
     specific_force: NDArray[Any]
+    heading: NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -186,15 +194,20 @@ def random_step(
         excess=real(draw.uniform(float(thrust[0]) - weight, float(thrust[1]) - weight)),
         dt=real(draw.uniform(0.0005, 0.02)),
         specific_force=np.zeros(3, real),
+        heading=np.zeros(2, real),
     )
     (apart,) = draw.spawn(1)  # what few laws measure leaves what all of them do as it is
     across, along = apart.normal(0, 0.5, 2), apart.uniform(float(thrust[0]), float(thrust[1]))
     felt = np.array([*across, -along / float(mission.vehicle.mass)]).astype(real)
-    return replace(step, specific_force=felt)
+    yaw = apart.uniform(-math.pi, math.pi)
+    heading = np.array([math.cos(yaw), math.sin(yaw)]).astype(real)
+    return replace(step, specific_force=felt, heading=heading)
 
 
 def law_at(law: FlightLaw, step: Step, precision: Precision) -> dict[str, list[np.floating]]:
     """Evaluate the law operation by operation, each rounded as on the target.
+
+    What is checked before the law is computed before it, as there.
 
     Parameters
     ----------
@@ -205,14 +218,19 @@ def law_at(law: FlightLaw, step: Step, precision: Precision) -> dict[str, list[n
     precision : Precision
         The type of the target.
     """
-    arguments: list[list[Any]] = [
-        [Rounded(x) for x in step.seen.ravel(order="F")],
-        *([Rounded(x) for x in getattr(step, name)] for name in body_sensors(law.source)),
-        [Rounded(step.excess)],
-        [Rounded(precision.round(c)) for c in law.coefficients.values()],
-    ]
-    values = evaluate(law.function, arguments, lambda c: Rounded(precision.round(c)))
-    names = [law.function.name_out(i) for i in range(law.function.n_out())]
+
+    def rounded(function: ca.Function, arguments: list[list[Any]]) -> list[list[list[Any]]]:
+        return evaluate(function, arguments, lambda c: Rounded(precision.round(c)))
+
+    seen = [Rounded(x) for x in step.seen.ravel(order="F")]
+    body = [[Rounded(x) for x in getattr(step, name)] for name in body_sensors(law.source)]
+    numbers = [Rounded(precision.round(c)) for c in law.coefficients.values()]
+    arguments = [seen, *body, [Rounded(step.excess)], numbers]
+    for checked, of in ((law.spread, [seen]), (law.lift, [*body, numbers])):
+        if checked is not None:
+            arguments.append(rounded(checked, of)[0][0])
+    values = rounded(law.after_checks, arguments)
+    names = [law.after_checks.name_out(i) for i in range(law.after_checks.n_out())]
     return {
         n: [row[0].value for row in m] for n, m in zip(names, values, strict=True) if n in RESULTS
     }
@@ -256,7 +274,11 @@ def test_vectors(
     for _ in range(100 * NOMINAL):
         if len(written) == NOMINAL:
             break
-        step = _random_step(draw, mission, law, options, thrust)
+        given = step = _random_step(draw, mission, law, options, thrust)
+        lost = law.source.heading is not None and not written
+        if lost:  # what is no heading is taken for none
+            step = replace(step, heading=np.zeros(2, precision.scalar))
+            given = replace(step, heading=np.full(2, precision.scalar(1e30)))
         out = law_at(law, step, precision)
         following = step.excess + step.dt * out["thrust_rate"][0]
         low, high = (precision.round(r) for r in options.rotor_limits)
@@ -266,8 +288,9 @@ def test_vectors(
             status = 0 if certified else 64
             if step.gravity_direction[2] < precision.round(tilt_cosine):
                 status += 16
-            words = "a step of the law"
-            written.append(write(step, out, following, status, words))
+            status += 128 if lost else 0
+            words = "a step without a heading" if lost else "a step of the law"
+            written.append(write(given, out, following, status, words))
     zero = precision.scalar(0)
     safe = {
         "thrust": [precision.round(weight)],

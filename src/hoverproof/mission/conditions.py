@@ -87,6 +87,8 @@ class Sensors(Section):
         Of each component of the specific force, for a law that measures the force (`law.force`).
     accelerometer_time_constant : s
         Of its first-order low-pass, before the noise; 0 is none.
+    heading_noise, heading_bias : rad
+        Of the yaw that a compass tells, for a mission with a heading (`goal.heading`).
     gyro_turned : true or false
         Whether the controller turns the feature it holds with the gyro, from when the frame was
         taken, so that late and rare frames tell old positions and no old attitudes. The gyro is
@@ -111,6 +113,8 @@ class Sensors(Section):
     accelerometer_noise: _Acceleration = _ZERO
     accelerometer_bias: _Acceleration = _ZERO
     accelerometer_time_constant: _Time = _ZERO
+    heading_noise: _SmallAngle = _ZERO
+    heading_bias: _SmallAngle = _ZERO
     gyro_turned: Annotated[bool, true_or_false()] = False
 
     @model_validator(mode="after")

@@ -116,7 +116,10 @@ class LawChoice(_Section):
 
 
 class Goal(_Section):
-    """Where to hover: height m above the target, or the wanted image centroid."""
+    """Where to hover: height m above the target, or the wanted image centroid; and the heading.
+
+    The heading is the yaw to turn to, rad; by default yaw is damped alone, at whatever heading.
+    """
 
     height: _PositiveLength | None = None
     centroid: (
@@ -125,6 +128,7 @@ class Goal(_Section):
         ]
         | None
     ) = None
+    heading: _Angle | None = None
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -134,13 +138,19 @@ class Goal(_Section):
 
 
 class Gains(_Section):
-    """Control gains: k1 kg m/s, k2 1/m, k3 and k4 kg/s, k_yaw kg m²/s."""
+    """Control gains: k1 kg m/s, k2 1/m, k3 and k4 kg/s, k_yaw kg m²/s, k_heading kg m²/s².
+
+    The last goes with goal.heading; left out it is k_yaw²/(4 I3), but at most k_yaw times 1 rad/s.
+    """
 
     k1: Annotated[Fraction, _quantity("kg m/s", "0", "1e9", open_low=True)]
     k2: Annotated[Fraction, _quantity("1/m", "0", "1e9", open_low=True)]
     k3: _MassPerTime
     k4: _MassPerTime
     k_yaw: Annotated[Fraction, _quantity("kg m²/s", "0", "1e9", open_low=True, least="1e-15")]
+    k_heading: (
+        Annotated[Fraction, _quantity("kg m²/s²", "0", "1e9", open_low=True, least="1e-15")] | None
+    ) = None
 
 
 _ends = BeforeValidator(_array("lowest", "highest"))
@@ -277,6 +287,17 @@ class Mission(_Section):
                     f"not [{', '.join(map(_shown, centroid))}]",
                     key="goal.centroid",
                 )
+            if self.goal.heading is not None and any(centroid[:2]):
+                raise _reject(
+                    "needs a goal straight below, centroid = [0, 0, q3]: nothing is proved of "
+                    "another while the vehicle turns",
+                    key="goal.heading",
+                )
+        if self.gains.k_heading is not None and self.goal.heading is None:
+            raise _reject(
+                "turns to a heading: give goal.heading (rad), or leave it out",
+                key="gains.k_heading",
+            )
         start = self.start.position
         if start[2] >= min(z for _, _, z in points):
             raise _reject(
@@ -308,6 +329,18 @@ class Mission(_Section):
     def title(self) -> str:
         """Its name, with its law where that is not the paper's."""
         return self.name if self.law.is_papers else f"{self.name} ({self.law.name})"
+
+    @property
+    def k_heading(self) -> Fraction:
+        """The gain of the heading, kg m²/s²: that of the gains, or what suits k_yaw.
+
+        That is k_yaw²/(4 I3), which damps yaw critically, but no more than k_yaw times 1 rad/s: the
+        vehicle then turns at 1 rad/s at most.
+        """
+        if self.gains.k_heading is not None:
+            return self.gains.k_heading
+        damping = self.gains.k_yaw
+        return min(damping**2 / (4 * self.vehicle.inertia[2]), damping)
 
     @property
     def height_of_target(self) -> Fraction:

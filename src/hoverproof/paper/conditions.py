@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import Interval, hover_goal
 from hoverproof.servo.law import Design
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers, readout_function
 
 Real = TypeVar("Real", Fraction, float)
@@ -135,7 +136,7 @@ def start_level(mission: Mission) -> float:
     ----------
     mission : Mission
     """
-    numbers = LoopNumbers.of(mission)
+    numbers = LoopNumbers.of(mission, HAMEL_MAHONY)
     read = readout_function(numbers.target_size)  # L depends on neither of the rotors' lengths
     seen = read(x=numbers.start, design=numbers.design, points=numbers.points)
     return float(seen["lyapunov"])

@@ -155,6 +155,35 @@ def gravity_direction_rate(gravity_direction: ca.SX, rate: ca.SX) -> ca.SX:
     return -skew(rate) @ gravity_direction
 
 
+def heading(rotation: ca.SX) -> ca.SX:
+    """Return (cos ψ, sin ψ), (2, 1), of the yaw ψ in R = Rz(ψ) Ry(θ) Rx(φ).
+
+    Parameters
+    ----------
+    rotation : SX
+        R, (3, 3), body to world.
+    """
+    forward = rotation[:2, 0]
+    return forward / ca.norm_2(forward)
+
+
+def heading_rate(heading: ca.SX, gravity_direction: ca.SX, rate: ca.SX) -> ca.SX:
+    """Return the time derivative of (cos ψ, sin ψ), (2, 1), 1/s: ψ̇ = (Ω2 ρ2 + Ω3 ρ3)/(ρ2² + ρ3²).
+
+    Parameters
+    ----------
+    heading : SX
+        (cos ψ, sin ψ), (2, 1).
+    gravity_direction : SX
+        ρ = Rᵀe₃, (3, 1), body frame.
+    rate : SX
+        Ω, (3, 1), body frame, rad/s.
+    """
+    across, turn = gravity_direction[1:], rate[1:]
+    yaw_rate = ca.dot(turn, across) / ca.dot(across, across)
+    return yaw_rate * ca.vertcat(-heading[1], heading[0])
+
+
 def torque_balance(
     rate: ca.SX, angular_acceleration: ca.SX, inertia: ca.SX, torque: ca.SX
 ) -> ca.SX:

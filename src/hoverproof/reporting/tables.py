@@ -175,6 +175,7 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
                     (name, f"{short(getattr(mission.gains, name))} {unit}")
                     for name, unit in Design.gains().items()
                 ),
+                *_heading(mission),
             ],
         ),
         Table(
@@ -234,6 +235,13 @@ def strange_tables(mission: Mission) -> list[Table]:
     """
     rows = [(finding.key, finding.reason) for finding in warnings(mission)]
     return [Table("Not as in any vehicle: check the units", rows)] if rows else []
+
+
+def _heading(mission: Mission) -> list[tuple[str, str]]:
+    if mission.goal.heading is None:
+        return []
+    gain = ("k_heading", f"{short(mission.k_heading)} kg m²/s²")
+    return [gain, ("heading, by a compass", f"{short(mission.goal.heading)} rad")]
 
 
 def _moving(mission: Mission) -> list[tuple[str, str]]:

@@ -10,9 +10,11 @@ from hoverproof.mission.sections import Mission
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts
 from hoverproof.reporting.tables import at_least, at_most, bounded, inside, place, short
 
-ALWAYS_BEYOND = (
+YAW_RATE = (
     "Anything about a vehicle that turns about its vertical axis: Ω3 = 0 is supposed, which the "
     "controller keeps if it holds at the start.",
+)
+ALWAYS_BEYOND = (
     "Anything about sampling, noise, delay, limits of the rotors, wind, or errors of the model.",
 )
 OF_J = (
@@ -92,6 +94,7 @@ def not_said(parts: Parts) -> Sequence[str]:
     return (
         f"That {symbol} and the thrust stay within their bounds: the theorem holds while they do. "
         f"{look}",
+        *(YAW_RATE if parts.mission.goal.heading is None else ()),
         *ALWAYS_BEYOND,
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -88,6 +88,8 @@ def derive_controller(law: Law = HAMEL_MAHONY) -> Controller:
     )
 
     wanted = law.wanted_rates(e, z, d, depth_flow)
+    if law.heading is not None:
+        wanted = replace(wanted, yaw=wanted.yaw + law.heading.turning(z, d))
     residual_3 = lie_derivative(e.d3, z.vector(), flow)[2] - wanted.d3_vertical
     residual_4 = lie_derivative(e.d4, z.vector(), flow) - wanted.d4
 

@@ -59,8 +59,8 @@ class Design(Packed):
 
     @classmethod
     def chain_gains(cls) -> tuple[str, ...]:
-        """Return the names of the gains of the error chain: all but that of yaw."""
-        return tuple(name for name in cls.gains() if name != "k_yaw")
+        """Return the names of the gains of the error chain: all but those of yaw."""
+        return tuple(name for name in cls.gains() if name not in ("k_yaw", "k_heading"))
 
     @classmethod
     def numbers(cls, mission: Mission) -> dict[str, Sequence[Fraction]]:
@@ -255,6 +255,31 @@ class Force:
     sensed: Callable[[Measurement, ca.SX], Measurement] | None = None
 
 
+@dataclass(frozen=True)
+class Heading:
+    """How a law knows where the vehicle heads, and what it does about it.
+
+    Attributes
+    ----------
+    name : str
+    measurement : callable
+        The layout of what a law measures ↦ that layout with `heading`, (cos ψ, sin ψ), behind.
+    seen : callable
+        (R (3, 3), ρ (3, 1), image directions (3, n), target points (3, n) in m) ↦ (cos ψ, sin ψ),
+        (2, 1), ψ the yaw in R = Rz(ψ) Ry Rx.
+    turning : callable
+        (Measurement, Design) ↦ what it adds to Ω̇3, (1, 1), rad/s².
+    rate : callable
+        Measurement ↦ the time derivative of `heading`, (2, 1), 1/s.
+    """
+
+    name: str
+    measurement: Callable[[type[Measurement]], type[Measurement]]
+    seen: Callable[[ca.SX, ca.SX, ca.SX, ca.SX], ca.SX]
+    turning: Callable[[Any, Any], ca.SX]
+    rate: Callable[[Any], ca.SX]
+
+
 @dataclass(frozen=True, repr=False)
 class Law:
     """A control law as a value, from which everything is derived; hashable, so graphs are cached.
@@ -282,6 +307,8 @@ class Law:
         The layout of what it is made of.
     variant : str
         What tells it from another law of the same choices.
+    heading : Heading, optional
+        By default yaw is damped alone.
     """
 
     feature: Feature
@@ -293,11 +320,13 @@ class Law:
     bandwidth: Callable[..., Any]
     design: type[Design] = Design
     variant: str = ""
+    heading: Heading | None = None
 
     @property
     def name(self) -> str:
         """Its choices: feature, goal and force, and its variant."""
         choices = f"{self.feature.name}/{self.goal.name}/{self.force.name}"
+        choices += "" if self.heading is None else f" with {self.heading.name}"
         return f"{choices} ({self.variant})" if self.variant else choices
 
     def __repr__(self) -> str:
@@ -306,7 +335,30 @@ class Law:
     @property
     def measurement(self) -> type[Measurement]:
         """The layout of what it measures."""
-        return self.force.measurement
+        own = self.force.measurement
+        return own if self.heading is None else self.heading.measurement(own)
+
+    def known(
+        self,
+        measured: Measurement,
+        design: Any,
+        specific_force: Any = None,
+        heading: ca.SX | None = None,
+    ) -> Any:
+        """Return its own measurement, of what every law measures and its own sensors.
+
+        Parameters
+        ----------
+        measured : Measurement
+        design : Design
+        specific_force, heading : SX, optional
+            Of an accelerometer, (3, 1), m/s², by default that of the model; (cos ψ, sin ψ), (2, 1),
+            by default (0, 0), which is none.
+        """
+        felt = None if specific_force is None else self.force.sensed
+        known = felt(measured, specific_force) if felt else self.force.ideal(measured, design)
+        told = {"heading": ca.SX.zeros(2) if heading is None else heading}
+        return self.measurement(**vars(known), **(told if self.heading else {}))
 
     def errors(self, measured: Any, design: Any) -> Errors:
         """Return δ1…δ4 of a measurement.
@@ -378,6 +430,7 @@ class Law:
             angular_acceleration,
             thrust_rate,
             self.force.rate(z, d, thrust_rate),
+            *([] if self.heading is None else [self.heading.rate(z)]),
         )
 
     def goal_feature(self, mission: Mission) -> list[Fraction]:

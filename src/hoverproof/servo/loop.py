@@ -22,7 +22,8 @@ from hoverproof.plant.goal import hover_goal, level_view
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, rotation_matrix, state_rate
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Design, Law, Measurement
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, law_of
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.laws.heading import flown_law
 from hoverproof.servo.lyapunov import linearised_loop, lyapunov, thrust_factor
 
 Array = NDArray[np.float64]
@@ -77,9 +78,10 @@ def sense(
         rate=state.rate,
         thrust=state.thrust,
     )
-    if specific_force is None or law.force.sensed is None:
-        return law.force.ideal(measured, design), image, seen[2, :]
-    return law.force.sensed(measured, specific_force), image, seen[2, :]
+    heading = None
+    if law.heading is not None:
+        heading = law.heading.seen(state.rotation, state.gravity_direction, directions, points)
+    return law.known(measured, design, specific_force, heading), image, seen[2, :]
 
 
 def command(measured: Measurement, design: Design, law: Law = HAMEL_MAHONY) -> tuple[ca.SX, ca.SX]:
@@ -267,7 +269,7 @@ class LoopNumbers:
         InputError
             If no level hover sees the goal of the mission.
         """
-        goal, law = hover_goal(mission), law or law_of(mission)
+        goal, law = hover_goal(mission), law or flown_law(mission)
         start = mission.start
         state = [
             *start.position,
@@ -374,9 +376,11 @@ def _slowest_rates(numbers: LoopNumbers, designs: Array) -> Array:
     columns = numbers.depth_matrix().T.ravel()  # a slope need not be symmetric
     inputs: list[Any] = [designs, columns, [numbers.hover_thrust]]
     rows = evaluate(_loop_at_goal(numbers.law), inputs, float)[0]
-    count = designs.shape[1]
-    B = np.array([[np.broadcast_to(entry, count) for entry in row] for row in rows])
-    return np.asarray(-np.linalg.eigvals(np.moveaxis(B, -1, 0)).real.max(axis=1), np.float64)
+    B = np.empty((designs.shape[1], len(rows), len(rows)))
+    for i, row in enumerate(rows):
+        for j, entry in enumerate(row):
+            B[:, i, j] = entry
+    return np.asarray(-np.linalg.eigvals(B).real.max(axis=1), np.float64)
 
 
 def _floats(values: Any) -> Array:

@@ -141,13 +141,14 @@ def measurement_of_errors(
     unknown = ca.vertcat(z.centroid, z.velocity, z.gravity_direction, z.rate[:2])
     known = ca.vertcat(thrust, 0)
     chain = ca.substitute(
-        law.errors(law.force.ideal(z, design), design).vector(),
+        law.errors(law.known(z, design), design).vector(),
         ca.vertcat(z.thrust, z.rate[2]),
         known,
     )
     s = solve_affine(chain - e, unknown)
     back = Measurement(s[0:3], s[3:6], s[6:9], ca.vertcat(s[9:11], 0), thrust)
-    return law.force.ideal(back, design)
+    measured: Measurement = law.known(back, design)
+    return measured
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from hoverproof.certification.bounds import eigenvalue_bounds
 from hoverproof.certification.flow import eigenvalues
 from hoverproof.design.limits import bandwidth
 from hoverproof.plant.rigid_body import STATE_SIZE
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers, slowest_rate
 from hoverproof.show.style import COLOURS, save_figure
 from hoverproof.simulation.compiled import runner
@@ -155,7 +156,7 @@ def fly(region: Attraction, view: View, count: int = FLIGHTS) -> Flights:
     low = p.height(float(p.points[:, 2].min())) + 0.005 * view.top
     height = low + (view.top - low) * rng.uniform(0, 1, count) ** 2
     places = view.places(across, height)
-    numbers, rate = LoopNumbers.of(mission), slowest_rate(mission)
+    numbers, rate = LoopNumbers.of(mission, HAMEL_MAHONY), slowest_rate(mission)
     step = 1 / (STEPS_PER_FASTEST * bandwidth(mission))
     every = max(1, int(12 / rate / step / SAMPLES))
     level = (np.zeros(3), np.eye(3).ravel(), np.zeros(3), [numbers.hover_thrust])

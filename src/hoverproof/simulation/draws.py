@@ -15,7 +15,7 @@ from hoverproof.simulation.flight_log import begin
 from hoverproof.simulation.plan import Plan
 from hoverproof.simulation.realistic import IMU_NOISE
 from hoverproof.simulation.step import flight_states
-from hoverproof.simulation.surroundings import FurtherSurroundings
+from hoverproof.simulation.surroundings import HeadedSurroundings
 
 Array = NDArray[np.float64]
 
@@ -99,7 +99,7 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
     tilt = [float(a) + d for a, d in zip(wrong.camera_tilt, drawn["camera_tilt"].T, strict=True)]
     mounted = rotation_matrix(*tilt)  # (3, 3, count)
     focal = float(s.focal_length or 1)
-    bias = _normals(plan, runs, IMU_BIAS_DRAW, IMU_NOISE + 3)
+    bias = _normals(plan, runs, IMU_BIAS_DRAW, IMU_NOISE + 4)
     time_constant = float(r.time_constant)
     lag = [math.exp(-k * plan.step / time_constant) if time_constant else 0.0 for k in (0, 0.5, 1)]
     gust, kept = float(w.gust), math.exp(-plan.step / float(w.gust_time))
@@ -137,16 +137,18 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
         "gyro_noise": float(s.gyro_noise),
         "velocity_noise": float(s.velocity_noise),
         "gravity_noise": float(s.gravity_noise),
-        "accelerometer_bias": float(s.accelerometer_bias) * bias[:, 9:],
+        "accelerometer_bias": float(s.accelerometer_bias) * bias[:, 9:12],
         "accelerometer_noise": float(s.accelerometer_noise),
         "accelerometer_kept": felt_late,
         "accelerometer_newest": felt_new,
         "rotor_shares": strength * (1 + np.array([float(e) for e in wrong.rotors])),
+        "heading_bias": float(s.heading_bias) * bias[:, 12],
+        "heading_noise": float(s.heading_noise),
         "true_arm": float(vehicle.arm) * (1 + float(wrong.arm) + drawn["arm"][:, 0]),
     }
     return {
         name: np.broadcast_to(np.reshape(values[name], (-1, size)), (count, size))
-        for name, size in FurtherSurroundings.sizes().items()
+        for name, size in HeadedSurroundings.sizes().items()
     }
 
 

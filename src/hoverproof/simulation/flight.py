@@ -7,6 +7,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -179,6 +180,7 @@ def summary(flight: xr.Dataset | Record) -> dict[str, Any]:
         "start_error": float(error[0]),
         "final_position": flight["position"].values[-1].tolist(),
         "final_error": float(error[-1]),
+        **_turned(flight),
         "settled_at": None if math.isnan(settled) else settled,
         "duration": float(times[-1]),
         "steps": int(flight.attrs["steps"]),
@@ -189,6 +191,16 @@ def summary(flight: xr.Dataset | Record) -> dict[str, Any]:
         "frames_lost": int(flight.attrs.get("frames_lost", 0)),
         "left_view_at": flight.attrs.get("left_view_at"),
     }
+
+
+def _turned(flight: xr.Dataset | Record) -> dict[str, float]:
+    """Return the yaw at the end, and its distance from the heading, rad, if the flight has one."""
+    heading = json.loads(flight.attrs["mission"])["goal"].get("heading")
+    if heading is None:
+        return {}
+    yaw = float(flight["euler_angles"].values[-1, 2])
+    off = math.remainder(yaw - float(Fraction(heading)), 2 * math.pi)
+    return {"final_yaw": yaw, "final_heading_error": abs(off)}
 
 
 def without_conditions(

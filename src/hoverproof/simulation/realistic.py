@@ -14,7 +14,7 @@ from typing import Any
 import casadi as ca
 
 from hoverproof.algebra.reciprocals import share_reciprocals
-from hoverproof.plant import camera, rotors
+from hoverproof.plant import camera, rigid_body, rotors
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, held_rate
 from hoverproof.servo.law import Design, Law, Measurement
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
@@ -29,11 +29,12 @@ from hoverproof.simulation.surroundings import (
     LAYOUT,
     Features,
     FurtherSurroundings,
+    HeadedSurroundings,
     Surroundings,
 )
 
 IMU_NOISE = 9
-"""Numbers that a tick draws: gyro, velocity and gravity; an accelerometer takes three more."""
+"""Numbers that a tick draws for gyro, velocity and gravity; see `imu_noise`."""
 
 IMU_CHANNEL, GUST_CHANNEL = 64, 72  # a camera has at most 64 points: channels 0 to 63
 
@@ -54,7 +55,7 @@ def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY) -> Loop:
     memory = {name: ca.SX.sym(name, size) for name, size in features.layout(law).items()}
     packed = ca.vertcat(*memory.values())
     params = ca.vertcat(design.vector(), around.vector())
-    imu = ca.SX.sym("imu", IMU_NOISE + (3 if law.force.sensed else 0))
+    imu = ca.SX.sym("imu", imu_noise(law))
     pixels, gust = ca.SX.sym("pixels", 2 * n), ca.SX.sym("gust", 3)
 
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
@@ -180,6 +181,32 @@ def felt(memory: dict[str, ca.SX], around: FurtherSurroundings, noise: ca.SX) ->
     return now + around.accelerometer_bias + around.accelerometer_noise * noise
 
 
+def headed(body: RigidBodyState, around: HeadedSurroundings, noise: ca.SX) -> ca.SX:
+    """Return what a compass tells, (cos ψ, sin ψ), (2, 1).
+
+    Parameters
+    ----------
+    body : RigidBodyState
+    around : HeadedSurroundings
+    noise : SX
+        (1, 1), standard normal.
+    """
+    told = rigid_body.heading(body.rotation)
+    error = around.heading_bias + around.heading_noise * noise
+    turned = told + error * ca.vertcat(-told[1], told[0])
+    return turned / ca.norm_2(turned)
+
+
+def imu_noise(law: Law) -> int:
+    """Return how many numbers a tick draws: an accelerometer takes three more, a compass one.
+
+    Parameters
+    ----------
+    law : Law
+    """
+    return IMU_NOISE + 3 * (law.force.sensed is not None) + (law.heading is not None)
+
+
 def read(
     memory: dict[str, ca.SX], design: Design, around: Any, noise: ca.SX, law: Law
 ) -> Measurement:
@@ -193,7 +220,7 @@ def read(
     around : Surroundings
         Those that `Features.surroundings` says.
     noise : SX
-        (9, 1), standard normal: gyro, velocity, gravity; (12, 1) with an accelerometer.
+        (k, 1), standard normal, k = `imu_noise`: gyro, velocity, gravity, accelerometer, compass.
     law : Law
     """
     body = RigidBodyState.from_vector(memory["state"])
@@ -205,9 +232,10 @@ def read(
         rate=body.rate + around.gyro_bias + around.gyro_noise * noise[0:3],
         thrust=memory["command"],
     )
-    if law.force.sensed is None:
-        return law.force.ideal(measured, design)
-    return law.force.sensed(measured, felt(memory, around, noise[IMU_NOISE:]))
+    force = felt(memory, around, noise[IMU_NOISE : IMU_NOISE + 3]) if law.force.sensed else None
+    heading = headed(body, around, noise[-1]) if law.heading else None
+    known: Measurement = law.known(measured, design, force, heading)
+    return known
 
 
 def decide(
@@ -226,7 +254,7 @@ def decide(
     around : Surroundings
         Those that `Features.surroundings` says.
     noise : SX
-        (9, 1), standard normal: gyro, velocity, gravity; (12, 1) with an accelerometer.
+        (k, 1), standard normal, k = `imu_noise`: gyro, velocity, gravity, accelerometer, compass.
     law : Law
     """
     measured = read(memory, design, around, noise, law)
@@ -357,7 +385,7 @@ def read_function(n: int, features: Features, law: Law) -> ca.Function:
     design, _ = parameters(n, law)
     around = features.surroundings(law).symbols()
     memory = {name: ca.SX.sym(name, size) for name, size in features.layout(law).items()}
-    imu = ca.SX.sym("imu", IMU_NOISE + (3 if law.force.sensed else 0))
+    imu = ca.SX.sym("imu", imu_noise(law))
     told = vars(read(memory, design, around, imu, law))
     given = [ca.vertcat(*memory.values()), ca.vertcat(design.vector(), around.vector()), imu]
     names = ["memory", "parameters", "noise"]

@@ -233,6 +233,20 @@ class FurtherSurroundings(Surroundings):
 
 
 @dataclass(frozen=True)
+class HeadedSurroundings(FurtherSurroundings):
+    """What there is besides with a compass.
+
+    Attributes
+    ----------
+    heading_bias, heading_noise : SX
+        rad.
+    """
+
+    heading_bias: ca.SX = scalar("rad")
+    heading_noise: ca.SX = scalar("rad")
+
+
+@dataclass(frozen=True)
 class Features:
     """What a loop has beside its numbers, each a reason to compile another one.
 
@@ -291,6 +305,8 @@ class Features:
         ----------
         law : Law
         """
+        if law.heading is not None:
+            return HeadedSurroundings
         further = self.rotors_differ or law.force.sensed
         return FurtherSurroundings if further else Surroundings
 

@@ -87,7 +87,7 @@ public:
 struct vehicle_angular_velocity_s { uint64_t timestamp, timestamp_sample; float xyz[3]; };
 struct vehicle_acceleration_s { uint64_t timestamp, timestamp_sample; float xyz[3]; };
 struct vehicle_attitude_s { uint64_t timestamp; float q[4]; };
-struct vehicle_local_position_s { uint64_t timestamp; float vx, vy, vz; bool v_xy_valid, v_z_valid; };
+struct vehicle_local_position_s { uint64_t timestamp; float vx, vy, vz; bool v_xy_valid, v_z_valid, heading_good_for_control; };
 struct vehicle_thrust_setpoint_s { uint64_t timestamp, timestamp_sample; float xyz[3]; };
 struct vehicle_torque_setpoint_s { uint64_t timestamp, timestamp_sample; float xyz[3]; };
 extern const orb_metadata vehicle_angular_velocity_metadata, vehicle_attitude_metadata;

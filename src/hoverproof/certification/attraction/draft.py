@@ -193,11 +193,8 @@ def _reach(region: Set, share: float, room: Fraction | None) -> dict[str, Fracti
     """Return how far hovers are claimed to be inside: at the height of the goal, up and down."""
 
     def reach(*directions: tuple[float, float, float]) -> Fraction:
-        least = min(
-            reach_along(region.potential, np.array(d), region.weights, region.level)
-            for d in directions
-        )
-        return decimal_below(least * share, 3)
+        each = reach_along(region.potential, np.array(directions), region.weights, region.level)
+        return decimal_below(float(each.min()) * share, 3)
 
     down = reach((0, 0, 1))
     if room is not None:  # the barrier is exact: nothing of that needs to be given away

@@ -57,7 +57,8 @@ def energies(region: Attraction, states: Array) -> Array:
     states : (k, 19)
         Packed states; see `RigidBodyState`.
     """
-    numbers, a = LoopNumbers.of(region.mission), np.array([float(w) for w in region.weights])
+    numbers = LoopNumbers.of(region.mission, HAMEL_MAHONY)
+    a = np.array([float(w) for w in region.weights])
     k = len(states)
     read = energy_function(numbers.target_size).map(k)
     held = [np.tile(numbers.design[:, None], k), np.tile(numbers.points, k)]

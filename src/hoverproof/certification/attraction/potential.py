@@ -214,6 +214,21 @@ class Potential:
         return np.vstack([grid, over])
 
 
+def undominated(rows: Array) -> Array:
+    """Return the rows than which none other is larger or equal throughout: (j, m) of (k, m).
+
+    With weights that are not negative, the largest of all weighted sums is one of theirs.
+
+    Parameters
+    ----------
+    rows : (k, m)
+        Of any units, those of a column alike.
+    """
+    rows = np.unique(rows, axis=0)
+    above = (rows[:, None] <= rows).all(axis=2).sum(axis=1)
+    return np.asarray(rows[above == 1])  # itself
+
+
 def sphere(k: int) -> Array:
     """Return k directions spread over the sphere, (k, 3).
 

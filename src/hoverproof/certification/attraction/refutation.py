@@ -206,7 +206,8 @@ def refute(
 ) -> Sinks | Undecided:
     """Show that a wanted start sinks to the target; else tell what a simulation does.
 
-    To sink is to come from above the lowest target point to its height or below.
+    To sink is to come from above the lowest target point to its height or below. That is followed
+    without a yaw rate, so nothing is said of a vehicle that turns to a heading.
 
     Parameters
     ----------
@@ -220,6 +221,8 @@ def refute(
     -------
     Sinks, or Undecided with the reason completed
     """
+    if mission.goal.heading is not None:
+        return undecided.because("a motion that turns to a heading is not followed")
     if starts is None:
         own = State.of(mission)
         states = [] if own is None else [own]

@@ -8,16 +8,15 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from hoverproof.certification.attraction.inequality import Bounds, Loop, Solution
-from hoverproof.certification.attraction.potential import Potential, sphere
+from hoverproof.certification.attraction.potential import Potential, sphere, undominated
 from hoverproof.certification.attraction.sinking import Sinking
+from hoverproof.descent import Ends, descend
 
 Array = NDArray[np.float64]
 Objective = Literal["start", "radius", "volume"]
-EVALUATIONS = 60
-ENOUGH = {"fatol": 1e-4, "xatol": 0.01}
+ENOUGH = Ends(evaluations=60, values=1e-4, places=0.01)
 LARGEST_RADIUS = 1e4
 """m; nobody flies farther from a target that a camera is to see."""
 
@@ -89,7 +88,7 @@ class Search:
     slack: Slack
     sinking: Sinking | None
 
-    def bounds(self, x: Sequence[float]) -> Bounds | None:
+    def bounds(self, x: Sequence[float] | Array) -> Bounds | None:
         """Return the bounds of a point of the search, (2,); None if they contradict each other.
 
         Parameters
@@ -115,7 +114,7 @@ class Search:
         largest = p.largest_eigenvalue(bottom) * (1 + self.slack.eigenvalue)
         return Bounds(force, largest, bottom=bottom, omega=omega)
 
-    def solve(self, x: Sequence[float], hovers: Array) -> tuple[Bounds, Solution] | None:
+    def solve(self, x: Sequence[float] | Array, hovers: Array) -> tuple[Bounds, Solution] | None:
         """Return the best weights at a point of the search.
 
         Parameters
@@ -162,25 +161,22 @@ class Search:
     ) -> tuple[float, float]:
         """Return where the value is least; without tolerances first, if there are any."""
 
-        def cost(x: Sequence[float]) -> float:
+        hovers = undominated(hovers)
+
+        def cost(x: Sequence[float] | Array) -> float:
             found = self.solve(x, hovers)
             return 1e6 if found is None else value(*found)
 
-        nominal, guesses, evaluations = self.loop.nominal(), self.first_guess(), EVALUATIONS
+        nominal, guesses, evaluations = self.loop.nominal(), self.first_guess(), ENOUGH.evaluations
         if nominal is not None:
             x, y = replace(self, loop=nominal)._point(hovers, value)
             near = [(x, y), (x - 0.5, y), (x, y - 0.3), (x - 1, y - 0.6), (x - 2, y - 0.3)]
             if min(map(cost, near)) < 1e6:
-                guesses, evaluations = near, EVALUATIONS // 2
+                guesses, evaluations = near, evaluations // 2
         start = min((cost(x), x) for x in guesses)[1]
         simplex = [start, (start[0] + 0.5, start[1]), (start[0], start[1] + 0.15)]
-        result = minimize(
-            cost,
-            start,
-            method="Nelder-Mead",
-            options={"maxfev": evaluations, "initial_simplex": simplex, **ENOUGH},
-        )
-        return float(result.x[0]), float(result.x[1])
+        _, lowest = descend(cost, np.array(simplex), replace(ENOUGH, evaluations=evaluations))
+        return float(lowest[0]), float(lowest[1])
 
 
 def find(search: Search, objective: Objective, starts: Array) -> Found | None:
@@ -314,33 +310,31 @@ class HoverGrid:
         return float(reach[by_level].min()) if by_level.any() else LARGEST_RADIUS
 
 
-def reach_along(p: Potential, direction: Array, weights: Array, level: float) -> float:
-    """Return how far from the goal, m, hovers in a direction have Λ <= ℓ without a gap.
+def reach_along(p: Potential, directions: Array, weights: Array, level: float) -> Array:
+    """Return how far from the goal, m, hovers in directions have Λ <= ℓ without a gap, (k,).
 
     Parameters
     ----------
     p : Potential
-    direction : (3,)
-        Unit vector, world frame.
+    directions : (k, 3)
+        Unit vectors, world frame.
     weights : (3,)
         a2, a3, a4, m.
     level : float
         ℓ, m.
     """
-    steps = np.geomspace(0.01, LARGEST_RADIUS, 400)
-    places = p.goal + steps[:, None] * direction
-    inside = p.hover_terms(places) @ [1, *weights] <= level
-    first = int(np.argmin(inside)) if not inside.all() else len(steps)
-    if first == 0:
-        return 0.0
-    if first == len(steps):
-        return LARGEST_RADIUS
-    low, high = float(steps[first - 1]), float(steps[first])
+    a, steps = np.array([1, *weights]), np.geomspace(0.01, LARGEST_RADIUS, 400)
+    places = p.goal + steps[:, None] * directions[:, None]
+    outside = (p.hover_terms(places.reshape(-1, 3)) @ a > level).reshape(places.shape[:2])
+    first = np.where(outside.any(axis=1), outside.argmax(axis=1), len(steps))
+    low = np.where(first > 0, steps[first - 1], 0.0)
+    crosses = (first > 0) & (first < len(steps))
+    near, far = low[crosses], steps[first[crosses]]
     for _ in range(30):
-        middle = (low + high) / 2
-        place = p.goal + middle * direction
-        good = (p.hover_terms(place[None]) @ [1, *weights])[0] <= level
-        low, high = (middle, high) if good else (low, middle)
+        middle = (near + far) / 2
+        good = p.hover_terms(p.goal + middle[:, None] * directions[crosses]) @ a <= level
+        near, far = np.where(good, middle, near), np.where(good, far, middle)
+    low[crosses] = near
     return low
 
 

@@ -5,13 +5,21 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
-from hoverproof.algebra.decimals import decimal_above, decimal_below
+from hoverproof.algebra.decimals import binary_above, binary_below, decimal_above, decimal_below
+from hoverproof.certification.attraction.draft import NotShown
+from hoverproof.certification.exponential.domain import Domain
 from hoverproof.certification.exponential.search import Candidate, Search, Tilted
 from hoverproof.certification.exponential.vehicles import Limits, Reach
+from hoverproof.certification.problem import scaled_centroid
+from hoverproof.mission.sections import Mission
+from hoverproof.plant.goal import hover_goal
 
+BITS = 64
+START_ROOM = 3e-3
 DIGITS = 8
 SPARE = 1e-7
 """By what share numbers that are compared with exact ones are on the safe side."""
@@ -130,10 +138,12 @@ class Parts:
     content : dict
         Of the file, beside what all kinds have.
     rounded : Rounded
+    domain : Domain
     """
 
     content: dict[str, Any]
     rounded: Rounded
+    domain: Domain
 
 
 def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
@@ -150,32 +160,35 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
     NotShown
         If the checker would not be shown what it asks for.
     """
-    r = Rounded.of(search, found)
-    low, high = feature_interval(mission)
+    r, hover = Rounded.of(search, found), hover_goal(mission)
+    seen = hover.centroid
+    if mission.law.feature == "scaled":
+        seen = scaled_centroid(seen, len(mission.target.points))
     start_level = decimal_above(found.solution.start * (1 + START_ROOM), DIGITS)
     if start_level > r.level:
         raise NotShown("a start is not inside after rounding")
-    radius, near = search.settled()
-    offset = decimal_below(near, DIGITS)
-    domain = search.domain(r.offset, r.ball)
-    trees = {
-        "near": domain.near(offset, radius),
-        "starts": [domain.start(start) for start in search.starts],
-    }
+    offset = decimal_below(search.settled_offset, DIGITS)
+    points = [tuple(point) for point in mission.target.points]
+    bounds = float(r.ball[0]), float(r.ball[1])
+    domain = Domain.of(search.scene, points, float(r.offset), bounds)
+    trees = {"domain": domain.tree(), "near": domain.near(float(offset), float(search.radius))}
+    for name, tree in trees.items():
+        if tree is None:
+            raise NotShown(f"the {name} takes more cells than are checked")
     content = {
         "weights": list(r.weights),
         "lag": None if r.lag is None else dict(zip(("torque", "thrust"), r.lag, strict=True)),
         "memory": r.memory,
         "multipliers": {"slope": r.slope, "terms": list(r.multipliers)},
         "domain": {
-            "box": domain.box,
+            "wedge": [list(side) for side in domain.wedge],
             "bounds": list(r.ball),
             "offset": r.offset,
             "cone": None,
-            "tree": domain.tree(),
+            "tree": trees["domain"],
         },
-        "enclosures": {"goal": [binary_below(low, BITS), binary_above(high, BITS)]},
-        "hover": list(hover_goal(mission).position),
+        "enclosures": {"goal": [binary_below(seen[2][0], BITS), binary_above(seen[2][1], BITS)]},
+        "hover": list(hover.position),
         "claim": {
             "level": r.level,
             "rate": r.rate,
@@ -183,11 +196,14 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
             "starts": [start.content() for start in search.starts],
             "settling": {
                 "offset": offset,
-                "radius": radius,
+                "radius": search.radius,
                 "time": r.settling_time(start_level, offset),
             },
             "cone": None,
         },
-        "trees": trees,
+        "trees": {
+            "near": trees["near"],
+            "starts": [domain.start(start) for start in search.starts],
+        },
     }
-    return Parts(content, r)
+    return Parts(content, r, domain)

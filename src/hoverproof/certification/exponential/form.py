@@ -109,22 +109,22 @@ class Push(Packed):
         To δ4', (2, 1).
     torque : SX
         To τ μ', (2, 1).
-    pull : SX
-        To P(δ3' - δ2') in it, (2, 1).
     lift : SX
         To τ μT', (1, 1).
     """
 
     d4: ca.SX = column("1/s", 2)
     torque: ca.SX = column("1/s²", 2)
-    pull: ca.SX = column("1/s", 2)
     lift: ca.SX = scalar("1/s")
 
 
-FALLS = "fall", "energy", "d4", "torque", "pull", "lift"
-"""-E' without the norm-bounded terms and 2 E, (N, N); what a push adds to E', (.., N) each."""
-PARTS = "applied", "zeta", "ahead", "h3", "missed", "pulled", "sum"
-"""s or s_a, ζ, P n, P δ3, P(δ3 - n), P(δ3 - δ2), (2, N) each, and δ1 + δ2, (3, N)."""
+ROWS = {
+    **{"fall": 20, "energy": 20, "d4": 2, "torque": 2, "lift": 1},
+    **{"applied": 2, "zeta": 2, "ahead": 2, "h3": 2, "missed": 2, "pulled": 2, "sum": 3},
+}
+"""The matrices of the forms, one above the other, and how many rows each has: -E' without the
+norm-bounded terms, and 2 E; what each push adds to E'; then s or s_a, ζ, P n, P δ3, P(δ3 - n),
+P(δ3 - δ2) and δ1 + δ2."""
 
 
 def tilted_goal(law: Law, design: Design, theta: ca.SX, e: Errors) -> ca.SX:
@@ -146,7 +146,7 @@ def tilted_goal(law: Law, design: Design, theta: ca.SX, e: Errors) -> ca.SX:
 
 @kept_graph
 def derive_form(law: Law, lagged: bool, potential: bool = False) -> ca.Function:
-    """Return (design, vertex, weights) ↦ the matrices of `FALLS` and `PARTS`.
+    """Return (design, vertex, weights) ↦ the matrices of `ROWS`, one above the other, (62, 20).
 
     Parameters
     ----------
@@ -190,14 +190,15 @@ def derive_form(law: Law, lagged: bool, potential: bool = False) -> ca.Function:
         rates[8] -= at.thrust_gain * (lifted - lift)
     rates += to_d4 @ push.d4
     if lagged:
-        smooth_rate = ca.jtimes(
-            smooth, x.errors, rates + ca.vertcat(0, 0, 0, 0, 0, 0, push.pull, 0, 0, 0)
-        )
+        smooth_rate = ca.jtimes(smooth, x.errors, rates)
         torque_rate = asked - applied + push.torque - at.lag * smooth_rate
         thrust_rate = lift - lifted - at.lag * kappa(d) * rates[8] + push.lift
     first = ca.SX(0 if potential else 1)
     sizes = ca.vertcat(
-        *(ca.repmat(w_, n) for w_, n in zip((first, w.d2, w.d3, w.d4), (3, 3, 3, 2), strict=True))
+        *(
+            ca.repmat(ca.SX(x), n)
+            for x, n in zip((first, w.d2, w.d3, w.d4), (3, 3, 3, 2), strict=True)
+        )
     )
     change = (
         ca.dot(sizes * x.errors, rates)
@@ -219,7 +220,7 @@ def derive_form(law: Law, lagged: bool, potential: bool = False) -> ca.Function:
     return ca.Function(
         "falls",
         [d.vector(), at.vector(), w.vector()],
-        [ca.densify(ca.simplify(m)) for m in matrices],
+        [ca.densify(ca.vertcat(*matrices))],
         ["design", "vertex", "weights"],
-        [*FALLS, *(f"of_{name}" for name in PARTS)],
+        ["matrices"],
     )

@@ -1,4 +1,4 @@
-"""Where the feature is near the one wanted, and how far J is there from a multiple of I: sampled."""
+"""Where the feature is near the one wanted, and how far J is there from j I, as sampled."""
 
 from __future__ import annotations
 
@@ -82,6 +82,34 @@ class Scene:
         """
         return self.feature(positions) - [0, 0, self.wanted]
 
+    def reach(self, offset: float) -> Array:
+        """Return the ends of x, y and u where |σ - σ*| <= offset, sampled along rays, (3, 2).
+
+        Parameters
+        ----------
+        offset : float
+        """
+        places = self.goal + self.ends(offset)[:, None] * np.linspace(0, 1, 40)[None, :, None]
+        ray = self.points.mean(axis=0) - places.reshape(-1, 3)
+        seen = np.column_stack([ray[:, :2] / ray[:, 2:], 1 / ray[:, 2]])
+        return np.stack([seen.min(axis=0), seen.max(axis=0)], axis=1)
+
+    def ends(self, offset: float) -> Array:
+        """Return where rays from the goal leave {|σ - σ*| <= offset}, from there, (k, 3), m.
+
+        Parameters
+        ----------
+        offset : float
+        """
+        height = float(self.points[:, 2].mean() - self.goal[2])
+        radii = height * np.geomspace(0.01, FARTHEST, 400)
+        directions = sphere(DIRECTIONS)
+        places = self.goal + directions[:, None] * radii[None, :, None]
+        with np.errstate(all="ignore"):
+            far = np.linalg.norm(self.offset(places.reshape(-1, 3)), axis=1)
+        far = np.nan_to_num(far, nan=np.inf).reshape(len(directions), -1)
+        return np.asarray(directions * radii[np.argmax(far >= offset, axis=1)][:, None])
+
     def slopes(self, positions: Array) -> Array:
         """Return J, or Q, (k, 3, 3), 1/m.
 
@@ -121,16 +149,8 @@ class Balls:
         ----------
         scene : Scene
         """
-        height = float(scene.points[:, 2].mean() - scene.goal[2])
-        radii = height * np.geomspace(0.01, FARTHEST, 400)
-        directions = sphere(DIRECTIONS)
-        places = scene.goal + directions[:, None] * radii[None, :, None]
-        with np.errstate(all="ignore"):
-            far = np.linalg.norm(scene.offset(places.reshape(-1, 3)), axis=1)
-        far = np.nan_to_num(far, nan=np.inf).reshape(len(directions), -1)
-        ends = radii[np.argmax(far >= 0.97 * scene.wanted, axis=1)]
         parts = np.linspace(0, 1, STEPS) ** 0.7
-        places = scene.goal + directions[:, None] * (ends[:, None] * parts)[..., None]
+        places = scene.goal + scene.ends(0.97 * scene.wanted)[:, None] * parts[None, :, None]
         places = places.reshape(-1, 3)
         far = np.linalg.norm(scene.offset(places), axis=1)
         order = np.argsort(far)

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from fractions import Fraction
 from functools import cache
 
+from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.attraction.draft import NotShown
 from hoverproof.certification.attraction.starts import Start
-from hoverproof.certification.certificate import rejection, seal
-from hoverproof.certification.exponential.draft import draft
+from hoverproof.certification.certificate import Certificate, rejection, seal
+from hoverproof.certification.exponential.draft import Parts, draft
 from hoverproof.certification.exponential.form import derive_form
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.search import Candidate, Search
 from hoverproof.certification.exponential.vehicles import Vehicles, require_turned
-from hoverproof.certification.exponential.verdict import Exponential
+from hoverproof.certification.exponential.verdict import Exponential, Settling
 from hoverproof.certification.region import holds_target_point
 from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
@@ -25,9 +26,7 @@ from hoverproof.servo.law import Law
 
 Progress = Callable[[str], None]
 MOST_STARTS = 16
-SETTLED = Fraction(1, 10)
-"""Of the largest distance of a start from the goal: there the vehicle has settled."""
-WIDER = 0.1, 0.25
+WIDER = 0.3, 0.6
 """By which share the ball of J is widened for the proof, one after the other."""
 
 
@@ -70,12 +69,10 @@ def converge(
         except NotShown as error:
             reason = str(error)
             continue
-        certificate = seal(
-            mission, "exponential", parts.content, model_fingerprint(search.vehicles.law)
-        )
+        certificate = seal(mission, "exponential", parts.content, model_fingerprint(vehicles.law))
         reason = rejection(certificate)
         if not reason:
-            return parts.verdict(certificate)
+            return _verdict(mission, certificate, parts, wanted)
     return Undecided(mission=mission, reason=reason, advice=_advice(mission))
 
 
@@ -101,7 +98,30 @@ def _found(search: Search) -> Candidate | str:
         return "no weights were found that satisfy the inequality"
     if first.solution.fill > 1:
         return f"Ψ at the start is {first.solution.fill:.3g} times the highest level found"
-    return search.soonest(first, terms, search.settled_offset())
+    return search.soonest(first, terms, search.settled_offset)
+
+
+def _verdict(
+    mission: Mission, certificate: Certificate, parts: Parts, starts: tuple[Start, ...]
+) -> Exponential:
+    claim, r = parts.content["claim"], parts.rounded
+    low, high = r.limits.thrust
+    return Exponential(
+        mission=mission,
+        certificate=certificate,
+        level=claim["level"],
+        start_level=claim["start_level"],
+        weights=r.weights,
+        rate=claim["rate"],
+        settling=Settling(claim["settling"]["radius"], claim["settling"]["time"]),
+        wedge=parts.domain.wedge,
+        slope=r.ball,
+        offset=r.offset,
+        tilt=decimal_above(math.asin(r.limits.tilt), 4),
+        thrust=(decimal_below(low, 6), decimal_above(high, 6)),
+        field_of_view=None,
+        starts=starts,
+    )
 
 
 def _advice(mission: Mission) -> tuple[str, ...]:

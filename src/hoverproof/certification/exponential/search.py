@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
+from hoverproof.algebra.decimals import decimal_below
+from hoverproof.certification.attraction.potential import sphere
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.positions import Balls, Scene
 from hoverproof.certification.exponential.program import (
@@ -24,17 +26,23 @@ from hoverproof.certification.exponential.program import (
     solve,
 )
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
+from hoverproof.descent import Ends, descend
 
 Array = NDArray[np.float64]
 EVALUATIONS = 24
 MOST_RATES, FIRST_STEP, CLOSE = 12, 1.6, 1.04
 FAILED = 1e3
-HIGHEST = 0.96
+HIGHEST = 0.835
 """Share of s3* that d is at most: |σ| is small near the target."""
 SLOWEST = 0.05
 """The rate that is first asked for, as a share of 2 (k1/m)(j - ϱ)."""
 ROOM = 0.01
 """Share of the level, and of the ball, that is spared for the proof."""
+SETTLED = 0.1
+"""Of the largest distance of a start from the goal: there the vehicle has settled."""
+NEAR = 0.1
+"""Share of |σ - σ*| there that is spared for the proof."""
+DIRECTIONS = 300
 
 
 @dataclass(frozen=True)
@@ -112,16 +120,36 @@ class Search:
     vehicles : Vehicles
     scene : Scene
     starts : tuple of Start
+    wider : float
+        By which share the narrowest ball of J, as sampled, is widened.
     """
 
     vehicles: Vehicles
     scene: Scene
     starts: tuple[Start, ...]
+    wider: float = ROOM
 
     @cached_property
     def balls(self) -> Balls:
         """The balls of J by d."""
         return Balls.of(self.scene)
+
+    @cached_property
+    def radius(self) -> Fraction:
+        """Where a vehicle has settled: that near to its goal, m."""
+        ends = [np.array(start.position, float) for start in self.starts]
+        corners = [np.stack(np.meshgrid(*side, indexing="ij"), axis=-1) for side in ends]
+        far = max(
+            float(np.linalg.norm(c.reshape(-1, 3) - self.scene.goal, axis=1).max()) for c in corners
+        )
+        return decimal_below(max(SETTLED * far, 1e-3), 4)
+
+    @cached_property
+    def settled_offset(self) -> float:
+        """What |σ - σ*| is surely below only within that radius."""
+        around = self.scene.goal + float(self.radius) * sphere(DIRECTIONS)
+        least = np.linalg.norm(self.scene.offset(around), axis=1).min()
+        return float((1 - NEAR) * least)
 
     def terms(self) -> Array:
         """Return what (1, parameters) are multiplied by in Ψ of each start, (k, 8)."""
@@ -154,22 +182,20 @@ class Search:
         result[MEMORY] = v.latency**2 / 2 * (lam * speed) ** 2
         return result
 
-    def limits(self, x: Sequence[float], ball: tuple[float, float]) -> Limits:
+    def limits(self, x: Array, ball: tuple[float, float]) -> Limits:
         """Return the limits of a reach, of which the last parameter is the share of the largest."""
         v = self.vehicles
         low = v.weight - v.stiffness * v.in_image
         force = 0.95 * low / v.stiffness / (1 + np.exp(-x[1]))
         return Limits(v, Reach(force, 0.75 * force, 1.75 * force, 6 * np.exp(x[0])), ball[1])
 
-    def at(
-        self, x: Sequence[float], rate: float, starts: Array
-    ) -> tuple[float, tuple[float, float], Solution] | None:
+    def at(self, x: Array, rate: float, starts: Array) -> Candidate | None:
         """Return d, the ball of J and the best weights, for the logarithm of d and the reach."""
         d = float(np.exp(x[0]))
         if d > HIGHEST * self.scene.wanted:
             return None
         low, high = self.balls.within(d * (1 + ROOM))
-        middle, radius = (low + high) / 2, (high - low) / 2 * (1 + ROOM)
+        middle, radius = (low + high) / 2, (high - low) / 2 * (1 + self.wider)
         if radius >= middle:
             return None
         ball = middle - radius, middle + radius
@@ -183,7 +209,7 @@ class Search:
         found = solve(limits, ball, rate, level, starts)
         if found is None:
             return None
-        return Candidate(np.array(x, float), d, ball, rate, tilted, found)
+        return Candidate(x, d, ball, rate, tilted, found)
 
     def deepest(self, starts: Array) -> Candidate | None:
         """Bring the starts as deep inside as can be, at a slow rate."""
@@ -261,10 +287,4 @@ class Search:
 
 
 def _minimum(cost: Callable[[Array], float], simplex: Array, evaluations: int) -> Array:
-    result = minimize(
-        cost,
-        simplex[0],
-        method="Nelder-Mead",
-        options={"maxfev": evaluations, "initial_simplex": simplex},
-    )
-    return np.asarray(result.x)
+    return descend(cost, simplex, Ends(evaluations, values=1e-3, places=1e-3))[1]

@@ -51,8 +51,8 @@ class Exponential(Proved):
     rate : Fraction
         r, 1/s.
     settling : Settling
-    box : Box
-        No motion leaves these positions, m.
+    wedge : (3, 2)
+        No motion leaves it: ends of x, y and u; see `domain`.
     slope : (low, high)
         Bounds of J, or Q, on the way: j - ϱ and j + ϱ, 1/m.
     offset : Fraction
@@ -71,7 +71,7 @@ class Exponential(Proved):
     weights: tuple[Fraction, ...]
     rate: Fraction
     settling: Settling
-    box: Box
+    wedge: Box
     slope: tuple[Fraction, Fraction]
     offset: Fraction
     tilt: Fraction

@@ -24,7 +24,7 @@ OF_A_PROOF = (
     "settling_time",
     "settling_radius",
     "start_level",
-    "box",
+    "heights",
     "slope",
     "field_of_view",
     "level",

@@ -9,7 +9,7 @@ from typing import Any
 
 from hoverproof.certification.certificate import exact
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.cli.answers.words import interval, number, numbers, sides_text
+from hoverproof.cli.answers.words import interval, number, numbers
 
 
 def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
@@ -37,7 +37,8 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     yield f"  Ψ at the start          {number(verdict.start_level)}, inside up to {number(verdict.level)}"
     yield f"  weights w2, w3, w4      {', '.join(map(number, verdict.weights))}"
     yield "  On the way:"
-    yield f"  positions in            {sides_text(verdict.box)} m"
+    low, high = (1 / u for u in reversed(verdict.wedge[2]))
+    yield f"  height over the target  in {interval((low, high))} m"
     yield f"  tilt                    {number(verdict.tilt)} rad or less"
     yield f"  thrust over mass, × m   in {interval(verdict.thrust)} N"
     if verdict.field_of_view is not None:
@@ -63,7 +64,7 @@ def as_json(verdict: Exponential) -> dict[str, Any]:
         "decay_rate": float(verdict.rate),
         "settling_time": float(verdict.settling.time),
         "settling_radius": float(verdict.settling.radius),
-        "box": [numbers(side) for side in verdict.box],
+        "heights": numbers(1 / u for u in reversed(verdict.wedge[2])),
         "tilt": float(verdict.tilt),
         "thrust": numbers(verdict.thrust),
         "slope": numbers(verdict.slope),
@@ -73,7 +74,7 @@ def as_json(verdict: Exponential) -> dict[str, Any]:
             "decay_rate": "1/s, of Ψ",
             "settling_time": "s, to settling_radius for good",
             "settling_radius": "m from the goal",
-            "box": "m, world axes",
+            "heights": "m, above the mean of the target",
             "tilt": "rad",
             "thrust": "N, over the true mass, times the modelled",
             "slope": "1/m",

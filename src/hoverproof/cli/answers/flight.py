@@ -51,6 +51,9 @@ class FlightAnswer(Answer):
         start, end = position_text(facts["start_position"]), position_text(facts["final_position"])
         yield f"  start     {start}, {facts['start_error']:.3g} m away"
         yield f"  end       {end}, {facts['final_error']:.3g} m away"
+        if "final_yaw" in facts:
+            yaw, off = facts["final_yaw"], facts["final_heading_error"]
+            yield f"  yaw       {yaw:.3f} rad at the end, {off:.3g} rad off its heading"
         settled = _since(facts["settled_at"])
         yield f"  within 10 % of the distance at the start: {settled}"
         yield from self._conditions()

@@ -63,13 +63,13 @@ def gains_text(mission: Mission) -> Iterator[str]:
     from hoverproof.mission.writing import decimal
 
     units = gain_units()
-    for key, value in mission.gains:
-        yield f"  {key:6} = {decimal(value):12} {units[key]}"
+    for key in units:
+        yield f"  {key:6} = {decimal(getattr(mission.gains, key)):12} {units[key]}"
 
 
 def gains_as_json(mission: Mission) -> dict[str, float]:
     """Return the gains by name."""
-    return {key: float(value) for key, value in mission.gains}
+    return {key: float(getattr(mission.gains, key)) for key in gain_units()}
 
 
 def limits_text(uses: Iterable[Use]) -> Iterator[str]:

@@ -129,13 +129,14 @@ LAWS = {
 
 
 def choices_of(law: Law) -> dict[str, str]:
-    """Return the choices of a law by name, as a mission has them.
+    """Return the choices of a law by name, that of its heading if it turns to one.
 
     Parameters
     ----------
     law : Law
     """
-    return {"feature": law.feature.name, "goal": law.goal.name, "force": law.force.name}
+    own = {} if law.heading is None else {"heading": law.heading.name}
+    return {"feature": law.feature.name, "goal": law.goal.name, "force": law.force.name, **own}
 
 
 def law_of(mission: Mission) -> Law:

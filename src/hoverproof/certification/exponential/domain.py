@@ -1,0 +1,235 @@
+"""Where the feature is near the one wanted: how wedges of positions are halved to show it.
+
+A wedge is a box of x, y, u, where (x, y, 1)/u is where the mean of the target lies from the camera:
+x and y are sideways over the height, and u is one over the height, 1/m. The domain is a wedge at
+whose faces |σ - σ*| > d. A target that is its own mirror image needs half of it, one that is the
+same along x and y half of that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.algebra.decimals import decimal_above, decimal_below
+from hoverproof.certification import scaled
+from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.cells import (
+    ROOM,
+    Told,
+    View,
+    grow_tree,
+    largest_below,
+    most_cells,
+    smallest_above,
+)
+from hoverproof.certification.exponential.positions import Scene
+from hoverproof.certification.flow import OfJ
+from hoverproof.certification.region import Box
+
+Array = NDArray[np.float64]
+SPARE = 1.08
+"""By what factor faces are beyond the domain, as sampled."""
+COST, LOOK_COST = 20, 10
+"""Of a cell of which J is bounded, and of one of which the feature is."""
+
+
+def mirrored(points: list[tuple[Fraction, ...]], axis: int) -> bool:
+    """Tell whether a target is its own mirror image across the plane through its mean.
+
+    Parameters
+    ----------
+    points : sequence of (3,)
+        World frame, m.
+    axis : int
+        Across which axis.
+    """
+    twice = 2 * sum(p[axis] for p in points) / len(points)
+    images = {(*p[:axis], twice - p[axis], *p[axis + 1 :]) for p in points}
+    return images == set(points)
+
+
+def swapped(points: list[tuple[Fraction, ...]]) -> bool:
+    """Tell whether a target is its own image if x and y, from its mean, change places.
+
+    Parameters
+    ----------
+    points : sequence of (3,)
+        World frame, m.
+    """
+    x, y = (sum(p[k] for p in points) / len(points) for k in (0, 1))
+    return {(x + p[1] - y, y + p[0] - x, p[2]) for p in points} == set(points)
+
+
+@dataclass(frozen=True)
+class Domain:
+    """A wedge, a distance of the feature and bounds of J.
+
+    Attributes
+    ----------
+    scene : Scene
+    wedge : (3, 2)
+        Ends of x, y and u.
+    swapped : bool
+        Whether the part with y > x is left out.
+    offset : float
+        d.
+    bounds : (low, high)
+        j - ϱ and j + ϱ, 1/m.
+    """
+
+    scene: Scene
+    wedge: Box
+    swapped: bool
+    offset: float
+    bounds: tuple[float, float]
+
+    @classmethod
+    def of(
+        cls,
+        scene: Scene,
+        points: list[tuple[Fraction, ...]],
+        offset: float,
+        bounds: tuple[float, float],
+    ) -> Domain:
+        """Lay a wedge around the domain, as it is sampled.
+
+        Parameters
+        ----------
+        scene : Scene
+        points : sequence of (3,)
+            The exact target, world frame, m.
+        offset : float
+            d.
+        bounds : (low, high)
+            j - ϱ and j + ϱ, 1/m.
+        """
+        ends = scene.reach(offset)
+        low = [decimal_below(SPARE * x if x < 0 else x / SPARE, 3) for x in ends[:, 0]]
+        high = [decimal_above(x * SPARE, 3) for x in ends[:, 1]]
+        both = swapped(points)
+        for axis in (0, 1):
+            if mirrored(points, axis):
+                low[axis], high[axis] = Fraction(0), max(high[axis], -low[axis])
+        both &= low[0] == low[1]
+        if both:
+            high[:2] = [max(high[:2])] * 2
+        return cls(scene, tuple(zip(low, high, strict=True)), both, offset, bounds)
+
+    def _left_out(self, cells: Array) -> Told:
+        if not self.swapped:
+            return np.zeros(len(cells), bool)
+        return np.asarray(cells[:, 1, 0] >= cells[:, 0, 1])
+
+    def _sight(self, cells: Array) -> scaled.Sight:
+        return scaled.Sight.over_wedges(self.scene.points, cells)
+
+    def _beyond(self, sight: scaled.Sight, count: int, offset: float) -> Told:
+        """Tell where |σ - σ*| > offset is shown, along the direction in the middle."""
+        seen = sight.scaled() if isinstance(self.scene.flow, OfJ) else sight.centroid()
+        mid = np.array([np.broadcast_to(x.mid, count) for x in seen])
+        mid[2] -= self.scene.wanted
+        slope = np.array([np.broadcast_to(x.slope, (3, count)) for x in seen])
+        rest = np.array([np.broadcast_to(x.rest, count) for x in seen])
+        size = np.sqrt((mid**2).sum(axis=0))
+        along = mid / size
+        least = size - np.abs((along[:, None] * slope).sum(axis=0)).sum(axis=0)
+        least -= (np.abs(along) * rest).sum(axis=0)
+        return np.asarray(least > offset * (1 + ROOM))
+
+    def _held(self, cells: Array, sight: scaled.Sight) -> Told:
+        if isinstance(self.scene.flow, OfJ):
+            return scaled.in_ball(sight.slope(), len(cells), *self.bounds)
+        view = View.of(self.scene.points, self._boxes(cells))
+        low, high = self.bounds
+        return largest_below(view, high) & smallest_above(view, low)
+
+    def _corners(self, cells: Array) -> Array:
+        """Return the positions of the corners of wedges, (k, 8, 3), m."""
+        ends = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3)
+        x, y, u = (cells[:, k, ends[:, k]] for k in range(3))
+        return (
+            self.scene.points.mean(axis=0)
+            - np.stack([x, y, np.ones_like(x)], axis=-1) / u[..., None]
+        )
+
+    def _boxes(self, cells: Array) -> Array:
+        corners = self._corners(cells)
+        return np.stack([corners.min(axis=1), corners.max(axis=1)], axis=-1)
+
+    @cached_property
+    def _sides(self) -> Array:
+        return np.array(self.wedge, float)
+
+    @cached_property
+    def _scale(self) -> tuple[float, ...]:
+        """What sides count for when the longest is halved."""
+        return 1.0, 1.0, 0.6 / float(self.wedge[2][0] * self.wedge[2][1]) ** 0.5
+
+    def tree(self, cosine: float | None = None) -> str | None:
+        """Halve the wedge until each cell is beyond the domain, or J is in its bounds over it.
+
+        Parameters
+        ----------
+        cosine : float or None
+            Of the angle to the vertical under which all target points are to be seen.
+        """
+        whole = self._sides
+
+        def hold(cells: Array) -> Told:
+            with np.errstate(all="ignore"):
+                sight = self._sight(cells)
+                told = self._left_out(cells) | self._beyond(sight, len(cells), self.offset)
+                rest = ~told
+                part = cells[rest]
+                inner = self._held(part, self._sight(part))
+            for k in range(3):
+                inner &= part[:, k, 1] < whole[k, 1]
+                inner &= (part[:, k, 0] > whole[k, 0]) | (k < 2 and whole[k, 0] == 0)
+            if cosine is not None:
+                inner &= self._steep(part) >= cosine * (1 + ROOM)
+            told[rest] = inner
+            return told
+
+        return grow_tree(whole, hold, most_cells(len(self.scene.points), COST), self._scale)
+
+    def _steep(self, cells: Array) -> Array:
+        """Return the least cosine of the angle to the vertical of all points at the corners."""
+        rays = self.scene.points[None, None] - self._corners(cells)[:, :, None]
+        return np.asarray((rays[..., 2] / np.linalg.norm(rays, axis=3)).min(axis=(1, 2)))
+
+    def near(self, offset: float, radius: float) -> str | None:
+        """Halve the wedge until each cell has |σ - σ*| > offset or is near the goal.
+
+        Parameters
+        ----------
+        offset : float
+        radius : float
+            m.
+        """
+
+        def hold(cells: Array) -> Told:
+            far = np.linalg.norm(self._corners(cells) - self.scene.goal, axis=2).max(axis=1)
+            told = self._left_out(cells) | (far < radius * (1 - ROOM))
+            with np.errstate(all="ignore"):
+                rest = ~told
+                part = cells[rest]
+                told[rest] = self._beyond(self._sight(part), len(part), offset)
+            return told
+
+        return grow_tree(
+            self._sides, hold, most_cells(len(self.scene.points), LOOK_COST), self._scale
+        )
+
+    def start(self, start: Start) -> str:
+        """Return the tree of a start: its box is not halved.
+
+        Parameters
+        ----------
+        start : Start
+        """
+        return "0"
