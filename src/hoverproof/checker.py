@@ -2219,7 +2219,8 @@ class Potential(Tolerant, Attraction):
             f"½(a2|δ2|² + a3|δ3|² + a4|δ4|²){more}, W = Σ|P'i - ξ| + q3* z less its "
             f"minimum, "
             f"(a2, a3, a4) = ({weights}). In continuous time and with all target points "
-            f"seen, the controller may be switched on in every {rest}{others}: the motion converges to the hover at the goal"
+            f"seen, the controller may be switched on in every {rest}{others}: the motion "
+            f"converges to the hover at the goal"
             f"{stays}. On the way Ψ <= {about(self.level)} and Ψ' <= -(k1/m) {about(claim.rate)} "
             f"(|q - q3* ρ|² + |δ2|² + |δ3|² + |δ4|²)."
         )
