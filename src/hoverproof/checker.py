@@ -1532,9 +1532,9 @@ def state_of(start: Object) -> str:
 #   -E' - r E - Mτ'|y|² + (M/τ') exp(-rτ')|n|² - σJ(ϱ²|V|² - |y - jV|²) >= 0,
 #
 # where uᵀHv <= (R/2)(t|v|² + |u|²/t) for what E' has of norm |H| <= R, with any t > 0. The rest is
-# affine, and all of it concave, in each of χ, s3 h, ς, τ and π: their ends suffice. No product in it
-# is of components along different axes, and those along y stand in it as those along x: they are
-# left out. On {Ψ <= ℓ},
+# affine, and all of it concave, in each of χ, s3 h, ς, τ and π: their ends suffice. No product in
+# it is of components along different axes, and those along y stand in it as those along x: they
+# are left out. On {Ψ <= ℓ},
 #
 #   |δ3|² <= 2ℓ/w3, |δ3 - δ2|² <= 2ℓ(1/w2 + 1/w3), |ζ|² <= 2ℓ(1/w3 + 1/w4), |F| = c|δ3 - δ2| <= f,
 #   |V|² <= (k1/m)² 2ℓ(1 + 1/w2), |n| <= τ'(j + ϱ)|V|, (m g - f)² - (m w')² <= Tc² <= (m g + f)²,
@@ -1548,7 +1548,7 @@ def state_of(start: Object) -> str:
 
 
 class Wedges:
-    """Positions above a target in cells of x, y and u: (x, y, 1)/u is where its mean lies from them.
+    """Positions above a target in cells of x, y, u: (x, y, 1)/u is where its mean lies from them.
 
     A target that is its own mirror image across x or y needs one half of the wedge. With one that
     is the same along x and y, what lies at y > x is seen as its image is.
@@ -1562,10 +1562,10 @@ class Wedges:
         require(self.unit < 10**46, "the ends of the wedge are too long")
         self.whole = [(int(a * self.unit), int(b * self.unit)) for a, b in self.sides]
         self.target = Target(points)
-        self.mean, apart = self.target.mean, set(map(tuple, self.target.apart))
-        images = {(-x, y, z) for x, y, z in apart}, {(x, -y, z) for x, y, z in apart}
-        self.mirrored = [image == apart for image in images]
-        swapped = {(y, x, z) for x, y, z in apart} == apart
+        self.mean, apart = self.target.mean, sorted(map(tuple, self.target.apart))
+        images = [(-x, y, z) for x, y, z in apart], [(x, -y, z) for x, y, z in apart]
+        self.mirrored = [sorted(image) == apart for image in images]
+        swapped = sorted((y, x, z) for x, y, z in apart) == apart
         self.swapped = swapped and self.sides[0] == self.sides[1]
 
     def faces(self) -> list[tuple[int, int]]:
@@ -1620,7 +1620,7 @@ class Wedges:
             return False
 
     def hold(self, cell: Cell, grid: Grid, domain: Any) -> bool:
-        """Show that a cell is beyond the domain, or that J is in its bounds over it, and what is seen."""
+        """Show that a cell is beyond the domain, or J in its bounds over it, and what is seen."""
         if self.left_out(cell):
             return True
         try:
@@ -1653,7 +1653,7 @@ class Wedges:
         return alike and not any(x for k, x in enumerate(level) if self.halved(k))
 
     def steep(self, cell: Cell, cosine: Fraction) -> bool:
-        """Show that all target points are in a cone about the vertical: at the corners, as it is convex."""
+        """Show that all points are in a cone about the vertical: at the corners, it is convex."""
         for corner, point in itertools.product(self.corners(cell), self.points):
             x, y, z = minus(point, corner)
             if z <= 0 or z**2 < cosine**2 * (x**2 + y**2 + z**2):
@@ -1900,8 +1900,8 @@ class Tolerant(Claim):
         torque = "e3×Ω' = a without error, a the angular acceleration commanded"
         if may.torque:
             torque = (
-                "e3×Ω' = (I + γ) a + Ω3 G e3×Ω, a commanded, with any 2 x 2 matrices γ and G, which "
-                f"may change, of norm at most {about(may.torque)} (inertia and rotors)"
+                "e3×Ω' = (I + γ) a + Ω3 G e3×Ω, a commanded, with any 2 x 2 matrices γ and G, "
+                f"which may change, of norm at most {about(may.torque)} (inertia and rotors)"
             )
         lag = "no rotor lag"
         if may.rotor_lag:
@@ -2032,6 +2032,7 @@ class Exponential(Tolerant):
     def verify_domain(self) -> None:
         """Verify that no motion leaves the box, in which J is in its ball, and what is seen."""
         claim, domain, place = self.c.claim, self.c.domain, self.place
+        require(claim.start_level <= claim.level, "a start is above the level")
         far = self.shift + square_root(2 * claim.level * self.stretch)[1]
         require(far <= domain.offset, "the level is not shown to be within the domain")
         cover(
@@ -2088,15 +2089,17 @@ class Exponential(Tolerant):
         weights, hover = (", ".join(map(about, x)) for x in (c.weights, c.hover))
         more = ""
         if c.lag:
-            more += f" + ½ τ ({about(c.lag.torque)} |μ|² + {about(c.lag.thrust)} μT²) of the rotors' lag"
+            of_lag = f"{about(c.lag.torque)} |μ|² + {about(c.lag.thrust)} μT²"
+            more += f" + ½ τ ({of_lag}) of the rotors' lag"
         if c.memory:
             more += f" + {about(c.memory)} ∫∫ exp(r (z - t)) |y|² of the latency"
         seen = "all target points seen"
         half = ""
         if claim.cone is not None:
+            degrees = math.degrees(math.acos(claim.cone))
             half = (
-                ", and every target point is seen at an angle from the optical axis whose cosine is "
-                f"at least {about(claim.cone)}, at most {math.degrees(math.acos(claim.cone)):.4g}°"
+                ", and every target point is seen at an angle from the optical axis whose cosine "
+                f"is at least {about(claim.cone)}, at most {degrees:.4g}°"
             )
         starts = "; or ".join(map(self.state, claim.starts))
         s3 = f"{float(sum(self.goal) / 2):.12g}"
@@ -2104,8 +2107,8 @@ class Exponential(Tolerant):
             f"For the mission {self.name} ({self.of_another_law()}m = {self.m} kg, g = "
             f"{self.gravity} m/s², {self.gains()}, goal straight below where its feature is (0, 0, "
             f"{s3}) to 12 digits), and for every vehicle with {self.vehicles()}, let Ψ = ½(|δ1|² + "
-            f"w2|δ2|² + w3|δ3|² + w4|δ4|²){more}, (w2, w3, w4) = ({weights}). In continuous time and "
-            f"with {seen}, the controller may be switched on in every {starts}: then Ψ(0) <= "
+            f"w2|δ2|² + w3|δ3|² + w4|δ4|²){more}, (w2, w3, w4) = ({weights}). In continuous time "
+            f"and with {seen}, the controller may be switched on in every {starts}: then Ψ(0) <= "
             f"{about(claim.start_level)} and Ψ(t) <= Ψ(0) exp(-r t), r = {about(claim.rate)} 1/s, "
             f"for all t >= 0; the vehicle stays {self.place.words()}; and after "
             f"{about(soon.time)} s it is, and stays, within {about(soon.radius)} m of the point "
@@ -2113,16 +2116,16 @@ class Exponential(Tolerant):
         )
 
 
-# With the centroid there is the natural potential W in place of ½|δ1|², of which W' = -eᵀV, and e in
-# place of δ1 = e + η, as for regions of attraction; η = 0 for an inertial goal, and without wind it
-# is as there for one of the image. With q3* and θ = (t, 0) at their ends, and 0 ⪯ Q ⪯ λ I, so
+# With the centroid there is the natural potential W in place of ½|δ1|², of which W' = -eᵀV, and e
+# in place of δ1 = e + η, as for regions of attraction; η = 0 for an inertial goal, and without wind
+# it is as there for one of the image. With q3* and θ = (t, 0) at their ends, and 0 ⪯ Q ⪯ λ I, so
 # yᵀ(λV - y) >= 0,
 #
 #   -(E - ½|δ1|²)' + eᵀV - Mτ'|y|² + (M/τ')|n|² - σQ yᵀ(λV - y) >= ε (k1/m) |Y|²
 #
-# on {Ψ <= ℓ}, where |V| <= (k1/m)(|δ1| + |δ2|), |δ1| <= n + q3*. What is along the second axis is in
-# this as what is along the first if θ = 0. A barrier follows from how U is made, so it needs that
-# the height is driven as modelled: no tolerance but those of torque and yaw rate.
+# on {Ψ <= ℓ}, where |V| <= (k1/m)(|δ1| + |δ2|), |δ1| <= n + q3*. What is along the second axis is
+# in this as what is along the first if θ = 0. A barrier follows from how U is made, so it needs
+# that the height is driven as modelled: no tolerance but those of torque and yaw rate.
 
 
 class Potential(Tolerant, Attraction):
@@ -2208,12 +2211,12 @@ class Potential(Tolerant, Attraction):
             f"({hover}) m at its height, up to {up} m above it or {down} m below it",
         )
         return (
-            f"For {self.asked()} and for every vehicle with {self.vehicles()}, let Ψ = W + ½(a2|δ2|² "
-            f"+ a3|δ3|² + a4|δ4|²){more}, W = Σ|P'i - ξ| + q3* z less its minimum, (a2, a3, a4) = "
-            f"({weights}). In continuous time and with all target points seen, the controller may be "
-            f"switched on in every {rest}{others}: the motion converges to the hover at the goal"
-            f"{stays}. On the way Ψ <= {about(self.level)} and Ψ' <= -(k1/m) {about(claim.rate)} "
-            f"(|q - q3* ρ|² + |δ2|² + |δ3|² + |δ4|²)."
+            f"For {self.asked()} and for every vehicle with {self.vehicles()}, let Ψ = W + "
+            f"½(a2|δ2|² + a3|δ3|² + a4|δ4|²){more}, W = Σ|P'i - ξ| + q3* z less its minimum, "
+            f"(a2, a3, a4) = ({weights}). In continuous time and with all target points seen, the "
+            f"controller may be switched on in every {rest}{others}: the motion converges to the "
+            f"hover at the goal{stays}. On the way Ψ <= {about(self.level)} and Ψ' <= -(k1/m) "
+            f"{about(claim.rate)} (|q - q3* ρ|² + |δ2|² + |δ3|² + |δ4|²)."
         )
 
 
