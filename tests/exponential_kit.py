@@ -67,7 +67,7 @@ def parts(of, *, level=20, rate=0.1, weights=(0.6, 0.5, 0.2), lag=(0.02, 0.05), 
         "memory": "1/5",
         "multipliers": {"slope": "1/100", "terms": []},
         "domain": {
-            **{"box": [["-1", "1"], ["-1", "1"], ["-2", "-1/5"]], "bounds": [*map(exact, ball)]},
+            **{"wedge": [["-1", "1"], ["-1", "1"], ["1/2", "5"]], "bounds": [*map(exact, ball)]},
             **{"offset": "7", "cone": None, "tree": "0"},
         },
         "enclosures": {

@@ -1548,7 +1548,7 @@ def state_of(start: Object) -> str:
 
 
 class Wedges:
-    """Positions above a target in cells of x, y and u: (x, y, 1)/u is where its mean lies from them.
+    """Positions above a target in cells of x, y, u: (x, y, 1)/u is where its mean lies from them.
 
     A target that is its own mirror image across x or y needs one half of the wedge. With one that
     is the same along x and y, what lies at y > x is seen as its image is.
@@ -1562,10 +1562,10 @@ class Wedges:
         require(self.unit < 10**46, "the ends of the wedge are too long")
         self.whole = [(int(a * self.unit), int(b * self.unit)) for a, b in self.sides]
         self.target = Target(points)
-        self.mean, apart = self.target.mean, set(map(tuple, self.target.apart))
-        images = {(-x, y, z) for x, y, z in apart}, {(x, -y, z) for x, y, z in apart}
-        self.mirrored = [image == apart for image in images]
-        swapped = {(y, x, z) for x, y, z in apart} == apart
+        self.mean, apart = self.target.mean, sorted(map(tuple, self.target.apart))
+        images = [(-x, y, z) for x, y, z in apart], [(x, -y, z) for x, y, z in apart]
+        self.mirrored = [sorted(image) == apart for image in images]
+        swapped = sorted((y, x, z) for x, y, z in apart) == apart
         self.swapped = swapped and self.sides[0] == self.sides[1]
 
     def faces(self) -> list[tuple[int, int]]:
@@ -1620,7 +1620,7 @@ class Wedges:
             return False
 
     def hold(self, cell: Cell, grid: Grid, domain: Any) -> bool:
-        """Show that a cell is beyond the domain, or that J is in its bounds over it, and what is seen."""
+        """Show that a cell is beyond the domain, or J in its bounds over it, and what is seen."""
         if self.left_out(cell):
             return True
         try:
@@ -1653,7 +1653,7 @@ class Wedges:
         return alike and not any(x for k, x in enumerate(level) if self.halved(k))
 
     def steep(self, cell: Cell, cosine: Fraction) -> bool:
-        """Show that all target points are in a cone about the vertical: at the corners, as it is convex."""
+        """Show that all points are in a cone about the vertical: at the corners, it is convex."""
         for corner, point in itertools.product(self.corners(cell), self.points):
             x, y, z = minus(point, corner)
             if z <= 0 or z**2 < cosine**2 * (x**2 + y**2 + z**2):
@@ -2036,6 +2036,7 @@ class Exponential(Tolerant):
     def verify_domain(self) -> None:
         """Verify that no motion leaves the box, in which J is in its ball, and what is seen."""
         claim, domain, place = self.c.claim, self.c.domain, self.place
+        require(claim.start_level <= claim.level, "a start is above the level")
         far = self.shift + square_root(2 * claim.level * self.stretch)[1]
         require(far <= domain.offset, "the level is not shown to be within the domain")
         cover(
@@ -2216,13 +2217,11 @@ class Potential(Tolerant, Attraction):
         )
         return (
             f"For {self.asked()} and for every vehicle with {self.vehicles()}, let Ψ = W + "
-            f"½(a2|δ2|² + a3|δ3|² + a4|δ4|²){more}, W = Σ|P'i - ξ| + q3* z less its "
-            f"minimum, "
-            f"(a2, a3, a4) = ({weights}). In continuous time and with all target points "
-            f"seen, the controller may be switched on in every {rest}{others}: the motion "
-            f"converges to the hover at the goal"
-            f"{stays}. On the way Ψ <= {about(self.level)} and Ψ' <= -(k1/m) {about(claim.rate)} "
-            f"(|q - q3* ρ|² + |δ2|² + |δ3|² + |δ4|²)."
+            f"½(a2|δ2|² + a3|δ3|² + a4|δ4|²){more}, W = Σ|P'i - ξ| + q3* z less its minimum, "
+            f"(a2, a3, a4) = ({weights}). In continuous time and with all target points seen, the "
+            f"controller may be switched on in every {rest}{others}: the motion converges to the "
+            f"hover at the goal{stays}. On the way Ψ <= {about(self.level)} and Ψ' <= -(k1/m) "
+            f"{about(claim.rate)} (|q - q3* ρ|² + |δ2|² + |δ3|² + |δ4|²)."
         )
 
 

@@ -163,7 +163,7 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
     r, hover = Rounded.of(search, found), hover_goal(mission)
     seen = hover.centroid
     if mission.law.feature == "scaled":
-        seen = scaled_centroid(seen, len(mission.target.points))
+        seen = tuple(scaled_centroid(seen, len(mission.target.points)))
     start_level = decimal_above(found.solution.start * (1 + START_ROOM), DIGITS)
     if start_level > r.level:
         raise NotShown("a start is not inside after rounding")

@@ -32,9 +32,11 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     settling, slope = verdict.settling, verdict.slope
     for start in starts:
         yield f"  start                   {start}"
-    yield f"  settled                 within {number(settling.radius)} m after {number(settling.time)} s"
+    near, time = number(settling.radius), number(settling.time)
+    yield f"  settled                 within {near} m after {time} s"
     yield f"  Ψ falls as exp(-r t)    r = {number(verdict.rate)} 1/s"
-    yield f"  Ψ at the start          {number(verdict.start_level)}, inside up to {number(verdict.level)}"
+    begun, inside = number(verdict.start_level), number(verdict.level)
+    yield f"  Ψ at the start          {begun}, inside up to {inside}"
     yield f"  weights w2, w3, w4      {', '.join(map(number, verdict.weights))}"
     yield "  On the way:"
     low, high = (1 / u for u in reversed(verdict.wedge[2]))
@@ -42,8 +44,9 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     yield f"  tilt                    {number(verdict.tilt)} rad or less"
     yield f"  thrust over mass, × m   in {interval(verdict.thrust)} N"
     if verdict.field_of_view is not None:
-        degrees = math.degrees(verdict.field_of_view)
-        yield f"  points are seen within  {number(verdict.field_of_view)} rad ({degrees:.3g}°) of the axis"
+        angle = verdict.field_of_view
+        degrees = f"{math.degrees(angle):.3g}°"
+        yield f"  points are seen within  {number(angle)} rad ({degrees}) of the axis"
     middle, radius = sum(slope) / 2, (slope[1] - slope[0]) / 2
     symbol = "J" if verdict.mission.law.feature == "scaled" else "Q"
     yield f"  |{symbol} - j I| <= ϱ           j = {number(middle)}, ϱ = {number(radius)} 1/m"
