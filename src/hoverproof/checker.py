@@ -1545,6 +1545,12 @@ def state_of(start: Object) -> str:
 # √(2ΨA) + b, A = 1 + (s3 t c/(m g))² (1/w2 + 1/w3), b = s3 t w'/g. The domain is a wedge each cell
 # of which has |σ - s*| > d >= √(2ℓA) + b, or J in its ball; those at the faces have the first. So
 # no motion leaves it. At a start, |F| <= f0 and sin φ <= (f0 + m w')/(m g).
+#
+# A vehicle whose mass, inertia, arm d and drag ratio κd are the mission's makes the thrust T, which
+# is within f + m w' of m g, and torques Γ1, Γ2 that are the moments of inertia times at most
+# (1 + γ')|a| + Ω3' ((1 + γ')ρ' + γ')|ζ|h, a = h (σn + K Pn - πζ + Ω3 e3×P(δ3 - n)). With lag it is
+# set to what it would settle at, which is τ T' ahead, |T'| <= (1 + θ)|Ua|, and to these torques.
+# |Γ3| <= (1 + γ')(k_yaw Ω3' + k_heading + |I2 - I1| |Ω1 Ω2|). A rotor has T/4 ± Γ1/4d ± Γ2/4d ± Γ3/4κd.
 
 
 class Wedges:
@@ -1969,6 +1975,7 @@ class Exponential(Tolerant):
             "starts": several(START, MAX_STARTS),
             "settling": dict.fromkeys(("offset", "radius", "time"), positive),
             "cone": maybe(share),
+            "rotors": interval,  # N
         },
         "trees": {"near": TREE, "starts": several(TREE, MAX_STARTS)},
     }
@@ -2030,6 +2037,7 @@ class Exponential(Tolerant):
             require(shown, "Ψ is not shown to fall at the rate claimed")
         self.verify_domain()
         self.verify_settling()
+        require(within(self.rotors(), self.c.claim.rotors), "the thrust of a rotor does not follow")
         for start, tree in zip(self.c.claim.starts, self.c.trees.starts, strict=True):
             self.verify_start(start, tree)
 
@@ -2053,6 +2061,23 @@ class Exponential(Tolerant):
         if camera is not None:
             follows = claim.cone is not None and cosine_below(camera.half_angle, claim.cone)
             require(follows, "the points are not shown to be within the half angle of the camera")
+
+    def rotors(self) -> tuple[Fraction, Fraction]:
+        """Bound what each rotor makes, and is set to make, N."""
+        c, (w2, w3, w4), may, vehicle = self.c, self.c.weights, self.may, self.c.mission.vehicle
+        stiff, (i1, i2, _) = self.kappa + self.damping, vehicle.inertia
+        steady = 2 * c.claim.level * (stiff**2 / w4 + self.k12**2 * (1 / w2 + 1 / w3))
+        asked = square_root(steady)[1] + stiff * self.missed + self.pace * self.turn
+        asked += may.yaw_rate * (self.sink + self.missed)
+        own = (1 + may.torque) * self.gyroscopic + may.torque
+        turned = self.quick * ((1 + may.torque) * asked + may.yaw_rate * own * self.turn)
+        yaw = c.mission.gains.k_yaw * may.yaw_rate + getattr(c.mission.gains, "k_heading", 0)
+        yaw += abs(i2 - i1) * (self.quick * self.turn) ** 2 / 2
+        aside = square_root(i1**2 + i2**2)[1] * turned / vehicle.arm
+        aside += (1 + may.torque) * yaw / vehicle.drag_ratio
+        ahead = may.rotor_lag * (1 + may.thrust) * self.stiffness * self.kappa
+        swing = self.force + self.push + ahead * (self.sink + self.missed) + aside
+        return (self.weight - swing) / 4, (self.weight + swing) / 4
 
     def verify_settling(self) -> None:
         """Verify that the vehicle is near the hover in time, where |σ - s*| is no longer large."""
@@ -2104,6 +2129,7 @@ class Exponential(Tolerant):
                 f"; on the way every target point is seen at an angle of at most arccos "
                 f"{about(claim.cone)}, {angle}, from the optical axis"
             )
+        turning = f", while |Ω3| <= {about(self.may.yaw_rate)} rad/s"
         starts = "; or ".join(map(self.state, claim.starts))
         s3 = f"{float(sum(self.goal) / 2):.12g}"
         return (
@@ -2115,7 +2141,9 @@ class Exponential(Tolerant):
             f" Then Ψ(0) <= {about(claim.start_level)} and Ψ(t) <= Ψ(0) exp(-r t), r = "
             f"{about(claim.rate)} 1/s, for all t >= 0; the vehicle stays {self.place.words()}; and "
             f"after {about(soon.time)} s it is, and stays, within {about(soon.radius)} m of the "
-            f"point ({hover}) m{half}."
+            f"point ({hover}) m{half}. On the way each rotor of a vehicle whose mass, inertia, arm "
+            f"and drag ratio are the mission's makes, and is set to make, a thrust in "
+            f"{about(*claim.rotors)} N{turning}."
         )
 
 

@@ -58,7 +58,7 @@ def converge(
     reason = ""
     for wider in WIDER:
         tell("searching for weights")
-        search = Search(vehicles, scene, wanted, wider)
+        search = Search(vehicles, scene, wanted, wider, _half_angle(mission))
         found = _found(search)
         if isinstance(found, str):
             reason = reason or found
@@ -98,7 +98,20 @@ def _found(search: Search) -> Candidate | str:
         return "no weights were found that satisfy the inequality"
     if first.solution.fill > 1:
         return f"Ψ at the start is {first.solution.fill:.3g} times the highest level found"
+    if not search.sees(first):
+        first = search.narrowest(first, terms)
+    if not search.sees(first):
+        angle, half = search.seen(first), search.half_angle or 0
+        return (
+            f"points are seen up to {angle:.3g} rad from the optical axis on the smallest set "
+            f"found, {angle - half:.3g} rad more than the half angle of the camera"
+        )
     return search.soonest(first, terms, search.settled_offset)
+
+
+def _half_angle(mission: Mission) -> float | None:
+    half = mission.camera.half_angle
+    return None if half is None else float(half)
 
 
 def _verdict(
@@ -106,6 +119,7 @@ def _verdict(
 ) -> Exponential:
     claim, r = parts.content["claim"], parts.rounded
     low, high = r.limits.thrust
+    cone = claim["cone"]
     return Exponential(
         mission=mission,
         certificate=certificate,
@@ -119,7 +133,8 @@ def _verdict(
         offset=r.offset,
         tilt=decimal_above(math.asin(r.limits.tilt), 4),
         thrust=(decimal_below(low, 6), decimal_above(high, 6)),
-        field_of_view=None,
+        field_of_view=None if cone is None else decimal_above(math.acos(cone), 4),
+        rotor_thrust=tuple(claim["rotors"]),
         starts=starts,
     )
 

@@ -43,6 +43,8 @@ SETTLED = 0.1
 NEAR = 0.1
 """Share of |σ - σ*| there that is spared for the proof."""
 DIRECTIONS = 300
+VIEW_ROOM = 0.012
+"""Of the angle under which points are seen: a share that is spared for the proof, and rad."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,17 @@ class Tilted:
         lean = v.in_image / np.sqrt((1 + np.sqrt(1 - limits.tilt**2)) / 2)
         by_force = (lean * v.stiffness / v.weight) ** 2
         return cls(by_force, float(lean * v.wind / v.design.gravity))
+
+    def offset(self, reach: Reach, level: float) -> float:
+        """Return what |σ - σ*| is at most where Ψ <= level.
+
+        Parameters
+        ----------
+        reach : Reach
+            Of the errors there.
+        level : float
+        """
+        return float(np.sqrt(2 * level + self.factor * reach.force**2) + self.shift)
 
 
 @dataclass(frozen=True)
@@ -110,6 +123,20 @@ class Candidate:
         level = (offset - self.tilted.shift) ** 2 / (2 * factor)
         return float(np.log(max(self.solution.start / level, 1.0)) / self.rate)
 
+    def seen(self, scene: Scene, vehicles: Vehicles) -> float:
+        """Return the angle to the axis under which all is seen from the starts on, rad.
+
+        Parameters
+        ----------
+        scene : Scene
+        vehicles : Vehicles
+        """
+        s = self.solution
+        reach = Reach.of(s.weights, s.start)
+        limits = Limits(vehicles, reach, self.ball[1])
+        offset = Tilted.of(limits).offset(reach, s.start)
+        return float((1 + VIEW_ROOM) * scene.cone(offset) + np.arcsin(limits.tilt) + VIEW_ROOM)
+
 
 @dataclass(frozen=True)
 class Search:
@@ -122,12 +149,15 @@ class Search:
     starts : tuple of Start
     wider : float
         By which share the narrowest ball of J, as sampled, is widened.
+    half_angle : float or None
+        Of the cone about the axis that the camera sees, rad, if it is said.
     """
 
     vehicles: Vehicles
     scene: Scene
     starts: tuple[Start, ...]
     wider: float = ROOM
+    half_angle: float | None = None
 
     @cached_property
     def balls(self) -> Balls:
@@ -257,7 +287,7 @@ class Search:
         def cost(x: Array) -> float:
             nonlocal best
             found = self._fastest(x, best.rate, starts)
-            if found is None:
+            if found is None or not self.sees(found):
                 return FAILED
             if found.time(offset) < best.time(offset):
                 best = found
@@ -266,6 +296,49 @@ class Search:
         begin = first.x
         _minimum(cost, np.vstack([begin, begin + np.diag([-0.04, 0.4])]), EVALUATIONS // 2)
         return best
+
+    def narrowest(self, first: Candidate, starts: Array) -> Candidate:
+        """Make the angle to the axis narrow under which all is seen, from a candidate.
+
+        Parameters
+        ----------
+        first : Candidate
+        starts : (k, 8)
+            See `terms`.
+        """
+        best = first
+
+        def cost(x: Array) -> float:
+            nonlocal best
+            found = self.at(x, first.rate, starts)
+            if found is None or found.solution.fill > 1 - ROOM:
+                return FAILED
+            seen = self.seen(found)
+            if seen < self.seen(best):
+                best = found
+            return float(np.log(seen))
+
+        begin = first.x
+        _minimum(cost, np.vstack([begin, begin + np.diag([-0.04, -0.4])]), EVALUATIONS)
+        return best
+
+    def seen(self, found: Candidate) -> float:
+        """Return the angle to the axis under which all is seen, rad.
+
+        Parameters
+        ----------
+        found : Candidate
+        """
+        return found.seen(self.scene, self.vehicles)
+
+    def sees(self, found: Candidate) -> bool:
+        """Tell whether all is seen within the half angle of the camera, where one is said.
+
+        Parameters
+        ----------
+        found : Candidate
+        """
+        return self.half_angle is None or self.seen(found) <= self.half_angle
 
     def _fastest(self, x: Array, rate: float, starts: Array) -> Candidate | None:
         """Find the largest rate, near one, at which the starts are inside."""

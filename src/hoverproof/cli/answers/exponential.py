@@ -35,8 +35,7 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     near, time = number(settling.radius), number(settling.time)
     yield f"  settled                 within {near} m after {time} s"
     yield f"  Ψ falls as exp(-r t)    r = {number(verdict.rate)} 1/s"
-    begun, inside = number(verdict.start_level), number(verdict.level)
-    yield f"  Ψ at the start          {begun}, inside up to {inside}"
+    yield f"  Ψ from the start on     {number(verdict.level)} or less"
     yield f"  weights w2, w3, w4      {', '.join(map(number, verdict.weights))}"
     yield "  On the way:"
     low, high = (1 / u for u in reversed(verdict.wedge[2]))
@@ -47,9 +46,31 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
         angle = verdict.field_of_view
         degrees = f"{math.degrees(angle):.3g}°"
         yield f"  points are seen within  {number(angle)} rad ({degrees}) of the axis"
+    yield f"  thrust of each rotor    in {interval(verdict.rotor_thrust)} N"
+    yield from map("  {}".format, beyond(verdict))
     middle, radius = sum(slope) / 2, (slope[1] - slope[0]) / 2
     symbol = "J" if verdict.mission.law.feature == "scaled" else "Q"
     yield f"  |{symbol} - j I| <= ϱ           j = {number(middle)}, ϱ = {number(radius)} 1/m"
+
+
+def beyond(verdict: Exponential) -> list[str]:
+    """Say which limits of the rotors the bounds of their thrust pass, and by how much.
+
+    Parameters
+    ----------
+    verdict : Exponential
+    """
+    (low, high), rotors = verdict.rotor_thrust, verdict.mission.rotors
+    said = []
+    if rotors.min_thrust is not None and low < rotors.min_thrust:
+        short = number(rotors.min_thrust - low)
+        said.append(
+            f"min_thrust is not shown to be kept, by {short} N: the proof has no such limit"
+        )
+    if rotors.max_thrust is not None and high > rotors.max_thrust:
+        over = number(high - rotors.max_thrust)
+        said.append(f"max_thrust is not shown to be kept, by {over} N: the proof has no such limit")
+    return said
 
 
 def as_json(verdict: Exponential) -> dict[str, Any]:
@@ -72,6 +93,8 @@ def as_json(verdict: Exponential) -> dict[str, Any]:
         "thrust": numbers(verdict.thrust),
         "slope": numbers(verdict.slope),
         "field_of_view": None if view is None else float(view),
+        "rotor_thrust": numbers(verdict.rotor_thrust),
+        "rotor_limits_kept": not beyond(verdict),
         "starts": [exact(start.content()) for start in verdict.starts],
         "units": {
             "decay_rate": "1/s, of Ψ",
@@ -81,6 +104,7 @@ def as_json(verdict: Exponential) -> dict[str, Any]:
             "tilt": "rad",
             "thrust": "N, over the true mass, times the modelled",
             "slope": "1/m",
+            "rotor_thrust": "N",
             "field_of_view": "rad from the optical axis",
         },
     }
