@@ -909,7 +909,7 @@ class Eigenvalues(Claim):
         require(assumed, "without a box, the eigenvalue bounds are those of the mission")
         shown = self.box is not None and not hasattr(c, "outside")
         require((tree is not None) == shown, "a tree belongs to bounds that are shown over a box")
-        require_little(self.points, (tree, 30 if self.scaled else 5))
+        require_little(self.points, (tree, 15 if self.scaled else 5))
 
     def hold(self, grid: Grid, cell: Cell) -> bool:
         """Show the bounds over a cell."""
@@ -1977,7 +1977,7 @@ class Exponential(Tolerant):
         self.place = Wedges(c, self.points, self.scaled)
         require(c.claim.starts, "there is no start")
         costs = ((tree, 10) for tree in (c.trees.near, *c.trees.starts))
-        require_little(self.points, (c.domain.tree, 20 if self.scaled else 15), *costs)
+        require_little(self.points, (c.domain.tree, 15), *costs)
         require(len(c.trees.starts) == len(c.claim.starts), "a tree a start")
         angles = c.claim.cone is None or c.domain.cone is not None
         require(angles, "the angle under which all is seen needs a cone over the domain")
