@@ -34,7 +34,7 @@ from hoverproof.certification.region import Box
 Array = NDArray[np.float64]
 SPARE = 1.08
 """By what factor faces are beyond the domain, as sampled."""
-COST, LOOK_COST = 20, 10
+COST, LOOK_COST = 15, 10
 """Of a cell of which J is bounded, and of one of which the feature is."""
 
 
@@ -152,10 +152,8 @@ class Domain:
         """Return the positions of the corners of wedges, (k, 8, 3), m."""
         ends = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3)
         x, y, u = (cells[:, k, ends[:, k]] for k in range(3))
-        return (
-            self.scene.points.mean(axis=0)
-            - np.stack([x, y, np.ones_like(x)], axis=-1) / u[..., None]
-        )
+        rays = np.stack([x, y, np.ones_like(x)], axis=-1) / u[..., None]
+        return np.asarray(self.scene.points.mean(axis=0) - rays)
 
     def _boxes(self, cells: Array) -> Array:
         corners = self._corners(cells)
@@ -219,7 +217,7 @@ class Domain:
                 rest = ~told
                 part = cells[rest]
                 told[rest] = self._beyond(self._sight(part), len(part), offset)
-            return told
+            return np.asarray(told)
 
         return grow_tree(
             self._sides, hold, most_cells(len(self.scene.points), LOOK_COST), self._scale

@@ -176,7 +176,7 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
     r, hover = Rounded.of(search, found), hover_goal(mission)
     seen = hover.centroid
     if mission.law.feature == "scaled":
-        seen = scaled_centroid(seen, len(mission.target.points))
+        seen = tuple(scaled_centroid(seen, len(mission.target.points)))
     offset = decimal_below(search.settled_offset, DIGITS)
     points = [tuple(point) for point in mission.target.points]
     bounds = float(r.ball[0]), float(r.ball[1])

@@ -13,7 +13,9 @@ from hoverproof.certification.cells import View
 from hoverproof.certification.flow import Flow, OfJ, flow_of
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import law_of
+from hoverproof.servo.loop import level_feature
 
 Array = NDArray[np.float64]
 DIRECTIONS, STEPS, MIDDLES = 160, 40, 30
@@ -29,6 +31,7 @@ class Scene:
     ----------
     points : (n, 3)
         World frame, m.
+    law : Law
     flow : Flow
         What is bounded: Q of the centroid, J of the scaled one.
     goal : (3,)
@@ -38,6 +41,7 @@ class Scene:
     """
 
     points: Array
+    law: Law
     flow: Flow
     goal: Array
     wanted: float
@@ -51,8 +55,8 @@ class Scene:
         mission : Mission
         """
         goal = np.array([float(c) for c in hover_goal(mission).position])
-        wanted = float(law_of(mission).goal_feature(mission)[2])
-        return cls(np.array(mission.target.points, float), flow_of(mission), goal, wanted)
+        law, points = law_of(mission), np.array(mission.target.points, float)
+        return cls(points, law, flow_of(mission), goal, float(law.goal_feature(mission)[2]))
 
     def feature(self, positions: Array) -> Array:
         """Return σ, what a level camera sees in world axes, (k, 3).
@@ -62,15 +66,9 @@ class Scene:
         positions : (k, 3)
             World frame, m.
         """
-        q, n = View.at(self.points, positions).centroid, len(self.points)
-        if not isinstance(self.flow, OfJ):
-            return q
-        rays = self.points[None] - positions[:, None]
-        p = rays / np.linalg.norm(rays, axis=2, keepdims=True)
-        apart = p[:, :, None] - p[:, None]
-        spread = (apart**2).sum(axis=(1, 2, 3)) / 2  # n² - |q|²
-        a = np.linalg.norm(q, axis=1)
-        return np.asarray(np.sqrt(n * (n + a) / (2 * spread))[:, None] * q / a[:, None])
+        look = level_feature(len(self.points), self.law)
+        found: Array = np.array(look(self.points.T, positions.T), float).T
+        return found
 
     def offset(self, positions: Array) -> Array:
         """Return σ - σ*, (k, 3).

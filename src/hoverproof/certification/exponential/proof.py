@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.graph import fingerprint
@@ -24,10 +28,12 @@ from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.servo.law import Law
 
+Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 MOST_STARTS = 16
-WIDER = 0.3, 0.6
-"""By which share the ball of J is widened for the proof, one after the other."""
+ROOMS = (0.3, 0.835), (0.6, 0.835), (0.6, 0.7), (1.0, 0.55)
+"""By which share the ball of J is widened for the proof, and the share of s3* that d is at most,
+one after the other: the trees are shorter."""
 
 
 def converge(
@@ -35,6 +41,7 @@ def converge(
     *,
     starts: Sequence[Start] | None = None,
     progress: Progress | None = None,
+    near: tuple[Array, float] | None = None,
 ) -> Exponential | Undecided:
     """Prove that every vehicle within tolerance converges from some starts.
 
@@ -45,6 +52,8 @@ def converge(
         Sets of states; by default the start of the mission.
     progress : callable, optional
         Is told what is being done.
+    near : (x, rate), optional
+        Where to set out; see `Candidate`.
 
     Raises
     ------
@@ -55,11 +64,11 @@ def converge(
     wanted = tuple(starts or [Start.of(mission)])
     _require(mission, wanted)
     scene, vehicles = Scene.of(mission), Vehicles.of(mission)
-    reason = ""
-    for wider in WIDER:
+    reason, whole = "", Search.of(vehicles, scene, wanted)
+    for wider, highest in ROOMS:
         tell("searching for weights")
-        search = Search(vehicles, scene, wanted, wider, _half_angle(mission))
-        found = _found(search)
+        search = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
+        found = _found(search, near)
         if isinstance(found, str):
             reason = reason or found
             break
@@ -90,10 +99,12 @@ def _require(mission: Mission, starts: Sequence[Start]) -> None:
     require_turned(mission)
 
 
-def _found(search: Search) -> Candidate | str:
+def _found(search: Search, near: tuple[Array, float] | None) -> Candidate | str:
     """Return a candidate that holds the starts, or why there is none."""
     terms = search.terms()
-    first = search.deepest(terms)
+    first = None if near is None else search.at(*near, terms)
+    if first is None or first.solution.fill > 1:
+        first = search.deepest(terms)
     if first is None:
         return "no weights were found that satisfy the inequality"
     if first.solution.fill > 1:

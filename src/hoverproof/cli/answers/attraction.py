@@ -62,7 +62,7 @@ class AttractionAnswer(Answer):
             ):
                 yield textwrap.fill(words, 80, initial_indent="  ", subsequent_indent="    ")
             return
-        yield from _proved(verdict.proved) if verdict.proved else _motion(verdict)
+        yield from _motion(verdict) if isinstance(verdict, Sinks) else _proved(verdict)
         yield f"  certificate             {self.path}"
         if self.picture is not None:
             yield f"  figure                  {self.picture}"

@@ -32,7 +32,8 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     settling, slope = verdict.settling, verdict.slope
     for start in starts:
         yield f"  start                   {start}"
-    yield f"  settled                 within {number(settling.radius)} m after {number(settling.time)} s"
+    near, time = number(settling.radius), number(settling.time)
+    yield f"  settled                 within {near} m after {time} s"
     yield f"  Ψ falls as exp(-r t)    r = {number(verdict.rate)} 1/s"
     yield f"  Ψ from the start on     {number(verdict.level)} or less"
     yield f"  weights w2, w3, w4      {', '.join(map(number, verdict.weights))}"
@@ -42,8 +43,9 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     yield f"  tilt                    {number(verdict.tilt)} rad or less"
     yield f"  thrust over mass, × m   in {interval(verdict.thrust)} N"
     if verdict.field_of_view is not None:
-        degrees = math.degrees(verdict.field_of_view)
-        yield f"  points are seen within  {number(verdict.field_of_view)} rad ({degrees:.3g}°) of the axis"
+        angle = verdict.field_of_view
+        degrees = f"{math.degrees(angle):.3g}°"
+        yield f"  points are seen within  {number(angle)} rad ({degrees}) of the axis"
     yield f"  thrust of each rotor    in {interval(verdict.rotor_thrust)} N"
     yield from map("  {}".format, beyond(verdict))
     middle, radius = sum(slope) / 2, (slope[1] - slope[0]) / 2
