@@ -81,6 +81,7 @@ def parts(of, *, level=20, rate=0.1, weights=(0.6, 0.5, 0.2), lag=(0.02, 0.05), 
             "starts": [start | dict.fromkeys(("speed", "tilt", "rate", "thrust"), "0")],
             "settling": {"offset": "1", "radius": "1/10", "time": "20"},
             "cone": None,
+            "rotors": ["-100", "100"],
         },
         "trees": {"near": "0", "starts": ["0"]},
     }

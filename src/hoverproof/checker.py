@@ -1527,6 +1527,11 @@ def state_of(start: Object) -> str:
 #
 #   Ψ = E + M ∫_{-τ'}^0 ∫_{t+x}^t exp(r(z - t)) |y(z)|² dz dx.
 #
+# Where the feature and V are measured with noise b and v, what is used less what is now is
+# n + ν, ν = b - (m/k1) v: so n + ν stands where n does, but for the memory, and with a
+# term -σν|ν|² the same gives Ψ' <= -r Ψ + σν|ν|², so that {Ψ <= ℓ} is not left while ℓ∞ =
+# σν max|ν|²/r < ℓ, and Ψ(t) <= Ψ(0) exp(-r t) + ℓ∞.
+#
 # For |J - j I| <= ϱ, ϱ²|V|² >= |y - jV|². As |n|² <= τ' ∫ |y|² over the last τ', Ψ' <= -r Ψ if
 #
 #   -E' - r E - Mτ'|y|² + (M/τ') exp(-rτ')|n|² - σJ(ϱ²|V|² - |y - jV|²) >= 0,
@@ -1722,7 +1727,7 @@ class Wedges:
 
 NONE = Object(
     **dict.fromkeys(("thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate"), Fraction(0)),
-    noise=Object(),
+    noise=Object(**dict.fromkeys(("feature", "velocity", "force", "rate"), Fraction(0))),
 )
 
 
@@ -1742,7 +1747,9 @@ class Tolerant(Claim):
         self.goal = wanted[2]  # holds s3*
         self.inertial = self.law[1] == "inertial"
         self.may = may = getattr(c.mission, "uncertainty", NONE)
-        require(not any(vars(may.noise).values()), "noise is not covered by this theorem")
+        unsure = may.noise.force or may.noise.rate
+        require(not unsure, "noise of the force and of the body rates is not covered")
+        self.noise = may.noise.feature + self.m / self.k[0] * may.noise.velocity  # |ν|
         exact = self.law[2] == "measured" or not (may.thrust or may.rotor_lag or may.wind)
         require(exact, "a modelled force knows nothing of thrust, rotor lag and wind")
         require((c.lag is not None) == (may.rotor_lag > 0), "weights of the lag belong to a lag")
@@ -1750,15 +1757,17 @@ class Tolerant(Claim):
         i1, i2, i3 = c.mission.vehicle.inertia
         self.gyroscopic = max(abs(i3 - i2) / i1, abs(i3 - i1) / i2)  # bounds |Gc|
         self.bound()
-        late, lagged = may.latency > 0, may.rotor_lag > 0
-        held = [*[(True, True)] * 3, (True, False), (True, True), (late, late), (lagged, lagged)]
+        late, lagged, noisy = may.latency > 0, may.rotor_lag > 0, self.noise > 0
+        held = [*[(True, True)] * 3, (True, False), (True, True)]
+        held += [(late, late), (noisy, noisy), (lagged, lagged)]
         self.size = sum(map(sum, held))
         count = itertools.count()
-        *self.errors, self.Y, self.N, lag = (
+        *self.errors, self.Y, self.N, self.B, lag = (
             Vector(Form({(next(count),): Fraction(1)} if there else {}) for there in (x, False, z))
             for x, z in held
         )
         self.lag, self.lift = flat(lag), upright(lag)  # μ and μT
+        self.A = Vector(self.N + self.B)  # what is used less what is now
         require(
             len(c.multipliers.terms) == len(self.terms(Fraction(0), Fraction(0))),
             "a multiplier a term",
@@ -1783,7 +1792,7 @@ class Tolerant(Claim):
         # the ends of s3 h, χ - 1 and π
         self.drag = pull[0] / self.stiffness * gain / longest, pull[1] / self.stiffness * self.quick
         self.tipped = upward(self.push / lever)
-        self.missed = upward(may.latency * self.high * speed)  # |n|
+        self.missed = upward(may.latency * self.high * speed + self.noise)  # |n + ν|
         self.cross = upward(self.quick * self.turn * self.tipped)  # |p3|
         self.sinking = upward(self.quick * (self.sink + self.missed))  # |p1 - p2|, |Ua/Dc|
         self.pace = 2 * self.sinking + self.cross
@@ -1813,7 +1822,7 @@ class Tolerant(Claim):
     ) -> Form:
         """Return E' without what is bounded by its norm."""
         (w2, w3, w4), kappa, stiff = self.c.weights, self.kappa, self.kappa + self.damping
-        (D1, D2, D3, D4), Y, N = self.errors, self.Y, self.N
+        (D1, D2, D3, D4), Y, N = self.errors, self.Y, self.A
         zeta, pull = D4 - flat(D3), self.k12 * (D3 - D2)
         dragged = drag * zeta
         lift = kappa * upright(D3) + self.lift if self.c.lag else kappa * upright(D3 - N)
@@ -1835,19 +1844,19 @@ class Tolerant(Claim):
         sigma = (-self.kappa - self.damping) * D4 - self.k12 * flat(D3 - D2)
         if self.c.lag:
             return Vector(sigma + self.lag)
-        return Vector(sigma + (self.kappa + self.damping) * flat(self.N) - pi * (D4 - flat(D3)))
+        return Vector(sigma + (self.kappa + self.damping) * flat(self.A) - pi * (D4 - flat(D3)))
 
     def terms(self, tau: Fraction, pi: Fraction) -> list[tuple[Vector, Vector, Fraction]]:
         """Return u, v and R of each uᵀHv in E', |H| <= R, where R is not zero."""
         _, D2, D3, D4 = self.errors
         may, yaw, zeta = self.may, self.may.yaw_rate, D4 - flat(D3)
-        u, missed, sigma = self.c.weights[2] * D4, flat(D3 - self.N), self.command(pi)
+        u, missed, sigma = self.c.weights[2] * D4, flat(D3 - self.A), self.command(pi)
         turned = self.quick * self.missed + may.thrust * self.cross / 2
         if self.c.lag is None:
             each = [
                 (u, sigma, may.torque),
                 (u, zeta, turned + yaw * may.torque),
-                (u, flat(self.N), yaw if may.latency else Fraction(0)),
+                (u, flat(self.A), yaw if may.latency or self.noise else Fraction(0)),
                 (u, missed, may.torque * yaw),
             ]
         else:
@@ -1942,9 +1951,16 @@ class Tolerant(Claim):
         yaw = f"|Ω3| <= {about(may.yaw_rate)} rad/s" if may.yaw_rate else "Ω3 = 0"
         if not (may.torque or may.latency or may.rotor_lag):
             yaw = "any Ω3"  # nothing but these depends on it
+        known = "V, Ω and the vertical are known exactly"
+        if self.noise:
+            feature, velocity = map(about, (may.noise.feature, may.noise.velocity))
+            known = (
+                f"the feature of that image is wrong by at most {feature} and V by at most "
+                f"{velocity} m/s, in any way that changes, Ω and the vertical are known exactly"
+            )
         return (
             f"a true thrust over mass that changes {gained}, {torque}, {lag}, {late}, {wind} and "
-            f"{yaw} on the way, where V, Ω and the vertical are known exactly and the {law}"
+            f"{yaw} on the way, where {known} and the {law}"
         )
 
     def state(self, start: Object, place: str = "") -> str:
@@ -1969,6 +1985,17 @@ class Tolerant(Claim):
         return held
 
 
+TERMS = several(positive, 8)
+CLAIM = {
+    **dict.fromkeys(("level", "rate", "start_level"), positive),
+    "starts": several(START, MAX_STARTS),
+    "settling": dict.fromkeys(("offset", "radius", "time"), positive),  # 1, m, s
+    "cone": maybe(share),
+    "rotors": interval,  # N
+}
+TREES = {"near": TREE, "starts": several(TREE, MAX_STARTS)}
+
+
 class Exponential(Tolerant):
     """Every vehicle within tolerances converges at a rate, from some states."""
 
@@ -1976,21 +2003,18 @@ class Exponential(Tolerant):
         "weights": [positive] * 3,  # w2, w3, w4
         "lag": maybe({"torque": positive, "thrust": positive}),  # a5, a6
         "memory": maybe(positive),  # M
-        "multipliers": {"slope": positive, "terms": several(positive, 8)},
+        "multipliers": (
+            {"slope": positive, "terms": TERMS},
+            {"slope": positive, "terms": TERMS, "noise": positive},
+        ),
         "domain": {
             **{"wedge": BOX, "bounds": [positive] * 2, "offset": positive},
             **{"cone": maybe(share), "tree": TREE},  # the cosine of an angle
         },
         "enclosures": {"goal": interval},  # of s3*
         "hover": VECTOR,  # near the hover at the goal, m
-        "claim": {
-            **dict.fromkeys(("level", "rate", "start_level"), positive),
-            "starts": several(START, MAX_STARTS),
-            "settling": dict.fromkeys(("offset", "radius", "time"), positive),
-            "cone": maybe(share),
-            "rotors": interval,  # N
-        },
-        "trees": {"near": TREE, "starts": several(TREE, MAX_STARTS)},
+        "claim": (CLAIM, CLAIM | {"ultimate": dict.fromkeys(("offset", "radius"), positive)}),
+        "trees": (TREES, TREES | {"ultimate": TREE}),
     }
 
     def __init__(self, c: Any) -> None:
@@ -2001,7 +2025,13 @@ class Exponential(Tolerant):
         self.place = Wedges(c, self.points, self.scaled)
         require(c.claim.starts, "there is no start")
         require(c.claim.start_level <= c.claim.level, "a start is above the level")
-        costs = ((tree, 10) for tree in (c.trees.near, *c.trees.starts))
+        parts = c.multipliers, c.claim, c.trees
+        have = [
+            hasattr(x, k) for x, k in zip(parts, ("noise", "ultimate", "ultimate"), strict=True)
+        ]
+        require(have == [self.noise > 0] * 3, "noise is to have its multiplier, bound and tree")
+        far = [c.trees.ultimate] if self.noise else []
+        costs = ((tree, 10) for tree in (c.trees.near, *far, *c.trees.starts))
         require_little(self.points, (c.domain.tree, 15), *costs)
         require(len(c.trees.starts) == len(c.claim.starts), "a tree a start")
         angles = c.claim.cone is None or c.domain.cone is not None
@@ -2040,11 +2070,20 @@ class Exponential(Tolerant):
             - (rate / 2) * energy
             - c.multipliers.slope * (reach**2 * (V @ V) - out @ out)
         )
-        return form
+        return form + c.multipliers.noise * (self.B @ self.B) if self.noise else form
+
+    def floor(self) -> Fraction:
+        """Return ℓ∞ = σν ν²/r."""
+        if not self.noise:
+            return Fraction(0)
+        return Fraction(self.c.multipliers.noise * self.noise**2 / self.c.claim.rate)
 
     def verify(self) -> None:
         """Verify that Ψ falls at the rate, where, how soon the vehicle is near, and from where."""
         require(within(self.goal, self.c.enclosures.goal), "the interval of s3* does not hold it")
+        require(
+            self.floor() < self.c.claim.level, "the noise is not shown to stay within the level"
+        )
         for corner in self.vertices():
             shown = self.decrease(*corner).positive(self.size)
             require(shown, "Ψ is not shown to fall at the rate claimed")
@@ -2099,18 +2138,25 @@ class Exponential(Tolerant):
         """Verify that the vehicle is near the hover in time, where |σ - s*| is no longer large."""
         claim, soon, place = self.c.claim, self.c.claim.settling, self.place
         require(soon.offset > self.shift, "the wind moves the hover by more than the offset")
-        level = (soon.offset - self.shift) ** 2 / (2 * self.stretch)
+        level = (soon.offset - self.shift) ** 2 / (2 * self.stretch) - self.floor()
+        require(level > 0, "the noise is not shown to leave the vehicle within the offset")
         fallen = exponential_above(claim.rate * soon.time, claim.start_level / level)
         require(fallen, "the settling time does not follow from the rate")
 
         require(place.on_symmetry(self.c.hover), "the hover point is not where the target is alike")
 
-        def hold(cell: Cell) -> bool:
-            near = place.close(cell, self.c.hover, soon.radius)
-            return near or place.outside(cell, soon.offset)
-
         what = "the vehicle is not shown to be within the radius"
-        cover(self.c.trees.near, place.whole, hold, what)
+        cover(self.c.trees.near, place.whole, lambda cell: self.nearby(cell, soon), what)
+        if self.noise:
+            last = claim.ultimate
+            least = self.shift + square_root(2 * self.floor() * self.stretch)[1]
+            require(last.offset > least, "the noise may move the vehicle by more than the offset")
+            cover(self.c.trees.ultimate, place.whole, lambda cell: self.nearby(cell, last), what)
+
+    def nearby(self, cell: Cell, claimed: Object) -> bool:
+        """Show that a cell is within a radius of the hover point, or beyond an offset."""
+        near = self.place.close(cell, self.c.hover, claimed.radius)
+        return near or self.place.outside(cell, claimed.offset)
 
     def verify_start(self, start: Object, tree: str) -> None:
         """Verify that Ψ <= ℓ0 in a set of states; the vehicle was near its positions before."""
@@ -2145,6 +2191,10 @@ class Exponential(Tolerant):
                 f"; on the way every target point is seen at an angle of at most arccos "
                 f"{about(claim.cone)}, {angle}, from the optical axis"
             )
+        fall, last = "Ψ(t) <= Ψ(0) exp(-r t)", ""
+        if self.noise:
+            fall += f" + {float(self.floor()):.6g} (to 6 digits)"
+            last = f", and in the end within {about(claim.ultimate.radius)} m"
         turning = f", while |Ω3| <= {about(self.may.yaw_rate)} rad/s"
         starts = "; or ".join(map(self.state, claim.starts))
         s3 = f"{float(sum(self.goal) / 2):.12g}"
@@ -2154,11 +2204,11 @@ class Exponential(Tolerant):
             f"{s3}) to 12 digits), and for every vehicle with {self.vehicles()}, let Ψ = ½(|δ1|² + "
             f"w2|δ2|² + w3|δ3|² + w4|δ4|²){more}, (w2, w3, w4) = ({weights}). In continuous time "
             f"and with all target points seen, the controller may be switched on in every {starts}."
-            f" Then Ψ(0) <= {about(claim.start_level)} and Ψ(t) <= Ψ(0) exp(-r t), r = "
+            f" Then Ψ(0) <= {about(claim.start_level)} and {fall}, r = "
             f"{about(claim.rate)} 1/s, for all t >= 0; the vehicle stays {self.place.words()}; and "
             f"after {about(soon.time)} s it is, and stays, within {about(soon.radius)} m of the "
-            f"point ({hover}) m{half}. On the way each rotor of a vehicle whose mass, inertia, arm "
-            f"and drag ratio are the mission's makes, and is set to make, a thrust in "
+            f"point ({hover}) m{last}{half}. On the way each rotor of a vehicle whose mass, "
+            f"inertia, arm and drag ratio are the mission's makes, and is set to make, a thrust in "
             f"{about(*claim.rotors)} N{turning}."
         )
 
@@ -2195,6 +2245,7 @@ class Potential(Tolerant, Attraction):
     def __init__(self, c: Any) -> None:
         self.high = c.enclosures.largest_eigenvalue
         super().__init__(c)
+        require(not self.noise, "noise is not covered by this theorem")
         moved = self.may.wind > 0 and not self.inertial
         require(not moved, "wind moves the potential of a goal that is fixed in the image")
         tossed = self.may.thrust or self.may.latency or self.may.rotor_lag or self.may.wind

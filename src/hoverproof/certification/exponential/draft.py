@@ -26,6 +26,8 @@ CONE_ROOMS = 0.01, 0.05
 """By which shares the angle to the vertical under which points are seen is widened, in turn."""
 WIDEST = math.pi / 2 - 1e-3
 """Of the angles to the axis that are claimed, rad."""
+LAST_ROOM = 0.04
+"""By which share |σ - σ*|, and the radius, in the end are widened."""
 SPARE = 1e-7
 """By what share numbers that are compared with exact ones are on the safe side."""
 
@@ -52,6 +54,8 @@ class Rounded:
         d, ℓ, and r in 1/s.
     tilted : Tilted
         Of the rounded numbers.
+    noise : Fraction or None
+        σν, what |ν|² adds to the rate of Ψ.
     factor : float
         A.
     """
@@ -67,6 +71,7 @@ class Rounded:
     rate: Fraction
     limits: Limits
     tilted: Tilted
+    noise: Fraction | None
 
     @classmethod
     def of(cls, search: Search, found: Candidate) -> Rounded:
@@ -101,7 +106,13 @@ class Rounded:
             rate=short(found.rate),
             limits=limits,
             tilted=tilted,
+            noise=None if s.noise is None else short(s.noise),
         )
+
+    @property
+    def floor(self) -> float:
+        """ℓ∞: what noise leaves of Ψ."""
+        return float(self.noise or 0) * self.limits.vehicles.noise**2 / float(self.rate)
 
     def cone(self, cosine: Fraction) -> Fraction | None:
         """Return the cosine of an angle to the vertical and the tilt together, rounded down.
@@ -125,7 +136,7 @@ class Rounded:
         """
         w2, w3, _ = map(float, self.weights)
         factor = 1 + self.tilted.factor * (1 / w2 + 1 / w3)
-        level = (float(offset) - self.tilted.shift) ** 2 / (2 * factor)
+        level = (float(offset) - self.tilted.shift) ** 2 / (2 * factor) - self.floor
         time = math.log(max(float(start_level) / level, 1.0)) / float(self.rate)
         return decimal_above(time * (1 + SPARE) + 1e-6, 4)
 
@@ -140,6 +151,18 @@ def _seen(domain: Domain, r: Rounded) -> tuple[str | None, Fraction | None]:
             if tree is not None:
                 return tree, cosine
     return domain.tree(), None
+
+
+def _ultimate(r: Rounded, domain: Domain) -> tuple[dict[str, Fraction], str]:
+    """Return where the vehicle is in the end, and the tree that shows it."""
+    reach = Reach.of(np.array(r.weights, float), r.floor)
+    offset = r.tilted.offset(reach, r.floor) * (1 + LAST_ROOM)
+    radius = np.linalg.norm(domain.scene.ends(offset), axis=1).max() * (1 + LAST_ROOM) ** 2
+    last = {"offset": decimal_above(offset, DIGITS), "radius": decimal_above(float(radius), 4)}
+    tree = domain.near(float(last["offset"]), float(last["radius"]))
+    if tree is None:
+        raise NotShown("where noise leaves the vehicle takes more cells than are checked")
+    return last, tree
 
 
 @dataclass(frozen=True)
@@ -188,7 +211,8 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
             raise NotShown(f"the {name} takes more cells than are checked")
     low, high = thrusts(r.limits, np.array(r.weights, float), float(r.level), mission)
     rotors = [decimal_below(low - SPARE * high, 6), decimal_above(high * (1 + SPARE), 6)]
-    content = {
+    last = None if r.noise is None else _ultimate(r, domain)
+    content: dict[str, Any] = {
         "weights": list(r.weights),
         "lag": None if r.lag is None else dict(zip(("torque", "thrust"), r.lag, strict=True)),
         "memory": r.memory,
@@ -220,4 +244,7 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
             "starts": [domain.start(start) for start in search.starts],
         },
     }
+    if last is not None:
+        content["multipliers"]["noise"] = r.noise
+        content["claim"]["ultimate"], content["trees"]["ultimate"] = last
     return Parts(content, r, domain)

@@ -18,7 +18,7 @@ from hoverproof.certification.certificate import Certificate, rejection, seal
 from hoverproof.certification.exponential.draft import Parts, draft
 from hoverproof.certification.exponential.form import derive_form
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.search import Candidate, Search
+from hoverproof.certification.exponential.search import SETTLED, Candidate, Search
 from hoverproof.certification.exponential.vehicles import Vehicles, require_turned
 from hoverproof.certification.exponential.verdict import Exponential, Settling
 from hoverproof.certification.region import holds_target_point
@@ -68,7 +68,7 @@ def converge(
     for wider, highest in ROOMS:
         tell("searching for weights")
         search = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
-        found = _found(search, near)
+        search, found = _settled(search, near)
         if isinstance(found, str):
             reason = reason or found
             break
@@ -99,6 +99,16 @@ def _require(mission: Mission, starts: Sequence[Start]) -> None:
     require_turned(mission)
 
 
+def _settled(search: Search, near: tuple[Array, float] | None) -> tuple[Search, Candidate | str]:
+    """Search until a radius is found in which noise leaves the vehicle."""
+    found = _found(search, near)
+    for share in SETTLED[1:] if search.vehicles.noise else ():
+        if isinstance(found, str):
+            search = replace(search, settled=share)
+            found = _found(search, near)
+    return search, found
+
+
 def _found(search: Search, near: tuple[Array, float] | None) -> Candidate | str:
     """Return a candidate that holds the starts, or why there is none."""
     terms = search.terms()
@@ -117,7 +127,7 @@ def _found(search: Search, near: tuple[Array, float] | None) -> Candidate | str:
             f"points are seen up to {angle:.3g} rad from the optical axis on the smallest set "
             f"found, {angle - half:.3g} rad more than the half angle of the camera"
         )
-    return search.soonest(first, terms, search.settled_offset)
+    return search.quietest(search.soonest(first, terms, search.settled_offset), terms)
 
 
 def _half_angle(mission: Mission) -> float | None:
@@ -145,6 +155,7 @@ def _verdict(
         tilt=decimal_above(math.asin(r.limits.tilt), 4),
         thrust=(decimal_below(low, 6), decimal_above(high, 6)),
         field_of_view=None if cone is None else decimal_above(math.acos(cone), 4),
+        ultimate_radius=claim["ultimate"]["radius"] if "ultimate" in claim else None,
         rotor_thrust=tuple(claim["rotors"]),
         starts=starts,
     )

@@ -36,13 +36,18 @@ HIGHEST = 0.835
 """Share of s3* that d is at most, unless said: |σ| is small near the target."""
 SLOWEST = 0.05
 """The rate that is first asked for, as a share of 2 (k1/m)(j - ϱ)."""
+SLOWEST_IN_NOISE = 0.5
+"""The same with noise, of which more stays at a slow rate."""
 ROOM = 0.01
 """Share of the level, and of the ball, that is spared for the proof."""
-SETTLED = 0.1
-"""Of the largest distance of a start from the goal: there the vehicle has settled."""
+SETTLED = 0.1, 0.2, 0.4
+"""Of the largest distance of a start from the goal: there the vehicle has settled. With noise the
+first of them that it allows."""
 NEAR = 0.1
 """Share of |σ - σ*| there that is spared for the proof."""
 DIRECTIONS = 300
+LOUDEST = 0.5
+"""Share of Ψ where a vehicle has settled that noise may leave."""
 VIEW_ROOM = 0.012
 """Of the angle under which points are seen: a share that is spared for the proof, and rad."""
 
@@ -101,6 +106,8 @@ class Candidate:
         r, 1/s.
     tilted : Tilted
     solution : Solution
+    floor : float
+        ℓ∞: what noise leaves of Ψ.
     """
 
     x: Array
@@ -109,6 +116,7 @@ class Candidate:
     rate: float
     tilted: Tilted
     solution: Solution
+    floor: float
 
     def time(self, offset: float) -> float:
         """Return when |σ - σ*| is at most an offset for good, s.
@@ -120,7 +128,7 @@ class Candidate:
         factor = 1 + self.tilted.factor * (self.solution.reach.force**2 / (2 * self.solution.level))
         if offset <= self.tilted.shift:
             return float("inf")
-        level = (offset - self.tilted.shift) ** 2 / (2 * factor)
+        level = (offset - self.tilted.shift) ** 2 / (2 * factor) - self.floor
         return float(np.log(max(self.solution.start / level, 1.0)) / self.rate)
 
     def seen(self, scene: Scene, vehicles: Vehicles) -> float:
@@ -155,6 +163,8 @@ class Search:
         Of the cone about the axis that the camera sees, rad, if it is said.
     highest : float
         Share of s3* that d is at most.
+    settled : float
+        One of `SETTLED`.
     """
 
     vehicles: Vehicles
@@ -164,6 +174,7 @@ class Search:
     wider: float = ROOM
     half_angle: float | None = None
     highest: float = HIGHEST
+    settled: float = SETTLED[0]
 
     @classmethod
     def of(cls, vehicles: Vehicles, scene: Scene, starts: tuple[Start, ...]) -> Search:
@@ -192,7 +203,7 @@ class Search:
         far = max(
             float(np.linalg.norm(c.reshape(-1, 3) - self.scene.goal, axis=1).max()) for c in corners
         )
-        return decimal_below(max(SETTLED * far, 1e-3), 4)
+        return decimal_below(max(self.settled * far, 1e-3), 4)
 
     @cached_property
     def settled_offset(self) -> float:
@@ -240,7 +251,12 @@ class Search:
         return Limits(v, Reach(force, 0.75 * force, 1.75 * force, 6 * np.exp(x[0])), ball[1])
 
     def at(
-        self, x: Array, rate: float, starts: Array, likely: Sequence[int] = ()
+        self,
+        x: Array,
+        rate: float,
+        starts: Array,
+        likely: Sequence[int] = (),
+        floor: float = np.inf,
     ) -> Candidate | None:
         """Return d, the ball of J and the best weights, for the logarithm of d and the reach."""
         d = float(np.exp(x[0]))
@@ -258,10 +274,13 @@ class Search:
         level = ((d - tilted.shift) ** 2 - tilted.factor * limits.reach.force**2) / 2
         if d <= tilted.shift or level <= 0:
             return None
-        found = solve(limits, ball, rate, level, starts, likely)
+        factor = 1 + tilted.factor * limits.reach.force**2 / (2 * level)
+        most = max(self.settled_offset - tilted.shift, 0) ** 2 / (2 * factor)
+        found = solve(limits, ball, rate, level, starts, likely, min(floor, LOUDEST * most))
         if found is None:
             return None
-        return Candidate(x, d, ball, rate, tilted, found)
+        floor = (found.noise or 0.0) * self.vehicles.noise**2 / rate
+        return Candidate(x, d, ball, rate, tilted, found, floor)
 
     def slow(self, d: float) -> float:
         """Return a slow rate, 1/s.
@@ -271,7 +290,8 @@ class Search:
         d : float
         """
         low, high = self.balls.within(d)
-        return SLOWEST * 2 * max(low, 0.1 * high) / float(self.vehicles.design.slowness)
+        share = SLOWEST_IN_NOISE if self.vehicles.noise else SLOWEST
+        return share * 2 * max(low, 0.1 * high) / float(self.vehicles.design.slowness)
 
     def deepest(self, starts: Array) -> Candidate | None:
         """Bring the starts as deep inside as can be, at a slow rate."""
@@ -350,6 +370,22 @@ class Search:
         begin = np.array([*best.x, np.log(best.rate)])
         _minimum(cost, np.vstack([begin, begin + np.diag([-0.03, 0.4, 0.2])]), 2 * EVALUATIONS)
         return best
+
+    def quietest(self, found: Candidate, starts: Array) -> Candidate:
+        """Let noise leave as little as can be, at the rate of a candidate.
+
+        Parameters
+        ----------
+        found : Candidate
+        starts : (k, 8)
+            See `terms`.
+        """
+        for share in (0.7,) * MOST_RATES if self.vehicles.noise else ():
+            new = self.at(found.x, found.rate, starts, found.solution.tight, share * found.floor)
+            if new is None or new.solution.fill > 1 - ROOM / 2 or not self.sees(new):
+                break
+            found = new
+        return found
 
     def narrowest(self, first: Candidate, starts: Array) -> Candidate:
         """Make the angle to the axis narrow under which all is seen, from a candidate.

@@ -62,6 +62,8 @@ class Vehicles:
         w̄, m/s².
     yaw_rate : float
         Bound of |Ω3|, rad/s.
+    noise : float
+        Bound of |ν|: of the noise of the feature less m/k1 times that of V.
     """
 
     law: Law
@@ -73,6 +75,7 @@ class Vehicles:
     rotor_lag: float
     wind: float
     yaw_rate: float
+    noise: float = 0.0
 
     @classmethod
     def of(cls, mission: Mission) -> Vehicles:
@@ -86,7 +89,10 @@ class Vehicles:
         feature = law.goal_feature(mission)
         numbers = np.array([float(x) for x in law.design.values(mission, feature)])
         names = ("thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate")
-        return cls(law, numbers, float(feature[2]), *(float(getattr(covered, x)) for x in names))
+        each = (float(getattr(covered, x)) for x in names)
+        slowness = mission.vehicle.mass / mission.gains.k1
+        noise = covered.noise.feature + slowness * covered.noise.velocity
+        return cls(law, numbers, float(feature[2]), *each, noise=float(noise))
 
     @cached_property
     def design(self) -> Design:
@@ -216,10 +222,10 @@ class Limits:
 
     @cached_property
     def ahead(self) -> float:
-        """Bound of |n|."""
+        """Bound of |n + ν|: what is used of the feature and of V, less what is now."""
         v = self.vehicles
         speed = self.reach.speed / float(v.design.slowness)
-        return v.latency * self.largest * speed
+        return v.latency * self.largest * speed + v.noise
 
     @cached_property
     def gust(self) -> float:
@@ -272,7 +278,7 @@ class Limits:
             each = [
                 ("d4", "applied", v.torque),
                 ("d4", "zeta", late + v.yaw_rate * v.torque),
-                ("d4", "ahead", v.yaw_rate if v.latency else 0.0),
+                ("d4", "ahead", v.yaw_rate if v.latency or v.noise else 0.0),
                 ("d4", "missed", v.torque * v.yaw_rate),
             ]
         else:

@@ -11,7 +11,7 @@ from hoverproof.certification.verdict import Proved
 
 NOT_COVERED = (
     "goals whose centroid is not straight below",
-    "noise of measurements, gusts, and a controller that runs in steps",
+    "noise of the force and of the body rates, gusts, and a controller that runs in steps",
     "frames that bend, ground effect, drag",
     "a camera that loses the target: every point is taken to be seen at all times",
 )
@@ -64,6 +64,8 @@ class Exponential(Proved):
     field_of_view : Fraction or None
         Every target point is seen within that angle of the optical axis on the way, rad; not said
         where it is not shown to be below a right angle.
+    ultimate_radius : Fraction or None
+        In the end the vehicle is within that of the hover point, m; without noise it comes to it.
     rotor_thrust : (low, high)
         Bounds of what each rotor makes, and is set to make, on the way, N; see `rotors`.
     starts : tuple of Start
@@ -80,5 +82,6 @@ class Exponential(Proved):
     tilt: Fraction
     thrust: tuple[Fraction, Fraction]
     field_of_view: Fraction | None
+    ultimate_radius: Fraction | None
     rotor_thrust: tuple[Fraction, Fraction]
     starts: tuple[Start, ...]

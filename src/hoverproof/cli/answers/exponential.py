@@ -37,6 +37,8 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     yield f"  Ψ falls as exp(-r t)    r = {number(verdict.rate)} 1/s"
     yield f"  Ψ from the start on     {number(verdict.level)} or less"
     yield f"  weights w2, w3, w4      {', '.join(map(number, verdict.weights))}"
+    if verdict.ultimate_radius is not None:
+        yield f"  in the end              within {number(verdict.ultimate_radius)} m, by the noise"
     yield "  On the way:"
     low, high = (1 / u for u in reversed(verdict.wedge[2]))
     yield f"  height over the target  in {interval((low, high))} m"
@@ -93,6 +95,7 @@ def as_json(verdict: Exponential) -> dict[str, Any]:
         "thrust": numbers(verdict.thrust),
         "slope": numbers(verdict.slope),
         "field_of_view": None if view is None else float(view),
+        "ultimate_radius": float(verdict.ultimate_radius or 0),
         "rotor_thrust": numbers(verdict.rotor_thrust),
         "rotor_limits_kept": not beyond(verdict),
         "starts": [exact(start.content()) for start in verdict.starts],
@@ -104,6 +107,7 @@ def as_json(verdict: Exponential) -> dict[str, Any]:
             "tilt": "rad",
             "thrust": "N, over the true mass, times the modelled",
             "slope": "1/m",
+            "ultimate_radius": "m from the goal, in the end",
             "rotor_thrust": "N",
             "field_of_view": "rad from the optical axis",
         },
