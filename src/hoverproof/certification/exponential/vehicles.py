@@ -89,10 +89,10 @@ class Vehicles:
         feature = law.goal_feature(mission)
         numbers = np.array([float(x) for x in law.design.values(mission, feature)])
         names = ("thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate")
-        each = (float(getattr(covered, x)) for x in names)
+        each = {name: float(getattr(covered, name)) for name in names}
         slowness = mission.vehicle.mass / mission.gains.k1
         noise = covered.noise.feature + slowness * covered.noise.velocity
-        return cls(law, numbers, float(feature[2]), *each, noise=float(noise))
+        return cls(law, numbers, float(feature[2]), **each, noise=float(noise))
 
     @cached_property
     def design(self) -> Design:
