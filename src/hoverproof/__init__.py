@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 from hoverproof.version import __version__
 
 if TYPE_CHECKING:
-    from hoverproof.certification.attraction.proof import attraction as attraction
     from hoverproof.certification.attraction.starts import Start as Start
+    from hoverproof.certification.convergence import attraction as attraction
     from hoverproof.certification.gains import certify as certify
     from hoverproof.checker import check_file as check
     from hoverproof.design.atlas import atlas as atlas
@@ -41,7 +41,7 @@ _HOMES = {
     "Law": ("hoverproof.servo.law", "Law"),
     "Start": ("hoverproof.certification.attraction.starts", "Start"),
     "atlas": ("hoverproof.design.atlas", "atlas"),
-    "attraction": ("hoverproof.certification.attraction.proof", "attraction"),
+    "attraction": ("hoverproof.certification.convergence", "attraction"),
     "certify": ("hoverproof.certification.gains", "certify"),
     "check": ("hoverproof.checker", "check_file"),
     "derive": ("hoverproof.paper.ledger", "derive"),

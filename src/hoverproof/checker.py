@@ -13,7 +13,7 @@ proofs/README.md.
 Chapters: numbers; forms; reading; the model; covers of boxes by cells; then each theorem: its
 equations, what a file holds of it (`own`) and what follows from that (`__init__`), what is shown
 (`verify`), and what is said (`words`). They are eigenvalues over a box, gains, regions of
-attraction, and motions that sink.
+attraction, every vehicle within tolerances, and motions that sink.
 """
 
 import hashlib
@@ -89,6 +89,30 @@ def outward(low: Fraction, high: Fraction) -> tuple[Fraction, Fraction]:
     return Fraction(math.floor(low * unit), unit), Fraction(math.ceil(high * unit), unit)
 
 
+def upward(x: Fraction) -> Fraction:
+    """Round a number that is not negative up to about 64 bits."""
+    unit = Fraction(2) ** (64 + x.denominator.bit_length() - x.numerator.bit_length())
+    return math.ceil(x * unit) / unit
+
+
+def exponential_above(x: Fraction, bound: Fraction) -> bool:
+    """Show exp(x) >= bound, x >= 0, by a part of its series, rounded down."""
+    term = total = 1 << 128
+    for k in range(1, 400):
+        term = term * x.numerator // (x.denominator * k)
+        total += term
+    return total >= bound * (1 << 128)
+
+
+def cosine_below(x: Fraction, bound: Fraction) -> bool:
+    """Show cos x <= bound by the series, which up to a power x⁴ᵏ is above it."""
+    term = total = Fraction(1)
+    for k in range(1, 11):
+        term *= -(x**2) / (2 * k * (2 * k - 1))
+        total += term
+    return total <= bound
+
+
 def within(inner: Interval, outer: Interval) -> bool:
     """Tell whether an interval lies in another."""
     return outer[0] <= inner[0] <= inner[1] <= outer[1]
@@ -123,7 +147,7 @@ def about(low: Fraction, high: Fraction | None = None) -> str:
 
 
 class Form(dict[tuple[int, ...], Fraction]):
-    """A linear or quadratic form in X ∈ R¹¹: the coefficient of each Xi, or each Xi Xj, i <= j."""
+    """A linear or quadratic form in X: the coefficient of each Xi, or each Xi Xj, i <= j."""
 
     def __add__(self, other: "Form") -> "Form":
         new = Form(self)
@@ -180,6 +204,11 @@ class Vector(tuple[Any, ...]):
 def flat(x: Vector) -> Vector:
     """Return P x: the third component is dropped."""
     return Vector([*x[:2], Form()])
+
+
+def upright(x: Vector) -> Vector:
+    """Return x - P x: only the third component is left."""
+    return Vector([Form(), Form(), x[2]])
 
 
 def through(rows: Sequence[Row], x: Vector) -> Vector:
@@ -1342,6 +1371,469 @@ def state_of(start: Object) -> str:
     )
 
 
+# --- every vehicle within tolerances --------------------------------------------------------------
+#
+# The goal is straight below; s is the feature, s3 the third component of what is wanted of it for
+# a goal fixed in the image, 0 for an inertial one; y = J V. Of the vehicle (θ, γ', τ', τr, w', Ω3'
+# are the mission's thrust, torque, latency, rotor_lag, wind, yaw_rate):
+#
+#   m (V' + Ω×V) = F = m g ρ - T e3 + w, |w| <= m w', w fixed in the world, T times m over the true
+#   mass the true thrust, T' = ς Ua, |ς - 1| <= θ; e3×Ω' = (I + γ) a + Ω3 G e3×Ω, a the commanded,
+#   |γ|, |G| <= γ'. Without lag Ua = U, the commanded; with it Ua' = (U - Ua)/τ, 0 < τ <= τr, and
+#   e3×Ω' = (I + γ) b - Ω3 Gt e3×Ω, b the lag of a + Ω3 Gc e3×Ω, where Gc is the controller's own,
+#   |Gc| <= ρ' = max(|I3 - I2|/I1, |I3 - I1|/I2), and G = (I + γ) Gc - Gt.
+#
+# The controller has V, Ω, ρ, F and Tc = T - e3·w; its feature is that of t - τ(t), 0 <= τ(t) <= τ',
+# turned to now, and n what is used less what is now: n = ∫ y over that time. c = k1² k2/m,
+# κ = (k1 k2 + k3)/m, K = κ + k4/m, k12 = k1 k2/m, Dc = Tc - c s3, h = cκ/Dc, ζ = δ4 - Pδ3,
+# e3×Ω = h ζ, χ = 1 + e3·w/Dc, u = Ua/c, p1 = h δ3z, p2 = h nz, p3 = e3·(Ω×w)/Dc, U = Dc (p1 - p2),
+# π = 2(p1 - p2) + p3, e = ς(Ua - U)/Dc. Then, the turns -Ω×δi left out,
+#
+#   δ1' = s3 h ζ - y        δ2' = y + k12 (δ3 - δ2) - s3 h ζ
+#   δ3' = y + k12 (δ3 - δ2) + κχζ - ς u e3
+#   δ4' = Py + (κχ + (ς - 1)π/2 + π)ζ + k12 P(δ3 - δ2) + σ + ω,   σn = -Kδ4 - k12 P(δ3 - δ2)
+#
+#   no lag: u = κ(δ3z - nz), σ = σn + K Pn - πζ,
+#           ω = (p2 - (ς - 1)p3/2 + Ω3 G)ζ - Ω3 e3×Pn + γ(σ + Ω3 e3×P(δ3 - n))
+#   lag:    u = κ δ3z + μT, σ = σn + μ = b/h, η = Dc'/Dc = ς Ua/Dc + p3,
+#           ω = (p2 - (ς - 1)p3/2 + e - Ω3 Gt)ζ - Ω3 e3×Pδ3 + γσ
+#           τ μ' = K Pn - πζ - μ + Ω3 e3×P(δ3 - n) + Ω3 Gc ζ + τ (ησ + Kδ4' + k12 P(δ3 - δ2)'),
+#           P(δ3 - δ2)' = κχζ + s3 h ζ + h(δ3z - δ2z)ζ - Ω3 e3×P(δ3 - δ2)
+#           τ μT' = -κ nz - μT - τκ δ3z',   where -(Ω×δ3)z is in δ3z', at most h|Pδ3||ζ|.
+#
+# E = ½(|δ1|² + w2|δ2|² + w3|δ3|² + w4|δ4|²) + ½τ(a5|μ|² + a6 μT²), and with a memory M > 0
+#
+#   Ψ = E + M ∫_{-τ'}^0 ∫_{t+x}^t exp(r(z - t)) |y(z)|² dz dx.
+#
+# For |J - j I| <= ϱ, ϱ²|V|² >= |y - jV|². As |n|² <= τ' ∫ |y|² over the last τ', Ψ' <= -r Ψ if
+#
+#   -E' - r E - Mτ'|y|² + (M/τ') exp(-rτ')|n|² - σJ(ϱ²|V|² - |y - jV|²) >= 0,
+#
+# where uᵀHv <= (R/2)(t|v|² + |u|²/t) for what E' has of norm |H| <= R, with any t > 0. The rest is
+# affine, and all of it concave, in each of χ, s3 h, ς, τ and π: their ends suffice. No product in it
+# is of components along different axes, and those along y stand in it as those along x: they are
+# left out. On {Ψ <= ℓ},
+#
+#   |δ3|² <= 2ℓ/w3, |δ3 - δ2|² <= 2ℓ(1/w2 + 1/w3), |ζ|² <= 2ℓ(1/w3 + 1/w4), |F| = c|δ3 - δ2| <= f,
+#   |V|² <= (k1/m)² 2ℓ(1 + 1/w2), |n| <= τ'(j + ϱ)|V|, (m g - f)² - (m w')² <= Tc² <= (m g + f)²,
+#   and the tilt φ has sin φ <= (f + m w')/(m g). |Ua| <= cκ(|δ3| + |n|), as of U, whose lag it is.
+#
+# With σ(ξ) the feature that a level camera sees, |σ - s*| = |δ1| for an inertial goal; for that of
+# the image |σ - s3 R e3| = |δ1|, |R e3 - e3| = sin φ/cos(φ/2) <= t sin φ. So |σ - s*| <=
+# √(2ΨA) + b, A = 1 + (s3 t c/(m g))² (1/w2 + 1/w3), b = s3 t w'/g. The domain is a box each cell
+# of which has |σ - s*| > d >= √(2ℓA) + b, or J in its ball; those at the faces have the first. So
+# no motion leaves it. At a start, |F| <= f0 and sin φ <= (f0 + m w')/(m g).
+
+
+class Place:
+    """STUB until the predicates over cells are there."""
+
+    def __init__(self, points: Matrix, grid: Grid, feature: str, goal: Interval) -> None:
+        self.points, self.grid, self.feature, self.goal = points, grid, feature, goal
+
+    def outside(self, cell: Cell, offset: Fraction) -> bool:
+        """Show |σ - s*| > offset all over a cell."""
+        raise NotImplementedError
+
+    def in_ball(self, cell: Cell, low: Fraction, high: Fraction) -> bool:
+        """Show that J is in its ball all over a cell."""
+        raise NotImplementedError
+
+    def in_cone(self, cell: Cell, cosine: Fraction) -> bool:
+        """Show that all target points are in a cone about the vertical all over a cell."""
+        raise NotImplementedError
+
+    def near(self, cell: Cell, center: Row, radius: Fraction) -> bool:
+        """Show that a cell is within a radius."""
+        raise NotImplementedError
+
+    def offsets(self, cell: Cell) -> tuple[Fraction, Fraction] | None:
+        """Bound |σ - s*| and its horizontal part over a cell."""
+        raise NotImplementedError
+
+
+NONE = Object(
+    **dict.fromkeys(("thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate"), Fraction(0)),
+    noise=Object(),
+)
+
+
+class Exponential(Claim):
+    """Every vehicle within tolerances converges at a rate, from some states."""
+
+    own: ClassVar[dict[str, Any]] = {
+        "weights": [positive] * 3,  # w2, w3, w4
+        "lag": maybe({"torque": positive, "thrust": positive}),  # a5, a6
+        "memory": maybe(positive),  # M
+        "multipliers": {"slope": positive, "terms": several(positive, 8)},
+        "domain": {
+            **{"box": BOX, "bounds": [positive] * 2, "offset": positive},
+            **{"cone": maybe(share), "tree": TREE},  # the cosine of an angle
+        },
+        "enclosures": {"goal": interval},  # of s3*
+        "hover": VECTOR,  # near the hover at the goal, m
+        "claim": {
+            **dict.fromkeys(("level", "rate", "start_level"), positive),
+            "starts": several(START, MAX_STARTS),
+            "settling": dict.fromkeys(("offset", "radius", "time"), positive),
+            "cone": maybe(share),
+        },
+        "trees": {"near": TREE, "starts": several(TREE, MAX_STARTS)},
+    }
+
+    def __init__(self, c: Any) -> None:
+        super().__init__(c)
+        (k1, k2, k3, k4), m = self.k, self.m
+        self.k12, self.kappa, self.damping = k1 * k2 / m, (k1 * k2 + k3) / m, k4 / m
+        require(not any(map(any, self.centroid[:2])), "the goal is not axial")
+        require(c.goal_position in (None, c.hover), "the hover point is not the goal")
+        wanted = scaled(self.centroid, len(self.points)) if self.scaled else self.centroid
+        self.goal = wanted[2]  # holds s3*
+        self.inertial = self.law[1] == "inertial"
+        self.may = may = getattr(c.mission, "uncertainty", NONE)
+        require(not any(vars(may.noise).values()), "noise is not covered by this theorem")
+        exact = self.law[2] == "measured" or not (may.thrust or may.rotor_lag or may.wind)
+        require(exact, "a modelled force knows nothing of thrust, rotor lag and wind")
+        require((c.lag is not None) == (may.rotor_lag > 0), "weights of the lag belong to a lag")
+        require((c.memory is not None) == (may.latency > 0), "a memory belongs to a latency")
+        self.low, self.high = c.domain.bounds
+        require(self.low < self.high, "the bounds of J are not in order")
+        i1, i2, i3 = c.mission.vehicle.inertia
+        self.gyroscopic = max(abs(i3 - i2) / i1, abs(i3 - i1) / i2)  # bounds |Gc|
+        self.grid = Grid(self.points)
+        self.place = Place(self.points, self.grid, self.law[0], c.enclosures.goal)
+        require(c.claim.starts, "there is no start")
+        require(len(c.trees.starts) == len(c.claim.starts), "a tree a start")
+        angles = c.claim.cone is None or c.domain.cone is not None
+        require(angles, "the angle under which all is seen needs a cone over the domain")
+        self.bound()
+        late, lagged = may.latency > 0, may.rotor_lag > 0
+        held = [*[(True, True)] * 3, (True, False), (True, True), (late, late), (lagged, lagged)]
+        self.size = sum(map(sum, held))
+        count = itertools.count()
+        *self.errors, self.Y, self.N, lag = (
+            Vector(Form({(next(count),): Fraction(1)} if there else {}) for there in (x, False, z))
+            for x, z in held
+        )
+        self.lag, self.lift = flat(lag), upright(lag)  # μ and μT
+        require(
+            len(c.multipliers.terms) == len(self.terms(Fraction(0), Fraction(0))),
+            "a multiplier a term",
+        )
+
+    def bound(self) -> None:
+        """Bound what the set {Ψ <= ℓ} holds."""
+        c, (w2, w3, w4), may, k1 = self.c, self.c.weights, self.may, self.k[0]
+        double, (low, high) = 2 * c.claim.level, c.enclosures.goal
+        self.spread = upward(square_root(double * (1 / w2 + 1 / w3))[1])  # bounds |δ3 - δ2|
+        self.sink = upward(square_root(double / w3)[1])  # |δ3|
+        self.turn = upward(square_root(double * (1 / w3 + 1 / w4))[1])  # |ζ|
+        speed = k1 / self.m * upward(square_root(double * (1 + 1 / w2))[1])  # |V|
+        self.force, self.push = self.stiffness * self.spread, self.m * may.wind  # |F|, |w|
+        least = self.weight - self.force
+        require(least > self.push, "the force is not shown to be below the weight")
+        pull = [Fraction(0)] * 2 if self.inertial else [self.stiffness * x for x in (low, high)]
+        lever = square_root(least**2 - self.push**2)[0] - pull[1]
+        require(lever > 0, "the thrust reaches the singularity T = c s3*")
+        longest, gain = self.weight + self.force - pull[0], self.kappa * self.stiffness
+        self.quick = upward(gain / lever)  # bounds h, 1/s
+        # the ends of s3 h, χ - 1 and π
+        self.drag = pull[0] / self.stiffness * gain / longest, pull[1] / self.stiffness * self.quick
+        self.tipped = upward(self.push / lever)
+        self.missed = upward(may.latency * self.high * speed)  # |n|
+        self.cross = upward(self.quick * self.turn * self.tipped)  # |p3|
+        self.sinking = upward(self.quick * (self.sink + self.missed))  # |p1 - p2|, |Ua/Dc|
+        self.pace = 2 * self.sinking + self.cross
+        self.sine = (self.force + self.push) / self.weight  # bounds sin φ
+        self.cosine = square_root(1 - self.sine**2)[0]  # below cos φ
+        self.lean = upward(square_root(2 / (1 + self.cosine))[1])  # t
+        self.aside = Fraction(0) if self.inertial else high * self.lean  # s3 t
+        self.stretch = upward(
+            1 + (self.aside * self.stiffness / self.weight) ** 2 * (1 / w2 + 1 / w3)
+        )
+        self.shift = upward(self.aside * may.wind / self.gravity)
+
+    def vertices(self) -> Any:
+        """Return the corners of χ, s3 h, ς, τ and π."""
+        may, one = self.may, Fraction(1)
+        moved = may.thrust or may.torque or may.rotor_lag
+        ends = (
+            (one - self.tipped, one + self.tipped),
+            self.drag,
+            (one - may.thrust, one + may.thrust),
+            (Fraction(0), may.rotor_lag),
+            (-self.pace, self.pace) if moved else (Fraction(0),),
+        )
+        return itertools.product(*(sorted(set(each)) for each in ends))
+
+    def nominal(
+        self, chi: Fraction, drag: Fraction, gain: Fraction, tau: Fraction, pi: Fraction
+    ) -> Form:
+        """Return E' without what is bounded by its norm."""
+        (w2, w3, w4), kappa, stiff = self.c.weights, self.kappa, self.kappa + self.damping
+        (D1, D2, D3, D4), Y, N = self.errors, self.Y, self.N
+        zeta, pull = D4 - flat(D3), self.k12 * (D3 - D2)
+        dragged = drag * zeta
+        lift = kappa * upright(D3) + self.lift if self.c.lag else kappa * upright(D3 - N)
+        d1, d2 = dragged - Y, Y + pull - dragged
+        d3 = Y + pull + (kappa * chi) * zeta - gain * lift
+        turning = kappa * chi + (gain - 1) * pi / 2 + pi
+        d4 = flat(Y + pull) + turning * zeta + self.command(pi)
+        total: Form = (D1 @ d1) + w2 * (D2 @ d2) + w3 * (D3 @ d3) + w4 * (D4 @ d4)
+        if self.c.lag:
+            steady = stiff * flat(N) - pi * zeta - self.lag
+            late = steady + tau * (stiff * d4 + self.k12 * ((kappa * chi) * zeta + dragged))
+            sinks = Fraction(-1) * (kappa * upright(N) + self.lift + (tau * kappa) * upright(d3))
+            total += self.c.lag.torque * (self.lag @ late) + self.c.lag.thrust * (self.lift @ sinks)
+        return total
+
+    def command(self, pi: Fraction) -> Vector:
+        """Return σ, the angular acceleration but for what the yaw rate adds, over h."""
+        _, D2, D3, D4 = self.errors
+        sigma = (-self.kappa - self.damping) * D4 - self.k12 * flat(D3 - D2)
+        if self.c.lag:
+            return Vector(sigma + self.lag)
+        return Vector(sigma + (self.kappa + self.damping) * flat(self.N) - pi * (D4 - flat(D3)))
+
+    def terms(self, tau: Fraction, pi: Fraction) -> list[tuple[Vector, Vector, Fraction]]:
+        """Return u, v and R of each uᵀHv in E', |H| <= R, where R is not zero."""
+        _, D2, D3, D4 = self.errors
+        may, yaw, zeta = self.may, self.may.yaw_rate, D4 - flat(D3)
+        u, missed, sigma = self.c.weights[2] * D4, flat(D3 - self.N), self.command(pi)
+        turned = self.quick * self.missed + may.thrust * self.cross / 2
+        if self.c.lag is None:
+            each = [
+                (u, sigma, may.torque),
+                (u, zeta, turned + yaw * may.torque),
+                (u, flat(self.N), yaw if may.latency else Fraction(0)),
+                (u, missed, may.torque * yaw),
+            ]
+        else:
+            lag, late = self.c.lag.torque * self.lag, may.rotor_lag
+            ahead = (tau * (self.kappa + self.damping)) * lag
+            turned += (1 + may.thrust) * 2 * self.sinking
+            turned += yaw * ((1 + may.torque) * self.gyroscopic + may.torque)
+            moving = (1 + may.thrust) * self.sinking + self.cross  # bounds |η|
+            each = [
+                (u + ahead, sigma, may.torque),
+                (u + ahead, zeta, turned),
+                (self.c.weights[2] * zeta + ahead, flat(D3), yaw),
+                (lag, zeta, yaw * self.gyroscopic + late * self.k12 * self.quick * self.spread),
+                (lag, missed, yaw),
+                (lag, flat(D3 - D2), late * self.k12 * yaw),
+                (self.c.lag.thrust * self.lift, zeta, late * self.kappa * self.quick * self.sink),
+                (lag, sigma, late * moving),
+            ]
+        return [(u, v, upward(radius)) for u, v, radius in each if radius]
+
+    def decrease(self, *corner: Fraction) -> Form:
+        """Return the lower bound of -Ψ' - r Ψ at a corner."""
+        *_, tau, pi = corner
+        c, rate, latency = self.c, self.c.claim.rate, self.may.latency
+        energy = squares([Fraction(1), *c.weights], self.errors)
+        if c.lag:
+            energy += tau * (
+                c.lag.torque * (self.lag @ self.lag) + c.lag.thrust * (self.lift @ self.lift)
+            )
+        j, reach = (self.low + self.high) / 2, (self.high - self.low) / 2
+        V = (self.k[0] / self.m) * (self.errors[0] + self.errors[1])
+        out = self.Y - j * V
+        form: Form = (
+            Form()
+            - self.nominal(*corner)
+            - (rate / 2) * energy
+            - c.multipliers.slope * (reach**2 * (V @ V) - out @ out)
+        )
+        if c.memory:
+            x = rate * latency
+            fading = 1 - x + x**2 / 2 - x**3 / 6  # below exp(-x)
+            form += (c.memory * fading / latency) * (self.N @ self.N)
+            form -= (c.memory * latency) * (self.Y @ self.Y)
+        for t, (u, v, radius) in zip(c.multipliers.terms, self.terms(tau, pi), strict=True):
+            form -= (radius / 2) * (t * (v @ v) + (1 / t) * (u @ u))
+        return form
+
+    def verify(self) -> None:
+        """Verify that Ψ falls at the rate, where, how soon the vehicle is near, and from where."""
+        require(within(self.goal, self.c.enclosures.goal), "the interval of s3* does not hold it")
+        for corner in self.vertices():
+            shown = self.decrease(*corner).positive(self.size)
+            require(shown, "Ψ is not shown to fall at the rate claimed")
+        self.verify_domain()
+        self.verify_settling()
+        for start, tree in zip(self.c.claim.starts, self.c.trees.starts, strict=True):
+            self.verify_start(start, tree)
+
+    def verify_domain(self) -> None:
+        """Verify that no motion leaves the box, in which J is in its ball, and what is seen."""
+        claim, domain, place = self.c.claim, self.c.domain, self.place
+        far = self.shift + square_root(2 * claim.level * self.stretch)[1]
+        require(far <= domain.offset, "the level is not shown to be within the domain")
+        box = self.grid.cell(domain.box)
+
+        def hold(cell: Cell) -> bool:
+            if place.outside(cell, domain.offset):
+                return True
+            at_face = any(a == c or b == d for (a, b), (c, d) in zip(cell, box, strict=True))
+            inside = not at_face and place.in_ball(cell, self.low, self.high)
+            return inside and (domain.cone is None or place.in_cone(cell, domain.cone))
+
+        cover(domain.tree, box, hold, "the domain is not shown")
+        if claim.cone is not None:
+            cosine, sine = domain.cone, square_root(1 - domain.cone**2)[1]
+            seen = claim.cone <= cosine * self.cosine - sine * self.sine
+            require(seen, "the angle under which all is seen does not follow")
+        camera = getattr(self.c.mission, "camera", None)
+        if camera is not None:
+            follows = claim.cone is not None and cosine_below(camera.half_angle, claim.cone)
+            require(follows, "the points are not shown to be within the half angle of the camera")
+
+    def verify_settling(self) -> None:
+        """Verify that the vehicle is near the hover in time, where |σ - s*| is no longer large."""
+        claim, soon, place = self.c.claim, self.c.claim.settling, self.place
+        require(soon.offset > self.shift, "the wind moves the hover by more than the offset")
+        level = (soon.offset - self.shift) ** 2 / (2 * self.stretch)
+        fallen = exponential_above(claim.rate * soon.time, claim.start_level / level)
+        require(fallen, "the settling time does not follow from the rate")
+
+        def hold(cell: Cell) -> bool:
+            near = place.near(cell, self.c.hover, soon.radius)
+            return near or place.outside(cell, soon.offset)
+
+        box = self.grid.cell(self.c.domain.box)
+        cover(self.c.trees.near, box, hold, "the vehicle is not shown to be within the radius")
+
+    def verify_start(self, start: Object, tree: str) -> None:
+        """Verify that Ψ <= ℓ0 in a set of states; the vehicle was near its positions before."""
+        moved = start.speed * self.may.latency
+        box = [(a - moved, b + moved) for a, b in start.position]
+        inside = zip(box, self.c.domain.box, strict=True)
+        require(all(within(*sides) for sides in inside), "a start is not in the box of the domain")
+
+        def hold(cell: Cell) -> bool:
+            offsets = self.place.offsets(cell)
+            return (
+                offsets is not None and self.at_start(start, *offsets) <= self.c.claim.start_level
+            )
+
+        what = "a start is not shown to have Ψ <= its level"
+        cover(tree, self.grid.cell(box), hold, what)
+
+    def at_start(self, start: Object, offset: Fraction, level: Fraction) -> Fraction:
+        """Bound Ψ at a start by |σ - s*| and its horizontal part.
+
+        The rotors are steady: Ua = 0 and b = 0, hence μ = -σn and μT = -κ δ3z.
+        """
+        (w2, w3, w4), may, stiff = self.c.weights, self.may, self.kappa + self.damping
+        f0 = start.thrust + self.weight * start.tilt
+        lean = self.lean * (f0 + self.push) / self.weight  # f0 <= f, as |δ3| shows
+        s3 = Fraction(0) if self.inertial else self.c.enclosures.goal[1]
+        d1 = offset + s3 * lean
+        flat1 = min(d1, level + lean * (offset + s3))  # |Pδ1|, body axes
+        moved, pushed = self.m / self.k[0] * start.speed, f0 / self.stiffness
+        lever = self.weight + f0
+        if not self.inertial:
+            lever -= self.stiffness * self.c.enclosures.goal[0]
+        d2 = d1 + moved
+        d3 = d2 + pushed
+        d4 = flat1 + moved + pushed + lever * start.rate / (self.stiffness * self.kappa)
+        total = d1**2 + w2 * d2**2 + w3 * d3**2 + w4 * d4**2
+        if self.c.lag:
+            asked = stiff * d4 + self.k12 * pushed
+            rotors = self.c.lag.torque * asked**2 + self.c.lag.thrust * (self.kappa * d3) ** 2
+            total += may.rotor_lag * rotors
+        if self.c.memory:
+            total += self.c.memory * (may.latency * self.high * start.speed) ** 2
+        return Fraction(total / 2)
+
+    def left_out(self) -> str:
+        """Say nothing: all that the mission asks to be covered is."""
+        return ""
+
+    def vehicles(self) -> str:
+        """Say which vehicles, winds and cameras are covered."""
+        may = self.may
+        ends = f"{about(1 - may.thrust)} to {about(1 + may.thrust)} times"
+        gained = f"by {ends} what is commanded" if may.thrust else "just as commanded"
+        law = "measured force is exact" if self.law[2] == "measured" else "force is as modelled"
+        torque = "e3×Ω' = a without error, a the angular acceleration commanded"
+        if may.torque:
+            torque = (
+                "e3×Ω' = (I + γ) a + Ω3 G e3×Ω, a commanded, with any 2 x 2 matrices γ and G, which "
+                f"may change, of norm at most {about(may.torque)} (inertia and rotors)"
+            )
+        lag = "no rotor lag"
+        if may.rotor_lag:
+            lag = (
+                "rotors that follow the commanded change of thrust and the commanded torque with a "
+                f"first-order lag of one constant time of at most {about(may.rotor_lag)} s"
+            )
+        late = "no latency"
+        if may.latency:
+            late = (
+                f"an image at most {about(may.latency)} s old when it is used, the frame period "
+                "included, in any way that changes, and turned to now by the body rates"
+            )
+        wind = "no wind"
+        if may.wind:
+            wind = f"a steady wind from anywhere whose force over mass is <= {about(may.wind)} m/s²"
+        yaw = f"|Ω3| <= {about(may.yaw_rate)} rad/s" if may.yaw_rate else "Ω3 = 0"
+        return (
+            f"a true thrust over mass that changes {gained}, {torque}, {lag}, {late}, {wind} and "
+            f"{yaw} on the way, where V, Ω and the vertical are known exactly and the {law}"
+        )
+
+    def words(self) -> str:
+        """Say what is proved."""
+        c, claim, soon = self.c, self.c.claim, self.c.claim.settling
+        weights, hover = (", ".join(map(about, x)) for x in (c.weights, c.hover))
+        more = ""
+        if c.lag:
+            more += f" + ½ τ ({about(c.lag.torque)} |μ|² + {about(c.lag.thrust)} μT²) of the rotors' lag"
+        if c.memory:
+            more += f" + {about(c.memory)} ∫∫ exp(r (z - t)) |y|² of the latency"
+        seen = "all target points seen"
+        sides = " x ".join(f"[{about(a)}, {about(b)}]" for a, b in c.domain.box)
+        half = ""
+        if claim.cone is not None:
+            half = (
+                ", and every target point is seen at an angle from the optical axis whose cosine is "
+                f"at least {about(claim.cone)}, at most {math.degrees(math.acos(claim.cone)):.4g}°"
+            )
+        starts = "; or ".join(map(self.state, claim.starts))
+        s3 = f"{float(sum(self.goal) / 2):.12g}"
+        return (
+            f"For the mission {self.name} ({self.of_another_law()}m = {self.m} kg, g = "
+            f"{self.gravity} m/s², {self.gains()}, goal straight below where its feature is (0, 0, "
+            f"{s3}) to 12 digits), and for every vehicle with {self.vehicles()}, let Ψ = ½(|δ1|² + "
+            f"w2|δ2|² + w3|δ3|² + w4|δ4|²){more}, (w2, w3, w4) = ({weights}). In continuous time and "
+            f"with {seen}, the controller may be switched on in every {starts}: then Ψ(0) <= "
+            f"{about(claim.start_level)} and Ψ(t) <= Ψ(0) exp(-r t), r = {about(claim.rate)} 1/s, "
+            f"for all t >= 0; the vehicle stays in the box {sides} m; and after "
+            f"{about(soon.time)} s it is, and stays, within {about(soon.radius)} m of the point "
+            f"({hover}) m{half}."
+        )
+
+    def state(self, start: Object) -> str:
+        """Describe a set of states."""
+        f0 = start.thrust + self.weight * start.tilt
+        place = ", ".join(about(a, b) for a, b in start.position)
+        held = f"upright state (T > 0) with position in ({place}) m, any heading, "
+        if start.speed:
+            held += f"|V| <= {about(start.speed)} m/s"
+            held += (
+                f" in the {about(self.may.latency)} s before too, " if self.may.latency else ", "
+            )
+        else:
+            held += "at rest, "
+            held += f"for {about(self.may.latency)} s already, " if self.may.latency else ""
+        held += f"an acceleration of at most {about(f0 / self.m)} m/s²" if f0 else "no acceleration"
+        held += f" and √(Ω1² + Ω2²) <= {about(start.rate)} rad/s"
+        if self.may.rotor_lag:
+            held += ", thrust and torque of the rotors being steady and zero in turn"
+        return held
+
+
 # --- motions that sink to the target ------------------------------------------------------------
 #
 # Let q* = q3* e3 and Ω3 = 0. In world axes, with b = R e3, w = b', D = T - c q3*, c = k1² k2/m,
@@ -1575,7 +2067,7 @@ def inhabited(axis: Matrix, turning: Matrix) -> bool:
 
 KINDS: dict[str, Any] = {
     **{"gains": Gains, "counterexample": Counterexample, "region": Eigenvalues, "outside": Outside},
-    **{"attraction": Attraction, "sinking": Sinking},
+    **{"attraction": Attraction, "exponential": Exponential, "sinking": Sinking},
 }
 
 

@@ -5,17 +5,30 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from hoverproof.certification.attraction import proof as potential
+from hoverproof.certification.attraction import verdict as of_potential
 from hoverproof.certification.attraction.search import Objective
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import Attraction, Sinks
 from hoverproof.certification.exponential.proof import converge
-from hoverproof.certification.exponential.verdict import Exponential
+from hoverproof.certification.exponential.verdict import NOT_COVERED, Exponential
 from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 
 Converges = Attraction | Exponential | Sinks | Undecided
 Progress = Callable[[str], None]
+
+
+def not_covered(verdict: Converges) -> tuple[str, ...]:
+    """Return what the theorem of a verdict does not say, in words.
+
+    Parameters
+    ----------
+    verdict : Attraction, Exponential, Sinks or Undecided
+    """
+    if isinstance(verdict, Exponential) or verdict.mission.law.feature == "scaled":
+        return NOT_COVERED
+    return of_potential.not_covered(verdict)
 
 
 def attraction(

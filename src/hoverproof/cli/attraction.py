@@ -65,7 +65,7 @@ def attraction(
 
     Example: `hoverproof attraction x4-flyer --objective radius --no-barrier`
     """
-    from hoverproof.certification.attraction.proof import attraction as decide
+    from hoverproof.certification.convergence import attraction as decide
     from hoverproof.cli.answers.attraction import AttractionAnswer
 
     loaded = load_mission(mission, set_)

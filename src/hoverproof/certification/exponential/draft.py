@@ -119,3 +119,75 @@ class Rounded:
         level = (float(offset) - self.tilted.shift) ** 2 / (2 * factor)
         time = math.log(max(float(start_level) / level, 1.0)) / float(self.rate)
         return decimal_above(time * (1 + SPARE) + 1e-6, 4)
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What belongs to a certificate, exact.
+
+    Attributes
+    ----------
+    content : dict
+        Of the file, beside what all kinds have.
+    rounded : Rounded
+    """
+
+    content: dict[str, Any]
+    rounded: Rounded
+
+
+def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
+    """Return the parts of a certificate of exponential convergence.
+
+    Parameters
+    ----------
+    mission : Mission
+    search : Search
+    found : Candidate
+
+    Raises
+    ------
+    NotShown
+        If the checker would not be shown what it asks for.
+    """
+    r = Rounded.of(search, found)
+    low, high = feature_interval(mission)
+    start_level = decimal_above(found.solution.start * (1 + START_ROOM), DIGITS)
+    if start_level > r.level:
+        raise NotShown("a start is not inside after rounding")
+    radius, near = search.settled()
+    offset = decimal_below(near, DIGITS)
+    domain = search.domain(r.offset, r.ball)
+    trees = {
+        "near": domain.near(offset, radius),
+        "starts": [domain.start(start) for start in search.starts],
+    }
+    content = {
+        "weights": list(r.weights),
+        "lag": None if r.lag is None else dict(zip(("torque", "thrust"), r.lag, strict=True)),
+        "memory": r.memory,
+        "multipliers": {"slope": r.slope, "terms": list(r.multipliers)},
+        "domain": {
+            "box": domain.box,
+            "bounds": list(r.ball),
+            "offset": r.offset,
+            "cone": None,
+            "tree": domain.tree(),
+        },
+        "enclosures": {"goal": [binary_below(low, BITS), binary_above(high, BITS)]},
+        "hover": list(hover_goal(mission).position),
+        "claim": {
+            "level": r.level,
+            "rate": r.rate,
+            "start_level": start_level,
+            "starts": [start.content() for start in search.starts],
+            "settling": {
+                "offset": offset,
+                "radius": radius,
+                "time": r.settling_time(start_level, offset),
+            },
+            "cone": None,
+        },
+        "trees": trees,
+    }
+    return Parts(content, r)

@@ -111,15 +111,18 @@ class Push(Packed):
     lift: ca.SX = scalar("1/s")
 
 
-FALLS = "fall", "energy", "d4", "torque", "pull", "lift"
-"""-E' without the norm-bounded terms and 2 E, (N, N); what a push adds to E', (.., N) each."""
-PARTS = "applied", "zeta", "ahead", "h3", "missed", "pulled", "sum"
-"""s or s_a, ζ, P n, P δ3, P(δ3 - n), P(δ3 - δ2), (2, N) each, and δ1 + δ2, (3, N)."""
+ROWS = {
+    **{"fall": 20, "energy": 20, "d4": 2, "torque": 2, "pull": 2, "lift": 1},
+    **{"applied": 2, "zeta": 2, "ahead": 2, "h3": 2, "missed": 2, "pulled": 2, "sum": 3},
+}
+"""The matrices of the forms, one above the other, and how many rows each has: -E' without the
+norm-bounded terms, and 2 E; what each push adds to E'; then s or s_a, ζ, P n, P δ3, P(δ3 - n),
+P(δ3 - δ2) and δ1 + δ2."""
 
 
 @kept_graph
 def derive_form(law: Law, lagged: bool) -> ca.Function:
-    """Return (design, vertex, weights) ↦ the matrices of `FALLS` and `PARTS`.
+    """Return (design, vertex, weights) ↦ the matrices of `ROWS`, one above the other, (62, 20).
 
     Parameters
     ----------
@@ -186,7 +189,7 @@ def derive_form(law: Law, lagged: bool) -> ca.Function:
     return ca.Function(
         "falls",
         [d.vector(), at.vector(), w.vector()],
-        [ca.densify(ca.simplify(m)) for m in matrices],
+        [ca.densify(ca.vertcat(*matrices))],
         ["design", "vertex", "weights"],
-        [*FALLS, *(f"of_{name}" for name in PARTS)],
+        ["matrices"],
     )

@@ -8,19 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.certification.exponential.form import (
-    FALLS,
-    PARTS,
-    Variables,
-    Weights,
-    derive_form,
-)
+from hoverproof.certification.exponential.form import ROWS, Variables, Weights, derive_form
 from hoverproof.certification.exponential.vehicles import Limits, Reach
 from hoverproof.certification.robust import Inequality, Term, optimise, reciprocals
+from hoverproof.servo.law import Law
 
 Array = NDArray[np.float64]
 W2, W3, W4, TORQUE, THRUST, SLOPE, MEMORY = range(1, 8)
@@ -99,20 +96,21 @@ def _at_vertices(limits: Limits) -> Iterator[dict[str, Array]]:
     v, k = limits.vehicles, 1 + Weights.size()
     vertices = np.array(list(limits.vertices()))
     weights = np.vstack([np.zeros(Weights.size()), np.eye(Weights.size())])
-    form = derive_form(v.law, v.rotor_lag > 0)
-    several = form.map(len(vertices) * k)
-    outputs = several(
-        v.numbers, vertices.repeat(k, axis=0).T, np.tile(weights, (len(vertices), 1)).T
+    count = len(vertices)
+    several = _several(v.law, v.rotor_lag > 0, k * count)
+    found = np.array(
+        several(v.numbers, vertices.repeat(k, axis=0).T, np.tile(weights, (count, 1)).T)
     )
-    names = (*FALLS, *PARTS)
-    whole = {
-        name: np.array(x).reshape(x.shape[0], len(vertices), k, -1).transpose(1, 2, 0, 3)
-        for name, x in zip(names, outputs, strict=True)
-    }
-    for name in FALLS:
-        whole[name][:, 1:] -= whole[name][:, :1]
-    for i in range(len(vertices)):
-        yield {name: whole[name][i] for name in names}
+    found = found.reshape(len(found), count, k, -1).transpose(1, 2, 0, 3)
+    ends = np.cumsum(list(ROWS.values()))
+    for matrices in found:
+        matrices[1:, : ends[5]] -= matrices[0, : ends[5]]
+        yield dict(zip(ROWS, np.split(matrices, ends[:-1], axis=1), strict=True))
+
+
+@cache
+def _several(law: Law, lagged: bool, count: int) -> ca.Function:
+    return derive_form(law, lagged).map(count)
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,8 @@ from hoverproof.certification.exponential.program import (
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 
 Array = NDArray[np.float64]
-EVALUATIONS = 30
+EVALUATIONS = 24
+MOST_RATES, FIRST_STEP, CLOSE = 12, 1.6, 1.04
 FAILED = 1e3
 HIGHEST = 0.96
 """Share of s3* that d is at most: |σ| is small near the target."""
@@ -133,11 +134,15 @@ class Search:
         sides = np.array(start.position, float)
         corners = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3)
         off = self.scene.offset(np.unique(corners, axis=0))
-        leaning = v.in_image * (v.wind / float(d.gravity) + tilt)
-        whole = float(np.linalg.norm(off, axis=1).max()) + leaning
-        flat = float(np.linalg.norm(off[:, :2], axis=1).max()) + leaning
-        moved, pushed = float(d.slowness) * speed, (thrust + v.weight * tilt) / v.stiffness
-        lever = v.weight + pushed * v.stiffness - v.stiffness * v.in_image
+        force = thrust + v.weight * tilt
+        lean = force / v.weight + v.wind / float(d.gravity)
+        lean *= np.sqrt(2 / (1 + np.sqrt(max(1 - lean**2, 0.01))))
+        away = float(np.linalg.norm(off, axis=1).max())
+        whole = away + v.in_image * lean
+        level = float(np.linalg.norm(off[:, :2], axis=1).max())
+        flat = min(whole, level + lean * (away + v.in_image))
+        moved, pushed = float(d.slowness) * speed, force / v.stiffness
+        lever = v.weight + force - v.stiffness * v.in_image
         turned = lever * rate / (v.stiffness * v.pace)
         d2, d3 = whole + moved, whole + moved + pushed
         d4 = flat + moved + pushed + turned
@@ -195,15 +200,21 @@ class Search:
 
         guesses = [
             np.array([low + part * (high - low), share])
-            for part in (0.3, 0.6, 0.85)
-            for share in (-3.0, -1.7, -0.5)
+            for part in (0.6, 0.85, 0.3)
+            for share in (-1.7, -3.0, -0.5)
         ]
-        begin = min(guesses, key=cost)
-        if cost(begin) == FAILED:
+        begin, least = None, FAILED
+        for guess in guesses:
+            if (value := cost(guess)) < least:
+                begin, least = guess, value
+            if least < np.log(1 - ROOM):
+                break
+        if begin is None:
             return None
-        steps = np.diag([0.15 * (high - low), 0.5])
-        x = _minimum(cost, np.vstack([begin, begin + steps]), EVALUATIONS)
-        return self.at(x, rate, starts)
+        if least > np.log(1 - ROOM):
+            steps = np.diag([0.15 * (high - low), 0.5])
+            begin = _minimum(cost, np.vstack([begin, begin + steps]), EVALUATIONS)
+        return self.at(begin, rate, starts)
 
     def soonest(self, first: Candidate, starts: Array, offset: float) -> Candidate:
         """Make the time short in which |σ - σ*| is surely below an offset, from a candidate.
@@ -215,23 +226,38 @@ class Search:
             See `terms`.
         offset : float
         """
+        best = first
 
         def cost(x: Array) -> float:
-            found = self.at(x[:2], float(np.exp(x[2])), starts)
+            nonlocal best
+            found = self._fastest(x, best.rate, starts)
             if found is None:
                 return FAILED
-            fill = found.solution.fill
-            if fill > 1 - ROOM:
-                return FAILED / 2 + fill
+            if found.time(offset) < best.time(offset):
+                best = found
             return float(np.log(found.time(offset)))
 
-        rate = first.rate
-        while cost(np.array([*first.x, np.log(2 * rate)])) < FAILED / 2:
-            rate *= 2
-        begin = np.array([*first.x, np.log(rate)])
-        x = _minimum(cost, np.vstack([begin, begin + np.diag([0.03, 0.3, 0.3])]), EVALUATIONS)
-        found = self.at(x[:2], float(np.exp(x[2])), starts)
-        return found if found is not None and found.solution.fill <= 1 - ROOM else first
+        begin = first.x
+        _minimum(cost, np.vstack([begin, begin + np.diag([-0.04, 0.4])]), EVALUATIONS // 2)
+        return best
+
+    def _fastest(self, x: Array, rate: float, starts: Array) -> Candidate | None:
+        """Find the largest rate, near one, at which the starts are inside."""
+        found, step = None, FIRST_STEP
+        for _ in range(MOST_RATES):
+            new = self.at(x, rate, starts)
+            if new is not None and new.solution.fill <= 1 - ROOM:
+                found = new
+            elif found is not None:
+                rate, step = found.rate, step**0.5
+            else:
+                step = step**0.5
+                rate /= step**3
+                continue
+            if step < CLOSE:
+                break
+            rate *= step
+        return found
 
 
 def _minimum(cost: Callable[[Array], float], simplex: Array, evaluations: int) -> Array:

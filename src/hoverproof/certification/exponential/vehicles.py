@@ -214,6 +214,11 @@ class Limits:
         """Bound of |p1 - p2|, 1/s."""
         return self.quickness[1] * (self.reach.d3 + self.ahead)
 
+    @cached_property
+    def stretching(self) -> float:
+        """Bound of |D_c'/D_c| with rotors that lag, 1/s: a torque that stays turns δ4 more or less."""
+        return (1 + self.vehicles.thrust) * self.sinking + self.crosswind
+
     def vertices(self) -> Iterator[tuple[float, ...]]:
         """Yield χ, h, ς, τ and π at all vertices."""
         v = self.vehicles
@@ -254,5 +259,6 @@ class Limits:
                 ("torque", "missed", v.yaw_rate),
                 ("torque", "pulled", slow * v.yaw_rate),
                 ("lift", "zeta", v.rotor_lag * v.pace * h * self.reach.d3),
+                ("torque", "applied", v.rotor_lag * self.stretching),
             ]
         return [term for term in each if term[2]]

@@ -15,7 +15,7 @@ NOT_COVERED = (
     "frames that bend, ground effect, drag",
     "a camera that loses the target: every point is taken to be seen at all times",
 )
-"""What the theorem does not say, in words."""
+"""What no theorem about vehicles within tolerance says, in words."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +61,8 @@ class Exponential(Proved):
         Bound of the tilt on the way, rad.
     thrust : (low, high)
         Bounds of the thrust over the true mass, times m, on the way, N.
+    field_of_view : Fraction or None
+        Every target point is seen within that angle of the optical axis on the way, rad.
     starts : tuple of Start
     """
 
@@ -74,4 +76,5 @@ class Exponential(Proved):
     offset: Fraction
     tilt: Fraction
     thrust: tuple[Fraction, Fraction]
+    field_of_view: Fraction | None
     starts: tuple[Start, ...]

@@ -9,18 +9,24 @@ from pathlib import Path
 from typing import Any
 
 from hoverproof.certification.attraction.starts import Start
-from hoverproof.certification.attraction.verdict import (
-    Attraction,
-    AttractionVerdict,
-    Sinks,
-    not_covered,
-)
+from hoverproof.certification.attraction.verdict import Attraction, Sinks
 from hoverproof.certification.certificate import exact
+from hoverproof.certification.convergence import Converges, not_covered
+from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.certification.verdict import Undecided
+from hoverproof.cli.answers import exponential
 from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import interval, number, numbers
 
-OF_A_REGION = (
+OF_A_PROOF = (
+    "theorem",
+    "decay_rate",
+    "settling_time",
+    "settling_radius",
+    "start_level",
+    "box",
+    "slope",
+    "field_of_view",
     "level",
     "weights",
     "rate",
@@ -36,7 +42,7 @@ OF_A_REGION = (
 class AttractionAnswer(Answer):
     """A verdict on where the controller may be switched on, and what was written."""
 
-    verdict: AttractionVerdict
+    verdict: Converges
     path: Path | None
     picture: Path | None
 
@@ -56,7 +62,7 @@ class AttractionAnswer(Answer):
             ):
                 yield textwrap.fill(words, 80, initial_indent="  ", subsequent_indent="    ")
             return
-        yield from _region(verdict) if verdict.status == "proved" else _motion(verdict)
+        yield from _proved(verdict.proved) if verdict.proved else _motion(verdict)
         yield f"  certificate             {self.path}"
         if self.picture is not None:
             yield f"  figure                  {self.picture}"
@@ -74,14 +80,22 @@ class AttractionAnswer(Answer):
             "certificate": None if self.path is None else str(self.path),
             "not_covered": list(not_covered(verdict)),
             "advice": list(verdict.advice),
-            **dict.fromkeys(OF_A_REGION),
+            **dict.fromkeys(OF_A_PROOF),
             "starts": [],
             "statement": verdict.statement,
             "motion": verdict.refuted and verdict.refuted.certificate.content["motion"],
             "reason": verdict.reason,
-            **(_region_as_json(verdict.proved) if verdict.proved else {}),
+            "covers": [],
+            **(_proved_as_json(verdict.proved) if verdict.proved else {}),
             "figure": None if self.picture is None else str(self.picture),
         }
+
+
+def _proved(verdict: Attraction | Exponential) -> Iterator[str]:
+    if isinstance(verdict, Exponential):
+        yield from exponential.lines(verdict, [describe(start) for start in verdict.starts])
+    else:
+        yield from _region(verdict)
 
 
 def _region(verdict: Attraction) -> Iterator[str]:
@@ -98,7 +112,7 @@ def _region(verdict: Attraction) -> Iterator[str]:
     yield f"  up                      {number(reach.up)} m"
     yield f"  down                    {number(reach.down)} m"
     for start in verdict.starts:
-        yield f"  and from                {_describe(start)}"
+        yield f"  and from                {describe(start)}"
     yield "  On the way:"
     yield f"  weights a2, a3, a4      {', '.join(map(number, verdict.weights))}"
     yield f"  Λ' <= -(k1/m) ε |Y|²    ε = {number(verdict.rate)}"
@@ -124,7 +138,13 @@ def _motion(verdict: Sinks) -> Iterator[str]:
         yield f"  {name:22}  {middle} {unit}".rstrip()
 
 
-def _describe(start: Start) -> str:
+def describe(start: Start) -> str:
+    """Describe a set of states.
+
+    Parameters
+    ----------
+    start : Start
+    """
     point = all(a == b for a, b in start.position)
     sides = (", " if point else " x ").join(
         number(a) if a == b else interval((a, b)) for a, b in start.position
@@ -140,6 +160,13 @@ def _describe(start: Start) -> str:
         if value
     ]
     return ", ".join([f"({sides}) m", *(sizes or ["level hover"])])
+
+
+def _proved_as_json(verdict: Attraction | Exponential) -> dict[str, Any]:
+    covers = {"covers": verdict.mission.uncertainty.covers()}
+    if isinstance(verdict, Exponential):
+        return {"theorem": "exponential", **covers, **exponential.as_json(verdict)}
+    return {"theorem": "potential", **covers, **_region_as_json(verdict)}
 
 
 def _region_as_json(verdict: Attraction) -> dict[str, Any]:
