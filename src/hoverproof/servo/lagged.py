@@ -161,6 +161,11 @@ class LaggedLoop:
     ----------
     design : Design
         Symbols of the design; the goal is straight below.
+    body : Measurement
+        Symbols of the true vehicle: present feature, V, ρ, Ω and T̃, N.
+    wind : SX
+        w̃, the force of the steady wind, body axes, times m over the true mass, (3, 1), N: symbols,
+        or zero for a modelled force.
     errors : Errors
     setting : Setting
     rotors : Rotors
@@ -170,6 +175,8 @@ class LaggedLoop:
     """
 
     design: Design
+    body: Measurement
+    wind: ca.SX
     errors: Errors
     setting: Setting
     rotors: Rotors
@@ -204,7 +211,11 @@ def derive_lagged_loop(law: Law) -> LaggedLoop:
         [controller.measured.vector(), controller.design.vector()],
         [known.vector(), design.vector()],
     )
-    lever, c, k = law.lever(law.force.thrust(known, design), design), design.stiffness, kappa(design)
+    lever, c, k = (
+        law.lever(law.force.thrust(known, design), design),
+        design.stiffness,
+        kappa(design),
+    )
     e = law.chain(
         design,
         image_error=law.goal.error(body, design),
@@ -242,4 +253,5 @@ def derive_lagged_loop(law: Law) -> LaggedLoop:
         lever_ratio=law.lever(body.thrust, design) / lever,
         crosswind=(skew(body.rate) @ wind)[2] / lever,
     )
-    return LaggedLoop(design, e, setting, replace(rotors, torque=mu, thrust=mu_thrust), rate)
+    rotors = replace(rotors, torque=mu, thrust=mu_thrust)
+    return LaggedLoop(design, body, wind, e, setting, rotors, rate)
