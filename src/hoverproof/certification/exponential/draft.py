@@ -102,17 +102,6 @@ class Rounded:
             tilted=tilted,
         )
 
-    def offset_at(self, level: float) -> float:
-        """Return what |σ - σ*| is at most where Ψ is at most a level.
-
-        Parameters
-        ----------
-        level : float
-        """
-        w2, w3, _ = map(float, self.weights)
-        factor = 1 + self.tilted.factor * (1 / w2 + 1 / w3)
-        return float(np.sqrt(2 * level * factor) + self.tilted.shift)
-
     def settling_time(self, start_level: Fraction, offset: Fraction) -> Fraction:
         """Return when |σ - σ*| is at most an offset for good, s, rounded up.
 

@@ -14,8 +14,12 @@ from hoverproof.certification.certificate import Certificate, rejection, seal
 from hoverproof.certification.exponential.draft import Parts, draft
 from hoverproof.certification.exponential.form import derive_form
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.search import Candidate, Search
-from hoverproof.certification.exponential.vehicles import Vehicles, require_turned
+from hoverproof.certification.exponential.search import Array, Candidate, Search
+from hoverproof.certification.exponential.vehicles import (
+    Vehicles,
+    require_turned,
+    why_noisy,
+)
 from hoverproof.certification.exponential.verdict import Exponential, Settling
 from hoverproof.certification.region import holds_target_point
 from hoverproof.certification.verdict import Undecided
@@ -54,6 +58,8 @@ def converge(
     tell = progress or (lambda text: None)
     wanted = tuple(starts or [Start.of(mission)])
     _require(mission, wanted)
+    if refused := why_noisy(mission):
+        return Undecided(mission=mission, reason=refused)
     scene, vehicles = Scene.of(mission), Vehicles.of(mission)
     reason = ""
     for wider in WIDER:
@@ -74,6 +80,26 @@ def converge(
         if not reason:
             return _verdict(mission, certificate, parts, wanted)
     return Undecided(mission=mission, reason=reason, advice=_advice(mission))
+
+
+def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> Candidate | None:
+    """Search without proving: Ψ of the starts is below the level if the fill is below 1 - `ROOM`.
+
+    Parameters
+    ----------
+    mission : Mission
+    starts : sequence of Start
+    near : (2,), or None
+        See `Search.deepest`.
+
+    Raises
+    ------
+    InputError
+        See `converge`.
+    """
+    _require(mission, starts)
+    search = Search(Vehicles.of(mission), Scene.of(mission), tuple(starts), WIDER[0])
+    return search.deepest(search.terms(), near)
 
 
 def _require(mission: Mission, starts: Sequence[Start]) -> None:
