@@ -96,7 +96,7 @@ class Rounded:
             slope=short(s.slope),
             multipliers=tuple(map(short, s.multipliers)),
             ball=(decimal_above(found.ball[0], 5), decimal_below(found.ball[1], 5)),
-            offset=decimal_above(tilted.offset(reach, float(level)) * (1 + SPARE), DIGITS),
+            offset=decimal_above(float(tilted.offset(weights, float(level))) * (1 + SPARE), DIGITS),
             level=level,
             rate=short(found.rate),
             limits=limits,

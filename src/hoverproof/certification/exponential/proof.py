@@ -19,7 +19,11 @@ from hoverproof.certification.exponential.draft import Parts, draft
 from hoverproof.certification.exponential.form import derive_form
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.search import Candidate, Search
-from hoverproof.certification.exponential.vehicles import Vehicles, require_turned
+from hoverproof.certification.exponential.vehicles import (
+    Vehicles,
+    require_turned,
+    why_noisy,
+)
 from hoverproof.certification.exponential.verdict import Exponential, Settling
 from hoverproof.certification.region import holds_target_point
 from hoverproof.certification.verdict import Undecided
@@ -63,6 +67,8 @@ def converge(
     tell = progress or (lambda text: None)
     wanted = tuple(starts or [Start.of(mission)])
     _require(mission, wanted)
+    if refused := why_noisy(mission):
+        return Undecided(mission=mission, reason=refused)
     scene, vehicles = Scene.of(mission), Vehicles.of(mission)
     reason, whole = "", Search.of(vehicles, scene, wanted)
     for wider, highest in ROOMS:
@@ -83,6 +89,28 @@ def converge(
         if not reason:
             return _verdict(mission, certificate, parts, wanted)
     return Undecided(mission=mission, reason=reason, advice=_advice(mission))
+
+
+def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> Candidate | None:
+    """Search without proving: Ψ of the starts is below the level if the fill is below 1 - `ROOM`.
+
+    Parameters
+    ----------
+    mission : Mission
+    starts : sequence of Start
+    near : (2,), or None
+        See `Search.deepest`.
+
+    Raises
+    ------
+    InputError
+        See `converge`.
+    """
+    _require(mission, starts)
+    whole = Search.of(Vehicles.of(mission), Scene.of(mission), tuple(starts))
+    wider, highest = ROOMS[0]
+    search = replace(whole, wider=wider, highest=highest)
+    return search.deepest(search.terms(), near)
 
 
 def _require(mission: Mission, starts: Sequence[Start]) -> None:
