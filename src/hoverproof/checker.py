@@ -1550,7 +1550,8 @@ def state_of(start: Object) -> str:
 # is within f + m w' of m g, and torques Γ1, Γ2 that are the moments of inertia times at most
 # (1 + γ')|a| + Ω3' ((1 + γ')ρ' + γ')|ζ|h, a = h (σn + K Pn - πζ + Ω3 e3×P(δ3 - n)). With lag it is
 # set to what it would settle at, which is τ T' ahead, |T'| <= (1 + θ)|Ua|, and to these torques.
-# |Γ3| <= (1 + γ')(k_yaw Ω3' + k_heading + |I2 - I1| |Ω1 Ω2|). A rotor has T/4 ± Γ1/4d ± Γ2/4d ± Γ3/4κd.
+# |Γ3| <= (1 + γ')(k_yaw Ω3' + k_heading + |I2 - I1| |Ω1 Ω2|). A rotor has T/4 ± Γ1/4d
+# ± Γ2/4d ± Γ3/4κd.
 
 
 class Wedges:

@@ -171,7 +171,8 @@ def _region(verdict: Attraction) -> Iterator[str]:
     if height is None:
         yield f"  in every state with {symbol} <= {level} and T > 0; from hover, about the goal:"
     else:
-        yield f"  in every level hover with {symbol} <= {level} at least {number(height)} m above the"
+        above = f"at least {number(height)} m above the"
+        yield f"  in every level hover with {symbol} <= {level} {above}"
         yield "  target, so about the goal"
     yield f"  sideways, all round     {number(reach.sideways)} m"
     yield f"  up                      {number(reach.up)} m"
