@@ -1550,8 +1550,8 @@ def state_of(start: Object) -> str:
 # is within f + m w' of m g, and torques Γ1, Γ2 that are the moments of inertia times at most
 # (1 + γ')|a| + Ω3' ((1 + γ')ρ' + γ')|ζ|h, a = h (σn + K Pn - πζ + Ω3 e3×P(δ3 - n)). With lag it is
 # set to what it would settle at, which is τ T' ahead, |T'| <= (1 + θ)|Ua|, and to these torques.
-# |Γ3| <= (1 + γ')(k_yaw Ω3' + k_heading + |I2 - I1| |Ω1 Ω2|). A rotor has T/4 ± Γ1/4d
-# ± Γ2/4d ± Γ3/4κd.
+# |Γ3| <= (1 + γ')(k_yaw Ω3' + k_heading + |I2 - I1| |Ω1 Ω2|), k_heading if there is a heading.
+# Each rotor has T/4 ± Γ1/(4d) ± Γ2/(4d) ± Γ3/(4κd).
 
 
 class Wedges:
@@ -1570,6 +1570,8 @@ class Wedges:
         self.whole = [(int(a * self.unit), int(b * self.unit)) for a, b in self.sides]
         self.target = Target(points)
         self.mean, apart = self.target.mean, sorted(map(tuple, self.target.apart))
+        self.length = math.lcm(*(x.denominator for point in apart for x in point))
+        self.apart = [[int(x * self.length) for x in point] for point in apart]
         images = [(-x, y, z) for x, y, z in apart], [(x, -y, z) for x, y, z in apart]
         self.mirrored = [sorted(image) == apart for image in images]
         swapped = sorted((y, x, z) for x, y, z in apart) == apart
@@ -1634,7 +1636,9 @@ class Wedges:
             sight = self.sight(cell)
             if self.beyond(self.off(sight), domain.offset):
                 return True
-            if self.at_face(cell) or (domain.cone and not self.steep(cell, domain.cone)):
+            if self.at_face(cell) or (
+                domain.cone is not None and not self.steep(cell, domain.cone)
+            ):
                 return False
             low, high = domain.bounds
             if self.scaled:
@@ -1660,10 +1664,18 @@ class Wedges:
         return alike and not any(x for k, x in enumerate(level) if self.halved(k))
 
     def steep(self, cell: Cell, cosine: Fraction) -> bool:
-        """Show that all points are in a cone about the vertical: at the corners, it is convex."""
-        for corner, point in itertools.product(self.corners(cell), self.points):
-            x, y, z = minus(point, corner)
-            if z <= 0 or z**2 < cosine**2 * (x**2 + y**2 + z**2):
+        """Show that all target points are in a cone about the vertical.
+
+        The ray to a point that is a from the mean has the direction of (x, y, 1) + u a, so it is so
+        over the cell if it is at the corners, the cone being convex.
+        """
+        (x0, x1), (y0, y1), heights = cell
+        p, q = cosine.numerator**2, cosine.denominator**2
+        for u, (a, b, c) in itertools.product(heights, self.apart):
+            x = max(abs(end * self.length + u * a) for end in (x0, x1))
+            y = max(abs(end * self.length + u * b) for end in (y0, y1))
+            z = self.unit * self.length + u * c
+            if z <= 0 or (q - p) * z**2 < p * (x**2 + y**2):
                 return False
         return True
 
@@ -2036,9 +2048,9 @@ class Exponential(Tolerant):
         for corner in self.vertices():
             shown = self.decrease(*corner).positive(self.size)
             require(shown, "Ψ is not shown to fall at the rate claimed")
+        require(within(self.rotors(), self.c.claim.rotors), "the thrust of a rotor does not follow")
         self.verify_domain()
         self.verify_settling()
-        require(within(self.rotors(), self.c.claim.rotors), "the thrust of a rotor does not follow")
         for start, tree in zip(self.c.claim.starts, self.c.trees.starts, strict=True):
             self.verify_start(start, tree)
 
@@ -2066,13 +2078,16 @@ class Exponential(Tolerant):
     def rotors(self) -> tuple[Fraction, Fraction]:
         """Bound what each rotor makes, and is set to make, N."""
         c, (w2, w3, w4), may, vehicle = self.c, self.c.weights, self.may, self.c.mission.vehicle
-        stiff, (i1, i2, _) = self.kappa + self.damping, vehicle.inertia
+        stiff, (i1, i2, i3) = self.kappa + self.damping, vehicle.inertia
         steady = 2 * c.claim.level * (stiff**2 / w4 + self.k12**2 * (1 / w2 + 1 / w3))
         asked = square_root(steady)[1] + stiff * self.missed + self.pace * self.turn
         asked += may.yaw_rate * (self.sink + self.missed)
         own = (1 + may.torque) * self.gyroscopic + may.torque
         turned = self.quick * ((1 + may.torque) * asked + may.yaw_rate * own * self.turn)
-        yaw = c.mission.gains.k_yaw * may.yaw_rate + getattr(c.mission.gains, "k_heading", 0)
+        k_yaw = c.mission.gains.k_yaw
+        yaw = k_yaw * may.yaw_rate
+        if self.heading:  # its gain is this one unless it is given
+            yaw += getattr(c.mission.gains, "k_heading", min(k_yaw**2 / (4 * i3), k_yaw))
         yaw += abs(i2 - i1) * (self.quick * self.turn) ** 2 / 2
         aside = square_root(i1**2 + i2**2)[1] * turned / vehicle.arm
         aside += (1 + may.torque) * yaw / vehicle.drag_ratio

@@ -122,7 +122,7 @@ class View:
         return np.asarray(terms @ [float(Fraction(w)) for w in weights])
 
     def distances(self, offsets: Array) -> Array:
-        """Return the largest distance from the goal, m, of all places with |σ - σ*| <= offset, (k,).
+        """Return the largest distance from the goal, m, of places with |σ - σ*| <= offset, (k,).
 
         Parameters
         ----------

@@ -46,7 +46,9 @@ def thrusts(limits: Limits, weights: Array, level: float, mission: Mission) -> t
     asked += v.yaw_rate * (limits.reach.d3 + limits.ahead)
     own = (1 + v.torque) * v.gyroscopic + v.torque
     turned = h * ((1 + v.torque) * asked + v.yaw_rate * own * turn)
-    yaw = float(mission.gains.k_yaw) * v.yaw_rate + float(mission.k_heading or 0)
+    yaw = float(mission.gains.k_yaw) * v.yaw_rate
+    if mission.goal.heading is not None:
+        yaw += float(mission.k_heading)
     yaw = (1 + v.torque) * (yaw + abs(i2 - i1) * (h * turn) ** 2 / 2)
     by_thrust, *by_torque = _shares(float(mission.vehicle.arm), float(mission.vehicle.drag_ratio))
     beside = np.hypot(i1, i2) * turned * by_torque[0] + yaw * by_torque[2]
