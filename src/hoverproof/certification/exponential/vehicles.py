@@ -43,6 +43,19 @@ def require_turned(mission: Mission) -> None:
         )
 
 
+def why_noisy(mission: Mission) -> str:
+    """Return why a mission with bounded noise is not covered; empty if it has none.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    noise = mission.uncertainty.noise
+    if noise == type(noise)():
+        return ""
+    return "bounded noise is not covered by a region of attraction: the motion ends near the goal"
+
+
 @dataclass(frozen=True)
 class Vehicles:
     """A design, and the tolerances within which the vehicle is.
