@@ -190,7 +190,7 @@ def test_the_checker_reads_these_sections_in_one_form(section, change):
 
 
 def test_the_report_lists_what_was_asked_and_is_not_considered():
-    title = "Asked to be covered (not considered here)"
+    title = "Asked to be covered (looked at under region of attraction alone)"
     asked, plain = (
         {
             table.title: table.rows

@@ -84,3 +84,28 @@ def attraction(
         other = converge(mission, starts=starts, progress=progress)
         return other if other.proved else verdict
     return verdict
+
+
+def start_or_ball(mission: Mission) -> tuple[Converges, Attraction | Exponential | None]:
+    """Decide about the start of a mission; if it is not proved, look for other hovers that are.
+
+    Parameters
+    ----------
+    mission : Mission
+
+    Returns
+    -------
+    verdict
+        Of `attraction`, about the start of the mission.
+    proved : Attraction, Exponential or None
+        That verdict if it is proved; else, with the centroid, the region with the largest ball.
+
+    Raises
+    ------
+    InputError
+        See `attraction`.
+    """
+    verdict = attraction(mission)
+    if not isinstance(verdict, Undecided | Sinks) or mission.law.feature == "scaled":
+        return verdict, verdict.proved
+    return verdict, potential.attraction(mission, objective="radius").proved

@@ -172,7 +172,7 @@ class Search:
         corners = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3)
         off = self.scene.offset(np.unique(corners, axis=0))
         away, level = np.linalg.norm(off, axis=1).max(), np.linalg.norm(off[:, :2], axis=1).max()
-        return self.terms_at(np.array([away]), np.array([level]), start)[0]
+        return np.asarray(self.terms_at(np.array([away]), np.array([level]), start)[0])
 
     def terms_at(self, away: Array, level: Array, start: Start) -> Array:
         """Return what (1, parameters) are multiplied by in Ψ of states, (k, 8).

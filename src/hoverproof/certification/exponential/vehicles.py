@@ -136,7 +136,7 @@ class Vehicles:
     @property
     def gyroscopic(self) -> float:
         """How much of Ω3 e3 × Ω the gyroscopic torque is at most, by the mission's inertia."""
-        i1, i2, i3 = self.design.inertia  # type: ignore[misc]
+        i1, i2, i3 = self.design.inertia
         return float(max(abs(i3 - i2) / i1, abs(i3 - i1) / i2))
 
 
@@ -256,7 +256,7 @@ class Limits:
 
     @cached_property
     def stretching(self) -> float:
-        """Bound of |D_c'/D_c| with rotors that lag, 1/s: a torque that stays turns δ4 more or less."""
+        """Bound of |D_c'/D_c| with rotors that lag, 1/s."""
         return (1 + self.vehicles.thrust) * self.sinking + self.crosswind
 
     def vertices(self) -> Iterator[tuple[float, ...]]:

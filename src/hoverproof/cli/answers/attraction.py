@@ -73,7 +73,10 @@ class AttractionAnswer(Answer):
             ):
                 yield textwrap.fill(words, 80, initial_indent="  ", subsequent_indent="    ")
             return
-        yield from _proved(verdict.proved) if verdict.proved else _motion(verdict)
+        if isinstance(verdict, Sinks):
+            yield from _motion(verdict)
+        else:
+            yield from _proved(verdict)
         yield f"  certificate             {self.path}"
         if self.picture is not None:
             yield f"  figure                  {self.picture}"
@@ -138,12 +141,12 @@ def considered(verdict: Converges) -> list[str]:
 
 
 def _proved(verdict: Attraction | Exponential) -> Iterator[str]:
-    exponentially = isinstance(verdict, Exponential)
     covers = ", ".join(verdict.mission.uncertainty.covers())
     turning = _turning(verdict.mission.uncertainty)
     who = f"every vehicle with {covers}" if covers else "the vehicle as modelled"
-    name = "exponential" if exponentially else "potential"
-    theorem = f"theorem {5 if exponentially else 6 if verdict.tolerant else 3}, {name}"
+    theorem = "theorem 5, exponential"
+    if isinstance(verdict, Attraction):
+        theorem = f"theorem {6 if verdict.tolerant else 3}, potential"
     yield from textwrap.wrap(
         f"{who} converges to the goal ({theorem}): the controller may be switched on, {turning},",
         80,
@@ -171,8 +174,8 @@ def _region(verdict: Attraction) -> Iterator[str]:
     if height is None:
         yield f"  in every state with {symbol} <= {level} and T > 0; from hover, about the goal:"
     else:
-        yield f"  in every level hover with {symbol} <= {level} at least {number(height)} m above the"
-        yield "  target, so about the goal"
+        yield f"  in every level hover with {symbol} <= {level}, at least {number(height)} m above"
+        yield "  the target, so about the goal"
     yield f"  sideways, all round     {number(reach.sideways)} m"
     yield f"  up                      {number(reach.up)} m"
     yield f"  down                    {number(reach.down)} m"
