@@ -152,10 +152,8 @@ class Domain:
         """Return the positions of the corners of wedges, (k, 8, 3), m."""
         ends = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3)
         x, y, u = (cells[:, k, ends[:, k]] for k in range(3))
-        return (
-            self.scene.points.mean(axis=0)
-            - np.stack([x, y, np.ones_like(x)], axis=-1) / u[..., None]
-        )
+        rays = np.stack([x, y, np.ones_like(x)], axis=-1) / u[..., None]
+        return np.asarray(self.scene.points.mean(axis=0) - rays)
 
     def _boxes(self, cells: Array) -> Array:
         corners = self._corners(cells)
