@@ -10,7 +10,7 @@ from hoverproof.certification.attraction.search import Objective
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import Attraction, Sinks
 from hoverproof.certification.exponential.proof import converge
-from hoverproof.certification.exponential.verdict import NOT_COVERED, Exponential
+from hoverproof.certification.exponential.verdict import HIDDEN, NOT_COVERED, Exponential
 from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
@@ -27,7 +27,8 @@ def not_covered(verdict: Converges) -> tuple[str, ...]:
     verdict : Attraction, Exponential, Sinks or Undecided
     """
     if isinstance(verdict, Exponential) or verdict.mission.law.feature == "scaled":
-        return NOT_COVERED
+        proved = isinstance(verdict, Exponential) and verdict.mission.camera.half_angle is not None
+        return (*NOT_COVERED[:-1], HIDDEN) if proved else NOT_COVERED
     return of_potential.not_covered(verdict)
 
 

@@ -190,8 +190,8 @@ class OfJ:
     named: str = "J"
     bounds: str = "ball"
     every: str = "every 3 x 3 matrix J with"
-    cost: int = 30
-    slacks: tuple[str, ...] = ("0.1", "0.25", "0.5", "1")
+    cost: int = 15
+    slacks: tuple[str, ...] = ("0.05", "0.1", "0.25", "0.5", "1")
 
     def within(self, ends: Sequence[Any], write: Write) -> str:
         """See `OfQ.within`: |J - j I| <= ϱ.

@@ -363,6 +363,8 @@ def exponential_table(verdict: Exponential) -> Table:
     ]
     if verdict.field_of_view is not None:
         rows.append(("target points", f"within {at_most(verdict.field_of_view)} rad of the axis"))
+    least, most = verdict.rotor_thrust
+    rows.append(("thrust of each rotor", f"{at_least(least)} to {at_most(most)} N"))
     return Table("Every vehicle within tolerance, and what holds on the way", rows)
 
 

@@ -218,9 +218,24 @@ def level_slope(n: int, law: Law) -> ca.Function:
     points, position, q = ca.SX.sym("points", 3, n), ca.SX.sym("xi", 3), ca.SX.sym("q", 3)
     if ca.is_equal(law.feature.at(q, n), q):
         return level_view(n).factory("level_slope", ["points", "xi"], ["Q"])
-    seen = camera.body_points(points, position, ca.SX.eye(3))
-    slope = -ca.jacobian(law.feature.seen(camera.directions(seen)), position)
+    slope = -ca.jacobian(level_feature(n, law)(points, position), position)
     return ca.Function("level_slope", [points, position], [ca.densify(slope)])
+
+
+@kept_graph
+def level_feature(n: int, law: Law) -> ca.Function:
+    """Return (points (3, n), position (3,)) ↦ σ, the feature that a level camera sees, (3,).
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    law : Law
+    """
+    points, position = ca.SX.sym("points", 3, n), ca.SX.sym("xi", 3)
+    seen = camera.body_points(points, position, ca.SX.eye(3))
+    feature = law.feature.seen(camera.directions(seen))
+    return ca.Function("level_feature", [points, position], [ca.densify(feature)])
 
 
 @kept_graph

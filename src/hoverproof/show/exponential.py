@@ -115,7 +115,7 @@ class View:
             σ - σ*.
         """
         v = self.verdict
-        search = Search(Vehicles.of(v.mission), self.scene, v.starts)
+        search = Search.of(Vehicles.of(v.mission), self.scene, v.starts)
         away, level = (np.linalg.norm(offset[:, :k], axis=1) for k in (3, 2))
         terms = search.terms_at(away, level, Start(v.starts[0].position))
         lag = v.certificate.content["lag"] or {"torque": 0, "thrust": 0}

@@ -34,7 +34,7 @@ from hoverproof.certification.region import Box
 Array = NDArray[np.float64]
 SPARE = 1.08
 """By what factor faces are beyond the domain, as sampled."""
-COST, LOOK_COST = 20, 10
+COST, LOOK_COST = 15, 10
 """Of a cell of which J is bounded, and of one of which the feature is."""
 
 

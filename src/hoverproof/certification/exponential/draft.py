@@ -13,6 +13,7 @@ import numpy as np
 from hoverproof.algebra.decimals import binary_above, binary_below, decimal_above, decimal_below
 from hoverproof.certification.attraction.draft import NotShown
 from hoverproof.certification.exponential.domain import Domain
+from hoverproof.certification.exponential.rotors import thrusts
 from hoverproof.certification.exponential.search import Candidate, Search, Tilted
 from hoverproof.certification.exponential.vehicles import Limits, Reach
 from hoverproof.certification.problem import scaled_centroid
@@ -22,6 +23,10 @@ from hoverproof.plant.goal import hover_goal
 BITS = 64
 START_ROOM = 3e-3
 DIGITS = 8
+CONE_ROOMS = 0.01, 0.05
+"""By which shares the angle to the vertical under which points are seen is widened, in turn."""
+WIDEST = math.pi / 2 - 1e-3
+"""Of the angles to the axis that are claimed, rad."""
 SPARE = 1e-7
 """By what share numbers that are compared with exact ones are on the safe side."""
 
@@ -66,7 +71,7 @@ class Rounded:
 
     @classmethod
     def of(cls, search: Search, found: Candidate) -> Rounded:
-        """Round a candidate; its level is what the rounded weights and d give.
+        """Round a candidate; its level is that of the starts, and d what follows from it.
 
         Parameters
         ----------
@@ -79,16 +84,12 @@ class Rounded:
             return decimal_below(float(x), DIGITS)
 
         weights = tuple(map(short, s.weights))
-        offset = short(found.offset)
-        w2, w3, _ = map(float, weights)
-        level = found.solution.level
-        for _ in range(3):
-            limits = Limits(
-                search.vehicles, Reach.of(np.array(weights, float), level), found.ball[1]
-            )
-            tilted = Tilted.of(limits)
-            factor = 1 + tilted.factor * (1 / w2 + 1 / w3)
-            level = (float(offset) - tilted.shift) ** 2 / (2 * factor)
+        level = decimal_above(s.start * (1 + START_ROOM), DIGITS)
+        if level > s.level:
+            raise NotShown("a start is not inside after rounding")
+        reach = Reach.of(np.array(weights, float), float(level))
+        limits = Limits(search.vehicles, reach, found.ball[1])
+        tilted = Tilted.of(limits)
         return cls(
             weights=weights,
             lag=None if s.lag is None else tuple(map(short, s.lag)),
@@ -96,12 +97,23 @@ class Rounded:
             slope=short(s.slope),
             multipliers=tuple(map(short, s.multipliers)),
             ball=(decimal_above(found.ball[0], 5), decimal_below(found.ball[1], 5)),
-            offset=offset,
-            level=decimal_below(level * (1 - SPARE), DIGITS),
+            offset=decimal_above(float(tilted.offset(weights, float(level))) * (1 + SPARE), DIGITS),
+            level=level,
             rate=short(found.rate),
             limits=limits,
             tilted=tilted,
         )
+
+    def cone(self, cosine: Fraction) -> Fraction | None:
+        """Return the cosine of an angle to the vertical and the tilt together, rounded down.
+
+        Parameters
+        ----------
+        cosine : Fraction
+            Of the angle to the vertical.
+        """
+        angle = math.acos(cosine) + math.asin(self.limits.tilt)
+        return decimal_below(math.cos(angle) - SPARE, DIGITS) if angle < WIDEST else None
 
     def settling_time(self, start_level: Fraction, offset: Fraction) -> Fraction:
         """Return when |σ - σ*| is at most an offset for good, s, rounded up.
@@ -117,6 +129,18 @@ class Rounded:
         level = (float(offset) - self.tilted.shift) ** 2 / (2 * factor)
         time = math.log(max(float(start_level) / level, 1.0)) / float(self.rate)
         return decimal_above(time * (1 + SPARE) + 1e-6, 4)
+
+
+def _seen(domain: Domain, r: Rounded) -> tuple[str | None, Fraction | None]:
+    """Halve the wedge of a domain, and return the cosine of the angle under which all is seen."""
+    angle = domain.scene.cone(float(r.offset))
+    for room in CONE_ROOMS:
+        cosine = decimal_below(math.cos(angle * (1 + room)), DIGITS)
+        if angle * (1 + room) + math.asin(r.limits.tilt) < WIDEST:
+            tree = domain.tree(float(cosine))
+            if tree is not None:
+                return tree, cosine
+    return domain.tree(), None
 
 
 @dataclass(frozen=True)
@@ -153,18 +177,18 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
     r, hover = Rounded.of(search, found), hover_goal(mission)
     seen: Sequence[tuple[Fraction, Fraction]] = hover.centroid
     if mission.law.feature == "scaled":
-        seen = scaled_centroid(seen, len(mission.target.points))
-    start_level = decimal_above(found.solution.start * (1 + START_ROOM), DIGITS)
-    if start_level > r.level:
-        raise NotShown("a start is not inside after rounding")
+        seen = tuple(scaled_centroid(seen, len(mission.target.points)))
     offset = decimal_below(search.settled_offset, DIGITS)
     points = [tuple(point) for point in mission.target.points]
     bounds = float(r.ball[0]), float(r.ball[1])
     domain = Domain.of(search.scene, points, float(r.offset), bounds)
-    trees = {"domain": domain.tree(), "near": domain.near(float(offset), float(search.radius))}
+    tree, cosine = _seen(domain, r)
+    trees = {"domain": tree, "near": domain.near(float(offset), float(search.radius))}
     for name, tree in trees.items():
         if tree is None:
             raise NotShown(f"the {name} takes more cells than are checked")
+    low, high = thrusts(r.limits, np.array(r.weights, float), float(r.level), mission)
+    rotors = [decimal_below(low - SPARE * high, 6), decimal_above(high * (1 + SPARE), 6)]
     content = {
         "weights": list(r.weights),
         "lag": None if r.lag is None else dict(zip(("torque", "thrust"), r.lag, strict=True)),
@@ -174,7 +198,7 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
             "wedge": [list(side) for side in domain.wedge],
             "bounds": list(r.ball),
             "offset": r.offset,
-            "cone": None,
+            "cone": cosine,
             "tree": trees["domain"],
         },
         "enclosures": {"goal": [binary_below(seen[2][0], BITS), binary_above(seen[2][1], BITS)]},
@@ -182,14 +206,15 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
         "claim": {
             "level": r.level,
             "rate": r.rate,
-            "start_level": start_level,
+            "start_level": r.level,
             "starts": [start.content() for start in search.starts],
             "settling": {
                 "offset": offset,
                 "radius": search.radius,
-                "time": r.settling_time(start_level, offset),
+                "time": r.settling_time(r.level, offset),
             },
-            "cone": None,
+            "cone": None if cosine is None else r.cone(cosine),
+            "rotors": rotors,
         },
         "trees": {
             "near": trees["near"],

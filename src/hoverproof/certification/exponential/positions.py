@@ -13,7 +13,9 @@ from hoverproof.certification.cells import View
 from hoverproof.certification.flow import Flow, OfJ, flow_of
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import law_of
+from hoverproof.servo.loop import level_feature
 
 Array = NDArray[np.float64]
 DIRECTIONS, STEPS, MIDDLES = 160, 40, 30
@@ -29,6 +31,7 @@ class Scene:
     ----------
     points : (n, 3)
         World frame, m.
+    law : Law
     flow : Flow
         What is bounded: Q of the centroid, J of the scaled one.
     goal : (3,)
@@ -38,6 +41,7 @@ class Scene:
     """
 
     points: Array
+    law: Law
     flow: Flow
     goal: Array
     wanted: float
@@ -51,8 +55,8 @@ class Scene:
         mission : Mission
         """
         goal = np.array([float(c) for c in hover_goal(mission).position])
-        wanted = float(law_of(mission).goal_feature(mission)[2])
-        return cls(np.array(mission.target.points, float), flow_of(mission), goal, wanted)
+        law, points = law_of(mission), np.array(mission.target.points, float)
+        return cls(points, law, flow_of(mission), goal, float(law.goal_feature(mission)[2]))
 
     def feature(self, positions: Array) -> Array:
         """Return σ, what a level camera sees in world axes, (k, 3).
@@ -62,15 +66,9 @@ class Scene:
         positions : (k, 3)
             World frame, m.
         """
-        q, n = View.at(self.points, positions).centroid, len(self.points)
-        if not isinstance(self.flow, OfJ):
-            return q
-        rays = self.points[None] - positions[:, None]
-        p = rays / np.linalg.norm(rays, axis=2, keepdims=True)
-        apart = p[:, :, None] - p[:, None]
-        spread = (apart**2).sum(axis=(1, 2, 3)) / 2  # n² - |q|²
-        a = np.linalg.norm(q, axis=1)
-        return np.asarray(np.sqrt(n * (n + a) / (2 * spread))[:, None] * q / a[:, None])
+        look = level_feature(len(self.points), self.law)
+        found: Array = np.array(look(self.points.T, positions.T), float).T
+        return found
 
     def offset(self, positions: Array) -> Array:
         """Return σ - σ*, (k, 3).
@@ -109,6 +107,35 @@ class Scene:
             far = np.linalg.norm(self.offset(places.reshape(-1, 3)), axis=1)
         far = np.nan_to_num(far, nan=np.inf).reshape(len(directions), -1)
         return np.asarray(directions * radii[np.argmax(far >= offset, axis=1)][:, None])
+
+    def outward(self) -> tuple[Array, Array]:
+        """Return |σ - σ*|, ascending, and positions, (k,) and (k, 3), where it is below s3*."""
+        parts = np.linspace(0, 1, STEPS) ** 0.7
+        places = self.goal + self.ends(0.97 * self.wanted)[:, None] * parts[None, :, None]
+        places = places.reshape(-1, 3)
+        far = np.linalg.norm(self.offset(places), axis=1)
+        order = np.argsort(far)
+        return far[order], places[order]
+
+    def angles(self, positions: Array) -> Array:
+        """Return the largest angle to the vertical under which a target point is seen, (k,), rad.
+
+        Parameters
+        ----------
+        positions : (k, 3)
+            World frame, m.
+        """
+        rays = self.points[None] - positions[:, None]
+        return np.asarray(np.arccos(rays[..., 2] / np.linalg.norm(rays, axis=2)).max(axis=1))
+
+    def cone(self, offset: float) -> float:
+        """Return the largest of these angles where |σ - σ*| <= offset, as sampled, rad.
+
+        Parameters
+        ----------
+        offset : float
+        """
+        return float(self.angles(self.goal + self.ends(offset)).max())
 
     def slopes(self, positions: Array) -> Array:
         """Return J, or Q, (k, 3, 3), 1/m.
@@ -149,16 +176,12 @@ class Balls:
         ----------
         scene : Scene
         """
-        parts = np.linspace(0, 1, STEPS) ** 0.7
-        places = scene.goal + scene.ends(0.97 * scene.wanted)[:, None] * parts[None, :, None]
-        places = places.reshape(-1, 3)
-        far = np.linalg.norm(scene.offset(places), axis=1)
-        order = np.argsort(far)
-        J = scene.slopes(places[order])
+        offsets, places = scene.outward()
+        J = scene.slopes(places)
         sizes = np.linalg.norm(J, 2, axis=(1, 2))
         middles = np.linspace(0.2, 1.2, MIDDLES) * np.median(sizes)
         away = np.linalg.norm(J[:, None] - middles[:, None, None] * np.eye(3), 2, axis=(2, 3))
-        return cls(far[order], middles, np.maximum.accumulate(away, axis=0))
+        return cls(offsets, middles, np.maximum.accumulate(away, axis=0))
 
     def within(self, d: float) -> tuple[float, float]:
         """Return j - ϱ and j + ϱ where |σ - σ*| <= d, 1/m.

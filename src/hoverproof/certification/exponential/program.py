@@ -6,7 +6,7 @@ multipliers and what the memory of the latency weighs.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from hoverproof.certification.exponential.form import ROWS, Variables, Weights, derive_form
 from hoverproof.certification.exponential.vehicles import Limits, Reach
 from hoverproof.certification.robust import Inequality, Term, optimise, reciprocals
+from hoverproof.certification.robust import Solution as Optimum
 from hoverproof.servo.law import Law
 
 Array = NDArray[np.float64]
@@ -28,6 +29,8 @@ ALONG_Y = 1, 4, 7, 10, 12, 15, 18
 it with the others, and it is in it as what is along the first: so it is left out."""
 SPARE = 1e-6
 """What -(E' + …) is asked to be above, as a share of 2 E and of the other squares."""
+BROKEN, TIGHT = -1e-10, 1e-7
+"""Lowest over largest eigenvalue below which a vertex is not kept, and above which it is free."""
 
 
 @dataclass(frozen=True)
@@ -194,6 +197,8 @@ class Solution:
         ℓ.
     start : float
         Bound of Ψ at the starts.
+    tight : tuple of int
+        The vertices that keep it from being lower.
     """
 
     weights: Array
@@ -203,6 +208,7 @@ class Solution:
     multipliers: Array
     level: float
     start: float
+    tight: tuple[int, ...] = ()
 
     @property
     def fill(self) -> float:
@@ -216,7 +222,12 @@ class Solution:
 
 
 def solve(
-    limits: Limits, ball: tuple[float, float], rate: float, level: float, starts: Array
+    limits: Limits,
+    ball: tuple[float, float],
+    rate: float,
+    level: float,
+    starts: Array,
+    likely: Sequence[int] = (),
 ) -> Solution | None:
     """Find the weights that bring the starts as deep as can be below a level.
 
@@ -232,6 +243,8 @@ def solve(
         ℓ.
     starts : (k, 8)
         What (1, parameters) are multiplied by in Ψ of each start; see `starts.terms`.
+    likely : sequence of int
+        The vertices that were tight in a program like this.
 
     Returns
     -------
@@ -257,9 +270,10 @@ def solve(
     ]
     inside = np.column_stack([-starts[:, there] / level, np.ones(len(starts))])
     rows = np.vstack([inside, np.eye(size)[1:]])
-    answer = optimise([0] * (size - 2) + [1], corners, rows=rows, pencils=pencils, shared=True)
-    if answer is None or not (answer.x[:-1] > 0).all():
+    found_at = _over_few(size, corners, rows, pencils, likely)
+    if found_at is None or not (found_at[0].x[:-1] > 0).all():
         return None
+    answer, tight = found_at
     values = {name: float(answer.x[place[name] - 1]) for name in found.used}
     return Solution(
         weights=np.array([values[w] for w in (W2, W3, W4)]),
@@ -269,4 +283,31 @@ def solve(
         multipliers=answer.multipliers[0],
         level=level,
         start=float(answer.x[-1]) * level,
+        tight=tight,
     )
+
+
+def _over_few(
+    size: int,
+    corners: Sequence[Inequality],
+    rows: Array,
+    pencils: Sequence[Array],
+    likely: Sequence[int],
+) -> tuple[Optimum, tuple[int, ...]] | None:
+    """Make the last parameter small at few vertices, and at more until all are kept.
+
+    Returns the optimum and the vertices that are tight there.
+    """
+    cost, working = [0.0] * (size - 2) + [1.0], list(likely) or [len(corners) - 1]
+    while True:
+        few = [corners[k] for k in working]
+        answer = optimise(cost, few, rows=rows, pencils=pencils, shared=True)
+        if answer is None:
+            return None
+        x = [1.0, *answer.x[:-1]]
+        values = np.linalg.eigvalsh([c.at(x).bound(answer.multipliers[0]) for c in corners])
+        lowest = values[:, 0] / np.abs(values).max(axis=1)
+        broken = [int(k) for k in np.argsort(lowest)[:2] if lowest[k] < BROKEN and k not in working]
+        if not broken:
+            return answer, tuple(k for k in working if lowest[k] < TIGHT)
+        working += broken

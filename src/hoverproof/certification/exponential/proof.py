@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.graph import fingerprint
@@ -14,7 +18,7 @@ from hoverproof.certification.certificate import Certificate, rejection, seal
 from hoverproof.certification.exponential.draft import Parts, draft
 from hoverproof.certification.exponential.form import derive_form
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.search import Array, Candidate, Search
+from hoverproof.certification.exponential.search import Candidate, Search
 from hoverproof.certification.exponential.vehicles import (
     Vehicles,
     require_turned,
@@ -28,10 +32,12 @@ from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.servo.law import Law
 
+Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 MOST_STARTS = 16
-WIDER = 0.3, 0.6
-"""By which share the ball of J is widened for the proof, one after the other."""
+ROOMS = (0.3, 0.835), (0.6, 0.835), (0.6, 0.7), (1.0, 0.55)
+"""By which share the ball of J is widened for the proof, and the share of s3* that d is at most,
+one after the other: the trees are shorter."""
 
 
 def converge(
@@ -39,6 +45,7 @@ def converge(
     *,
     starts: Sequence[Start] | None = None,
     progress: Progress | None = None,
+    near: tuple[Array, float] | None = None,
 ) -> Exponential | Undecided:
     """Prove that every vehicle within tolerance converges from some starts.
 
@@ -49,6 +56,8 @@ def converge(
         Sets of states; by default the start of the mission.
     progress : callable, optional
         Is told what is being done.
+    near : (x, rate), optional
+        Where to set out; see `Candidate`.
 
     Raises
     ------
@@ -61,11 +70,11 @@ def converge(
     if refused := why_noisy(mission):
         return Undecided(mission=mission, reason=refused)
     scene, vehicles = Scene.of(mission), Vehicles.of(mission)
-    reason = ""
-    for wider in WIDER:
+    reason, whole = "", Search.of(vehicles, scene, wanted)
+    for wider, highest in ROOMS:
         tell("searching for weights")
-        search = Search(vehicles, scene, wanted, wider)
-        found = _found(search)
+        search = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
+        found = _found(search, near)
         if isinstance(found, str):
             reason = reason or found
             break
@@ -98,7 +107,9 @@ def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> 
         See `converge`.
     """
     _require(mission, starts)
-    search = Search(Vehicles.of(mission), Scene.of(mission), tuple(starts), WIDER[0])
+    whole = Search.of(Vehicles.of(mission), Scene.of(mission), tuple(starts))
+    wider, highest = ROOMS[0]
+    search = replace(whole, wider=wider, highest=highest)
     return search.deepest(search.terms(), near)
 
 
@@ -116,15 +127,30 @@ def _require(mission: Mission, starts: Sequence[Start]) -> None:
     require_turned(mission)
 
 
-def _found(search: Search) -> Candidate | str:
+def _found(search: Search, near: tuple[Array, float] | None) -> Candidate | str:
     """Return a candidate that holds the starts, or why there is none."""
     terms = search.terms()
-    first = search.deepest(terms)
+    first = None if near is None else search.at(*near, terms)
+    if first is None or first.solution.fill > 1:
+        first = search.deepest(terms)
     if first is None:
         return "no weights were found that satisfy the inequality"
     if first.solution.fill > 1:
         return f"Ψ at the start is {first.solution.fill:.3g} times the highest level found"
+    if not search.sees(first):
+        first = search.narrowest(first, terms)
+    if not search.sees(first):
+        angle, half = search.seen(first), search.half_angle or 0
+        return (
+            f"points are seen up to {angle:.3g} rad from the optical axis on the smallest set "
+            f"found, {angle - half:.3g} rad more than the half angle of the camera"
+        )
     return search.soonest(first, terms, search.settled_offset)
+
+
+def _half_angle(mission: Mission) -> float | None:
+    half = mission.camera.half_angle
+    return None if half is None else float(half)
 
 
 def _verdict(
@@ -132,6 +158,7 @@ def _verdict(
 ) -> Exponential:
     claim, r = parts.content["claim"], parts.rounded
     low, high = r.limits.thrust
+    cone = claim["cone"]
     return Exponential(
         mission=mission,
         certificate=certificate,
@@ -145,7 +172,8 @@ def _verdict(
         offset=r.offset,
         tilt=decimal_above(math.asin(r.limits.tilt), 4),
         thrust=(decimal_below(low, 6), decimal_above(high, 6)),
-        field_of_view=None,
+        field_of_view=None if cone is None else decimal_above(math.acos(cone), 4),
+        rotor_thrust=tuple(claim["rotors"]),
         starts=starts,
     )
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,10 +31,10 @@ from hoverproof.descent import Ends, descend
 
 Array = NDArray[np.float64]
 EVALUATIONS = 24
-MOST_RATES, FIRST_STEP, CLOSE = 12, 1.6, 1.04
-FAILED = 1e3
+MOST_RATES, FIRST_STEP = 20, 1.6
+OUTSIDE, FAILED = 500.0, 1e3
 HIGHEST = 0.835
-"""Share of s3* that d is at most: |σ| is small near the target."""
+"""Share of s3* that d is at most, unless said: |σ| is small near the target."""
 SLOWEST = 0.05
 """The rate that is first asked for, as a share of 2 (k1/m)(j - ϱ)."""
 ROOM = 0.01
@@ -43,6 +44,8 @@ SETTLED = 0.1
 NEAR = 0.1
 """Share of |σ - σ*| there that is spared for the proof."""
 DIRECTIONS = 300
+VIEW_ROOM = 0.012
+"""Of the angle under which points are seen: a share that is spared for the proof, and rad."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +74,7 @@ class Tilted:
         by_force = (lean * v.stiffness / v.weight) ** 2
         return cls(by_force, float(lean * v.wind / v.design.gravity))
 
-    def offset(self, weights: Sequence[Fraction], level: float | Array) -> Array:
+    def offset(self, weights: Sequence[Any] | Array, level: float | Array) -> Array:
         """Return what |σ - σ*| is at most where Ψ is at most a level.
 
         Parameters
@@ -122,6 +125,20 @@ class Candidate:
         level = (offset - self.tilted.shift) ** 2 / (2 * factor)
         return float(np.log(max(self.solution.start / level, 1.0)) / self.rate)
 
+    def seen(self, scene: Scene, vehicles: Vehicles) -> float:
+        """Return the angle to the axis under which all is seen from the starts on, rad.
+
+        Parameters
+        ----------
+        scene : Scene
+        vehicles : Vehicles
+        """
+        s = self.solution
+        reach = Reach.of(s.weights, s.start)
+        limits = Limits(vehicles, reach, self.ball[1])
+        offset = float(Tilted.of(limits).offset(s.weights, s.start))
+        return float((1 + VIEW_ROOM) * scene.cone(offset) + np.arcsin(limits.tilt) + VIEW_ROOM)
+
 
 @dataclass(frozen=True)
 class Search:
@@ -132,19 +149,42 @@ class Search:
     vehicles : Vehicles
     scene : Scene
     starts : tuple of Start
+    balls : Balls
+        Of J by d.
     wider : float
         By which share the narrowest ball of J, as sampled, is widened.
+    half_angle : float or None
+        Of the cone about the axis that the camera sees, rad, if it is said.
+    highest : float
+        Share of s3* that d is at most.
     """
 
     vehicles: Vehicles
     scene: Scene
     starts: tuple[Start, ...]
+    balls: Balls
     wider: float = ROOM
+    half_angle: float | None = None
+    highest: float = HIGHEST
+
+    @classmethod
+    def of(cls, vehicles: Vehicles, scene: Scene, starts: tuple[Start, ...]) -> Search:
+        """Prepare a search: sample J.
+
+        Parameters
+        ----------
+        vehicles : Vehicles
+        scene : Scene
+        starts : tuple of Start
+        """
+        return cls(vehicles, scene, starts, Balls.of(scene))
 
     @cached_property
-    def balls(self) -> Balls:
-        """The balls of J by d."""
-        return Balls.of(self.scene)
+    def ends(self) -> tuple[float, float]:
+        """The least d that may hold the starts, and the largest that is searched; NaN if none."""
+        largest = max(float(np.sqrt(2 * self.terms()[:, 0].max())), 1e-3)
+        high = self.highest * self.scene.wanted
+        return (largest, high) if largest < high else (np.nan, np.nan)
 
     @cached_property
     def radius(self) -> Fraction:
@@ -212,10 +252,12 @@ class Search:
         force = 0.95 * low / v.stiffness / (1 + np.exp(-x[1]))
         return Limits(v, Reach(force, 0.75 * force, 1.75 * force, 6 * np.exp(x[0])), ball[1])
 
-    def at(self, x: Array, rate: float, starts: Array) -> Candidate | None:
+    def at(
+        self, x: Array, rate: float, starts: Array, likely: Sequence[int] = ()
+    ) -> Candidate | None:
         """Return d, the ball of J and the best weights, for the logarithm of d and the reach."""
         d = float(np.exp(x[0]))
-        if d > HIGHEST * self.scene.wanted:
+        if d > self.highest * self.scene.wanted:
             return None
         low, high = self.balls.within(d * (1 + ROOM))
         middle, radius = (low + high) / 2, (high - low) / 2 * (1 + self.wider)
@@ -229,10 +271,20 @@ class Search:
         level = ((d - tilted.shift) ** 2 - tilted.factor * limits.reach.force**2) / 2
         if d <= tilted.shift or level <= 0:
             return None
-        found = solve(limits, ball, rate, level, starts)
+        found = solve(limits, ball, rate, level, starts, likely)
         if found is None:
             return None
         return Candidate(x, d, ball, rate, tilted, found)
+
+    def slow(self, d: float) -> float:
+        """Return a slow rate, 1/s.
+
+        Parameters
+        ----------
+        d : float
+        """
+        low, high = self.balls.within(d)
+        return SLOWEST * 2 * max(low, 0.1 * high) / float(self.vehicles.design.slowness)
 
     def deepest(self, starts: Array, near: Array | None = None) -> Candidate | None:
         """Bring the starts as deep inside as can be, at a slow rate.
@@ -244,16 +296,20 @@ class Search:
         near : (2,), optional
             Where a candidate was found for a question that is much the same.
         """
-        largest = max(float(np.sqrt(2 * starts[:, 0].max())), 1e-3)
-        if largest >= HIGHEST * self.scene.wanted:
+        low, high = np.log(self.ends)
+        if not low < high:
             return None
-        low, high = np.log(largest), np.log(HIGHEST * self.scene.wanted)
-        ball = self.balls.within(largest)
-        rate = SLOWEST * 2 * max(ball[0], 0.1 * ball[1]) / float(self.vehicles.design.slowness)
+        rate = self.slow(self.ends[0])
+
+        likely: tuple[int, ...] = ()
 
         def cost(x: Array) -> float:
-            found = self.at(x, rate, starts)
-            return FAILED if found is None else float(np.log(found.solution.fill))
+            nonlocal likely
+            found = self.at(x, rate, starts, likely)
+            if found is None:
+                return FAILED
+            likely = found.solution.tight
+            return float(np.log(found.solution.fill))
 
         guesses = [
             np.array([low + part * (high - low), share])
@@ -274,6 +330,22 @@ class Search:
             begin = _minimum(cost, np.vstack([begin, begin + steps]), EVALUATIONS)
         return self.at(begin, rate, starts)
 
+    def cost(self, found: Candidate | None, offset: float) -> float:
+        """Return the logarithm of the time until |σ - σ*| is below an offset, or more.
+
+        Parameters
+        ----------
+        found : Candidate or None
+        offset : float
+        """
+        if found is None:
+            return FAILED
+        if found.solution.fill > 1 - ROOM:
+            return OUTSIDE + float(np.log(found.solution.fill))
+        if not self.sees(found):
+            return OUTSIDE + self.seen(found)
+        return float(np.log(found.time(offset)))
+
     def soonest(self, first: Candidate, starts: Array, offset: float) -> Candidate:
         """Make the time short in which |σ - σ*| is surely below an offset, from a candidate.
 
@@ -286,36 +358,63 @@ class Search:
         """
         best = first
 
-        def cost(x: Array) -> float:
+        def cost(z: Array) -> float:
             nonlocal best
-            found = self._fastest(x, best.rate, starts)
-            if found is None:
-                return FAILED
-            if found.time(offset) < best.time(offset):
+            found = self.at(z[:2], float(np.exp(z[2])), starts, best.solution.tight)
+            value = self.cost(found, offset)
+            if found is not None and value < self.cost(best, offset):
                 best = found
-            return float(np.log(found.time(offset)))
+            return value
 
-        begin = first.x
-        _minimum(cost, np.vstack([begin, begin + np.diag([-0.04, 0.4])]), EVALUATIONS // 2)
+        for _ in range(MOST_RATES):
+            if cost(np.array([*first.x, np.log(FIRST_STEP * best.rate)])) >= OUTSIDE:
+                break
+        begin = np.array([*best.x, np.log(best.rate)])
+        _minimum(cost, np.vstack([begin, begin + np.diag([-0.03, 0.4, 0.2])]), 2 * EVALUATIONS)
         return best
 
-    def _fastest(self, x: Array, rate: float, starts: Array) -> Candidate | None:
-        """Find the largest rate, near one, at which the starts are inside."""
-        found, step = None, FIRST_STEP
-        for _ in range(MOST_RATES):
-            new = self.at(x, rate, starts)
-            if new is not None and new.solution.fill <= 1 - ROOM:
-                found = new
-            elif found is not None:
-                rate, step = found.rate, step**0.5
-            else:
-                step = step**0.5
-                rate /= step**3
-                continue
-            if step < CLOSE:
-                break
-            rate *= step
-        return found
+    def narrowest(self, first: Candidate, starts: Array) -> Candidate:
+        """Make the angle to the axis narrow under which all is seen, from a candidate.
+
+        Parameters
+        ----------
+        first : Candidate
+        starts : (k, 8)
+            See `terms`.
+        """
+        best = first
+
+        def cost(x: Array) -> float:
+            nonlocal best
+            found = self.at(x, first.rate, starts)
+            if found is None or found.solution.fill > 1 - ROOM:
+                return FAILED
+            seen = self.seen(found)
+            if seen < self.seen(best):
+                best = found
+            return float(np.log(seen))
+
+        begin = first.x
+        _minimum(cost, np.vstack([begin, begin + np.diag([-0.04, -0.4])]), EVALUATIONS)
+        return best
+
+    def seen(self, found: Candidate) -> float:
+        """Return the angle to the axis under which all is seen, rad.
+
+        Parameters
+        ----------
+        found : Candidate
+        """
+        return found.seen(self.scene, self.vehicles)
+
+    def sees(self, found: Candidate) -> bool:
+        """Tell whether all is seen within the half angle of the camera, where one is said.
+
+        Parameters
+        ----------
+        found : Candidate
+        """
+        return self.half_angle is None or self.seen(found) <= self.half_angle
 
 
 def _minimum(cost: Callable[[Array], float], simplex: Array, evaluations: int) -> Array:

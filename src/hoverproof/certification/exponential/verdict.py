@@ -17,6 +17,9 @@ NOT_COVERED = (
 )
 """What no theorem about vehicles within tolerance says, in words."""
 
+HIDDEN = "target points that are hidden, or were out of view before the start"
+"""What is left of the last of them where all points are proved to be in view."""
+
 
 @dataclass(frozen=True)
 class Settling:
@@ -62,7 +65,10 @@ class Exponential(Proved):
     thrust : (low, high)
         Bounds of the thrust over the true mass, times m, on the way, N.
     field_of_view : Fraction or None
-        Every target point is seen within that angle of the optical axis on the way, rad.
+        Every target point is seen within that angle of the optical axis on the way, rad; not said
+        where it is not shown to be below a right angle.
+    rotor_thrust : (low, high)
+        Bounds of what each rotor makes, and is set to make, on the way, N; see `rotors`.
     starts : tuple of Start
     """
 
@@ -77,4 +83,5 @@ class Exponential(Proved):
     tilt: Fraction
     thrust: tuple[Fraction, Fraction]
     field_of_view: Fraction | None
+    rotor_thrust: tuple[Fraction, Fraction]
     starts: tuple[Start, ...]

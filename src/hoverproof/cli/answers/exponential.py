@@ -26,7 +26,7 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     yield f"  settled                 after {number(settling.time)} s: from then on within"
     yield f"                          {number(settling.radius)} m of the goal"
     yield f"  decay rate              Ψ falls as exp(-r t), r = {number(verdict.rate)} 1/s"
-    yield f"  Ψ at the start          {number(verdict.start_level)} of {number(verdict.level)}"
+    yield f"  Ψ                       {number(verdict.level)} or less from the start on"
     yield f"  weights w2, w3, w4      {', '.join(map(number, verdict.weights))}"
     yield "  On the way:"
     yield f"  height                  in {interval(heights(verdict))} m above the target"
@@ -36,6 +36,8 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     if verdict.field_of_view is not None:
         angle = f"{number(verdict.field_of_view)} rad ({math.degrees(verdict.field_of_view):.3g}°)"
         yield f"  target points           within {angle} of the optical axis"
+    yield f"  thrust of each rotor    in {interval(verdict.rotor_thrust)} N"
+    yield from map("  {}".format, beyond(verdict))
     symbol = "J" if verdict.mission.law.feature == "scaled" else "Q"
     ball = f"j = {number((low + high) / 2)}, ϱ = {number((high - low) / 2)} 1/m"
     yield f"  |{symbol} - j I| <= ϱ          {ball}"
@@ -50,6 +52,26 @@ def heights(verdict: Exponential) -> tuple[float, float]:
     """
     low, high = verdict.wedge[2]
     return float(1 / high), float(1 / low)
+
+
+def beyond(verdict: Exponential) -> list[str]:
+    """Say which limits of the rotors the bounds of their thrust pass, and by how much.
+
+    Parameters
+    ----------
+    verdict : Exponential
+    """
+    (low, high), rotors = verdict.rotor_thrust, verdict.mission.rotors
+    said = []
+    if rotors.min_thrust is not None and low < rotors.min_thrust:
+        short = number(rotors.min_thrust - low)
+        said.append(
+            f"min_thrust is not shown to be kept, by {short} N: the proof has no such limit"
+        )
+    if rotors.max_thrust is not None and high > rotors.max_thrust:
+        over = number(high - rotors.max_thrust)
+        said.append(f"max_thrust is not shown to be kept, by {over} N: the proof has no such limit")
+    return said
 
 
 def as_json(verdict: Exponential) -> dict[str, Any]:
@@ -72,6 +94,8 @@ def as_json(verdict: Exponential) -> dict[str, Any]:
         "thrust": numbers(verdict.thrust),
         "slope": numbers(verdict.slope),
         "field_of_view": None if view is None else float(view),
+        "rotor_thrust": numbers(verdict.rotor_thrust),
+        "rotor_limits_kept": not beyond(verdict),
         "starts": [exact(start.content()) for start in verdict.starts],
         "units": {
             "decay_rate": "1/s, of Ψ",
