@@ -152,9 +152,8 @@ def test_a_certificate_says_that_it_considers_none_of_it(capsys):
 
 def test_every_answer_about_the_mission_says_what_it_leaves_out(capsys):
     asked = ("x4-flyer", "--set", "uncertainty.torque=0.2")
-    for command in (("attraction", "--no-figure"), ("simulate", "--no-figures")):
-        _, out = printed(capsys, command[0], *asked, *command[1:])
-        assert out.splitlines()[1] == "  not considered          torque ±20 %"
+    _, out = printed(capsys, "simulate", *asked, "--no-figures")
+    assert out.splitlines()[1] == "  not considered          torque ±20 %"
     _, out = printed(capsys, "certify", *asked, "--json")
     assert "not considered: torque ±20 %" in json.loads(out)["warnings"]
     _, out = printed(capsys, "certify", "x4-flyer")
