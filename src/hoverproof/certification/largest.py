@@ -61,8 +61,8 @@ class Largest:
     verdict : Attraction, Exponential, Sinks or Undecided
         About the mission with that value; not proved only if it is zero.
     fills : tuple of (value, fill)
-        What was tried, ascending: the Lyapunov function at the starts over the highest level,
-        in floating point; infinite where nothing was found.
+        What was tried, ascending: the Lyapunov function at the starts over the highest level
+        found, in floating point; infinite where nothing was found.
     """
 
     name: Tolerance

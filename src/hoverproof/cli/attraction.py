@@ -108,11 +108,13 @@ def attraction(
     return tell(AttractionAnswer(verdict, path, picture, found), json_, loaded)
 
 
-def _draw(verdict: Attraction | Exponential, path: Path) -> Path:
+def _draw(verdict: Attraction | Exponential, path: Path) -> Path | None:
     from hoverproof.certification.attraction.verdict import Attraction
 
     picture = path.with_name(f"{path.name.removesuffix('.json').removesuffix('.cert')}.png")
     if isinstance(verdict, Attraction):
+        if not verdict.mission.law.is_papers:  # whose flights and potential it draws
+            return None
         from hoverproof.show.attraction import save_attraction_figure
 
         save_attraction_figure(verdict, picture)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -11,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.potential import sphere
@@ -122,7 +124,7 @@ class View:
         return np.asarray(terms @ [float(Fraction(w)) for w in weights])
 
     def distances(self, offsets: Array) -> Array:
-        """Return the largest distance from the goal, m, of places with |σ - σ*| <= offset, (k,).
+        """Return how far from the goal |σ - σ*| may be an offset, m, (k,).
 
         Parameters
         ----------
@@ -133,7 +135,15 @@ class View:
         with np.errstate(all="ignore"):
             far = np.linalg.norm(self.scene.offset(places.reshape(-1, 3)), axis=1)
         far = np.nan_to_num(far, nan=np.inf).reshape(DIRECTIONS, -1)
-        return np.array([radii[np.argmax(far >= d, axis=1)].max() for d in offsets])
+        each = np.arange(DIRECTIONS)
+
+        def farthest(d: float) -> float:
+            end = np.maximum(np.argmax(far >= d, axis=1), 1)
+            near, beyond = far[each, end - 1], far[each, end]
+            part = np.clip((d - near) / (beyond - near), 0, 1)
+            return float((radii[end - 1] + part * (radii[end] - radii[end - 1])).max())
+
+        return np.array([farthest(float(d)) for d in offsets])
 
 
 def exponential_figure(verdict: Exponential) -> Figure:
@@ -148,21 +158,31 @@ def exponential_figure(verdict: Exponential) -> Figure:
         From `hoverproof.attraction`.
     """
     view, mission = View(verdict), verdict.mission
-    own = Start.of(mission) in verdict.starts
-    until = LONGER * float(verdict.settling.time)
-    flight = flown(mission, Timing(duration=until)) if own else None
+    flight = fly(view)
     figure = Figure(figsize=(13, 6.2), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1, 1.15))
     covers = ", ".join(mission.uncertainty.covers())
-    figure.suptitle(
-        f"{mission.name}: {f'every vehicle with {covers}' if covers else 'as modelled'}"
-    )
+    who = f"every vehicle with {covers}" if covers else "the vehicle as modelled"
+    figure.suptitle("\n".join(textwrap.wrap(f"{mission.name}: {who}", 100)))
     draw_section(left, view, flight)
     left.set_title("vertical section through goal and start")
     draw_distance(right, view, flight)
     right.set_title("settling")
     figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
+
+
+def fly(view: View) -> Record | None:
+    """Simulate the mission, if what is proved is about its start.
+
+    Parameters
+    ----------
+    view : View
+    """
+    verdict = view.verdict
+    if Start.of(verdict.mission) not in verdict.starts:
+        return None
+    return flown(verdict.mission, Timing(duration=LONGER * float(verdict.settling.time)))
 
 
 def draw_section(axes: Axes, view: View, flight: Record | None) -> None:
@@ -200,6 +220,7 @@ def draw_section(axes: Axes, view: View, flight: Record | None) -> None:
     axes.set_xlim(-side, side)
     axes.set_ylim(-0.03 * height, height)
     axes.set_aspect("equal")
+    axes.xaxis.set_major_locator(MaxNLocator(6))
     axes.set_xlabel("horizontal distance from the goal, toward the start (m)")
     axes.set_ylabel("height above the target (m)")
     axes.grid(alpha=0.3)
@@ -224,10 +245,8 @@ def _draw_starts(axes: Axes, view: View) -> None:
         corners = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3)
         across, height = view.seen(corners)
         if np.ptp(across) or np.ptp(height):
-            low = (across.min(), height.min())
-            axes.add_patch(
-                Rectangle(low, np.ptp(across), np.ptp(height), fill=False, linewidth=1.5)
-            )
+            low, size = (across.min(), height.min()), (np.ptp(across), np.ptp(height))
+            axes.add_patch(Rectangle(low, *size, fill=False, linewidth=1.5))
         else:
             axes.plot(*view.seen(middle[None]), "D", color="white", markeredgecolor="black")
     axes.plot([], [], "D", color="white", markeredgecolor="black", label="proved starts")
@@ -250,7 +269,7 @@ def draw_distance(axes: Axes, view: View, flight: Record | None) -> None:
     level = float(verdict.start_level) * np.exp(-float(verdict.rate) * time)
     bound = view.distances(view.offset(level))
     rate = f"{float(verdict.rate):.3g}"
-    axes.semilogy(time, bound, "--", color=COLOURS[0], label=f"from Ψ ≤ Ψ(0) exp(−{rate} t)")
+    axes.semilogy(time, bound, "--", color=COLOURS[0], label=f"bound, Ψ ≤ Ψ(0) exp(−{rate} t)")
     radius, soon = float(settling.radius), float(settling.time)
     axes.plot([soon, until], [radius, radius], color="black", linewidth=2)
     axes.plot(soon, radius, "o", color="black")
@@ -261,7 +280,7 @@ def draw_distance(axes: Axes, view: View, flight: Record | None) -> None:
         far = np.linalg.norm(away, axis=1)
         axes.plot(flight["time"].values, far, color=COLOURS[1], label="simulated flight (no proof)")
         least = min(least, float(np.clip(far[far > 0].min(), 1e-4 * bound[0], None)))
-    axes.set_ylim(0.5 * least, 3 * bound[0])
+    axes.set_ylim(0.5 * least, 1.6 * bound[0])
     axes.set_xlim(0, until)
     axes.set_xlabel("time (s)")
     axes.set_ylabel("distance from the goal (m)")

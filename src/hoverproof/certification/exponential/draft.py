@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -174,7 +175,7 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
         If the checker would not be shown what it asks for.
     """
     r, hover = Rounded.of(search, found), hover_goal(mission)
-    seen = hover.centroid
+    seen: Sequence[tuple[Fraction, Fraction]] = hover.centroid
     if mission.law.feature == "scaled":
         seen = tuple(scaled_centroid(seen, len(mission.target.points)))
     offset = decimal_below(search.settled_offset, DIGITS)

@@ -256,7 +256,7 @@ class Limits:
 
     @cached_property
     def stretching(self) -> float:
-        """Bound of |D_c'/D_c| with rotors that lag, 1/s: the lever of a steady torque."""
+        """Bound of |D_c'/D_c| with rotors that lag, 1/s."""
         return (1 + self.vehicles.thrust) * self.sinking + self.crosswind
 
     def vertices(self) -> Iterator[tuple[float, ...]]:

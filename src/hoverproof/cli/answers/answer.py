@@ -59,7 +59,7 @@ def tell(answer: Answer, json_: bool, mission: Mission | None = None) -> int:
 def print_json(
     value: dict[str, Any], mission: Mission | None = None, left: Sequence[str] | None = None
 ) -> None:
-    """Print one JSON object, with the law of the mission and warnings, also of what is left."""
+    """Print one JSON object, with the law of the mission, and warnings, of what is left out too."""
     if mission is not None:
         left = mission.asks_to_cover() if left is None else left
         from hoverproof.plausibility import warnings

@@ -73,7 +73,10 @@ class AttractionAnswer(Answer):
             ):
                 yield textwrap.fill(words, 80, initial_indent="  ", subsequent_indent="    ")
             return
-        yield from _motion(verdict) if isinstance(verdict, Sinks) else _proved(verdict)
+        if isinstance(verdict, Sinks):
+            yield from _motion(verdict)
+        else:
+            yield from _proved(verdict)
         yield f"  certificate             {self.path}"
         if self.picture is not None:
             yield f"  figure                  {self.picture}"
@@ -138,14 +141,14 @@ def considered(verdict: Converges) -> list[str]:
 
 
 def _proved(verdict: Attraction | Exponential) -> Iterator[str]:
-    covers = ", ".join(verdict.mission.uncertainty.covers())
-    turning = _turning(verdict.mission.uncertainty)
-    who = f"every vehicle with {covers}" if covers else "the vehicle as modelled"
-    theorem = "theorem 5, exponential"
+    may = verdict.mission.uncertainty
+    who = f"every vehicle with {', '.join(may.covers())}" if may.covers() else "the vehicle"
+    theorem, where = "theorem 5, exponential", "from"
     if isinstance(verdict, Attraction):
-        theorem = f"theorem {6 if verdict.tolerant else 3}, potential"
+        theorem, where = f"theorem {6 if verdict.tolerant else 3}, potential", _states(verdict)
     yield from textwrap.wrap(
-        f"{who} converges to the goal ({theorem}): the controller may be switched on, {turning},",
+        f"{who} converges to the goal ({theorem}): the controller may be switched on, "
+        f"{_turning(may)}, {where}",
         80,
         initial_indent="  ",
         subsequent_indent="  ",
@@ -154,6 +157,14 @@ def _proved(verdict: Attraction | Exponential) -> Iterator[str]:
         yield from exponential.lines(verdict, [describe(start) for start in verdict.starts])
     else:
         yield from _region(verdict)
+
+
+def _states(verdict: Attraction) -> str:
+    inside = f"{'Ψ' if verdict.tolerant else 'Λ'} <= {number(verdict.level)}"
+    if verdict.barrier_height is None:
+        return f"in every state with {inside} and T > 0; from hover, about the goal:"
+    above = f"at least {number(verdict.barrier_height)} m above the target"
+    return f"in every level hover with {inside} {above}, so about the goal"
 
 
 def _turning(may: Uncertainty) -> str:
@@ -167,13 +178,6 @@ def _turning(may: Uncertainty) -> str:
 def _region(verdict: Attraction) -> Iterator[str]:
     reach, height = verdict.reach, verdict.barrier_height
     symbol = "Ψ" if verdict.tolerant else "Λ"
-    level = number(verdict.level)
-    if height is None:
-        yield f"  in every state with {symbol} <= {level} and T > 0; from hover, about the goal:"
-    else:
-        above = f"at least {number(height)} m above the"
-        yield f"  in every level hover with {symbol} <= {level} {above}"
-        yield "  target, so about the goal"
     yield f"  sideways, all round     {number(reach.sideways)} m"
     yield f"  up                      {number(reach.up)} m"
     yield f"  down                    {number(reach.down)} m"

@@ -21,7 +21,6 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
         Its starts in words.
     """
     settling, (low, high) = verdict.settling, verdict.slope
-    yield "  from"
     for start in starts:
         yield f"  start                   {start}"
     yield f"  settled                 after {number(settling.time)} s: from then on within"
