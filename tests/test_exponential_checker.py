@@ -148,7 +148,7 @@ def test_no_state_of_a_start_has_a_higher_psi(law):
         high, level = sorted(rng.uniform(0, 0.3, size=2))[::-1]
         e = level * pointed(rng, 2)
         e = np.r_[e, rng.choice([-1, 1]) * np.sqrt(high**2 - level**2)]
-        bound = float(sum(v.claim.at_start(asked, F(high), F(level))))
+        bound = float(v.claim.at_start(asked, F(high), F(level)))
         most.append((v.energy(at_start(v, rng, e), v.may.rotor_lag) + moved) / bound)
     assert max(most) < 1
     assert max(most) > 0.5
@@ -210,7 +210,7 @@ PLACES = {
 def content():
     """Return a certificate that stands if cells are as `PLACES` says."""
     found = proved(**TOLERANCES)
-    bound = sum(claim_of(found).at_start(claim_of(found).c.claim.starts[0], F(3), F(2)))
+    bound = claim_of(found).at_start(claim_of(found).c.claim.starts[0], F(3), F(2))
     found["domain"] |= {"offset": "751/100", "cone": "1/2", "tree": halved(6)}
     found["trees"]["near"] = halved(6)
     found["claim"] |= {"start_level": str(F(math.ceil(bound * 1000), 1000)), "cone": "39/100"}

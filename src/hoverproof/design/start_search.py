@@ -128,7 +128,7 @@ class StartSearch:
                 hover = float(self.mission.vehicle.weight) / 4
                 excess.append(float(thrusts.max()) / most)
                 excess.append(1 + (least - float(thrusts.min())) / hover)
-        return max(max(excess) - 1, 0.0)
+        return float(max(max(excess) - 1, 0.0))
 
     def at(self, z: Array, likely: tuple[int, ...] = ()) -> tuple[float, Candidate | None]:
         """Return the cost of a point and what it is of.
@@ -180,7 +180,8 @@ class StartSearch:
             Is told what is being done.
         """
         tell("looking for gains to set out from")
-        best, likely = Point(FAILED, np.zeros(7)), ()
+        best = Point(FAILED, np.zeros(7))
+        likely: tuple[int, ...] = ()
         for z in self.guesses():
             cost, found = self.at(z, likely)
             best = min(best, Point(cost, z), key=lambda p: p.cost)

@@ -146,7 +146,7 @@ class Domain:
             return scaled.in_ball(sight.slope(), len(cells), *self.bounds)
         view = View.of(self.scene.points, self._boxes(cells))
         low, high = self.bounds
-        return largest_below(view, high) & smallest_above(view, low)
+        return np.asarray(largest_below(view, high) & smallest_above(view, low))
 
     def _corners(self, cells: Array) -> Array:
         """Return the positions of the corners of wedges, (k, 8, 3), m."""

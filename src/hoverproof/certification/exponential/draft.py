@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -101,7 +102,7 @@ class Rounded:
             slope=short(s.slope),
             multipliers=tuple(map(short, s.multipliers)),
             ball=(decimal_above(found.ball[0], 5), decimal_below(found.ball[1], 5)),
-            offset=decimal_above(tilted.offset(reach, float(level)) * (1 + SPARE), DIGITS),
+            offset=decimal_above(float(tilted.offset(weights, float(level))) * (1 + SPARE), DIGITS),
             level=level,
             rate=short(found.rate),
             limits=limits,
@@ -197,7 +198,7 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
         If the checker would not be shown what it asks for.
     """
     r, hover = Rounded.of(search, found), hover_goal(mission)
-    seen = hover.centroid
+    seen: Sequence[tuple[Fraction, Fraction]] = hover.centroid
     if mission.law.feature == "scaled":
         seen = tuple(scaled_centroid(seen, len(mission.target.points)))
     offset = decimal_below(search.settled_offset, DIGITS)

@@ -63,6 +63,10 @@ def converge(
     tell = progress or (lambda text: None)
     wanted = tuple(starts or [Start.of(mission)])
     _require(mission, wanted)
+    noise = mission.uncertainty.noise
+    if noise.force or noise.rate:
+        reason = "noise of the force and of the body rates is not covered"
+        return Undecided(mission=mission, reason=reason)
     scene, vehicles = Scene.of(mission), Vehicles.of(mission)
     reason, whole = "", Search.of(vehicles, scene, wanted)
     for wider, highest in ROOMS:
@@ -83,6 +87,28 @@ def converge(
         if not reason:
             return _verdict(mission, certificate, parts, wanted)
     return Undecided(mission=mission, reason=reason, advice=_advice(mission))
+
+
+def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> Candidate | None:
+    """Search without proving: Ψ of the starts is below the level if the fill is below 1 - `ROOM`.
+
+    Parameters
+    ----------
+    mission : Mission
+    starts : sequence of Start
+    near : (2,), or None
+        See `Search.deepest`.
+
+    Raises
+    ------
+    InputError
+        See `converge`.
+    """
+    _require(mission, starts)
+    whole = Search.of(Vehicles.of(mission), Scene.of(mission), tuple(starts))
+    wider, highest = ROOMS[0]
+    search = replace(whole, wider=wider, highest=highest)
+    return search.deepest(search.terms(), near)
 
 
 def _require(mission: Mission, starts: Sequence[Start]) -> None:

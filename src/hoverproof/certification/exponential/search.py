@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,16 +79,17 @@ class Tilted:
         by_force = (lean * v.stiffness / v.weight) ** 2
         return cls(by_force, float(lean * v.wind / v.design.gravity))
 
-    def offset(self, reach: Reach, level: float) -> float:
-        """Return what |σ - σ*| is at most where Ψ <= level.
+    def offset(self, weights: Sequence[Any] | Array, level: float | Array) -> Array:
+        """Return what |σ - σ*| is at most where Ψ is at most a level.
 
         Parameters
         ----------
-        reach : Reach
-            Of the errors there.
-        level : float
+        weights : (3,)
+            w2, w3, w4.
+        level : float or array
         """
-        return float(np.sqrt(2 * level + self.factor * reach.force**2) + self.shift)
+        w2, w3, _ = map(float, weights)
+        return np.asarray(np.sqrt(2 * level * (1 + self.factor * (1 / w2 + 1 / w3))) + self.shift)
 
 
 @dataclass(frozen=True)
@@ -142,7 +144,7 @@ class Candidate:
         s = self.solution
         reach = Reach.of(s.weights, s.start)
         limits = Limits(vehicles, reach, self.ball[1])
-        offset = Tilted.of(limits).offset(reach, s.start)
+        offset = float(Tilted.of(limits).offset(s.weights, s.start))
         return float((1 + VIEW_ROOM) * scene.cone(offset) + np.arcsin(limits.tilt) + VIEW_ROOM)
 
 
@@ -217,30 +219,41 @@ class Search:
         return np.array([self._terms(start) for start in self.starts])
 
     def _terms(self, start: Start) -> Array:
-        v, lam = self.vehicles, self.balls.within(0.97 * self.scene.wanted)[1]
-        d = v.design
-        speed, tilt, rate, thrust = map(float, (start.speed, start.tilt, start.rate, start.thrust))
         sides = np.array(start.position, float)
         corners = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3)
         off = self.scene.offset(np.unique(corners, axis=0))
+        away, level = np.linalg.norm(off, axis=1).max(), np.linalg.norm(off[:, :2], axis=1).max()
+        return np.asarray(self.terms_at(np.array([away]), np.array([level]), start)[0])
+
+    def terms_at(self, away: Array, level: Array, start: Start) -> Array:
+        """Return what (1, parameters) are multiplied by in Ψ of states, (k, 8).
+
+        Parameters
+        ----------
+        away, level : (k,)
+            |σ - σ*| where they are, and its horizontal part.
+        start : Start
+            Bounds of speed, tilt, rate and thrust; its position is not looked at.
+        """
+        v, lam = self.vehicles, self.balls.within(0.97 * self.scene.wanted)[1]
+        d = v.design
+        speed, tilt, rate, thrust = map(float, (start.speed, start.tilt, start.rate, start.thrust))
         force = thrust + v.weight * tilt
         lean = force / v.weight + v.wind / float(d.gravity)
         lean *= np.sqrt(2 / (1 + np.sqrt(max(1 - lean**2, 0.01))))
-        away = float(np.linalg.norm(off, axis=1).max())
         whole = away + v.in_image * lean
-        level = float(np.linalg.norm(off[:, :2], axis=1).max())
-        flat = min(whole, level + lean * (away + v.in_image))
+        flat = np.minimum(whole, level + lean * (away + v.in_image))
         moved, pushed = float(d.slowness) * speed, force / v.stiffness
         lever = v.weight + force - v.stiffness * v.in_image
         turned = lever * rate / (v.stiffness * v.pace)
         d2, d3 = whole + moved, whole + moved + pushed
         d4 = flat + moved + pushed + turned
         asked = (v.pace + float(d.k4 / d.mass)) * d4 + v.pull * pushed
-        result = np.zeros(1 + PARAMETERS)
-        result[[0, W2, W3, W4]] = np.array([whole, d2, d3, d4]) ** 2 / 2
-        result[TORQUE] = v.rotor_lag / 2 * asked**2
-        result[THRUST] = v.rotor_lag / 2 * (v.pace * d3) ** 2
-        result[MEMORY] = v.latency**2 / 2 * (lam * speed) ** 2
+        result = np.zeros((len(whole), 1 + PARAMETERS))
+        result[:, [0, W2, W3, W4]] = np.stack([whole, d2, d3, d4], axis=1) ** 2 / 2
+        result[:, TORQUE] = v.rotor_lag / 2 * asked**2
+        result[:, THRUST] = v.rotor_lag / 2 * (v.pace * d3) ** 2
+        result[:, MEMORY] = v.latency**2 / 2 * (lam * speed) ** 2
         return result
 
     def limits(self, x: Array, ball: tuple[float, float]) -> Limits:
@@ -293,8 +306,16 @@ class Search:
         share = SLOWEST_IN_NOISE if self.vehicles.noise else SLOWEST
         return share * 2 * max(low, 0.1 * high) / float(self.vehicles.design.slowness)
 
-    def deepest(self, starts: Array) -> Candidate | None:
-        """Bring the starts as deep inside as can be, at a slow rate."""
+    def deepest(self, starts: Array, near: Array | None = None) -> Candidate | None:
+        """Bring the starts as deep inside as can be, at a slow rate.
+
+        Parameters
+        ----------
+        starts : (k, 8)
+            See `terms`.
+        near : (2,), optional
+            Where a candidate was found for a question that is much the same.
+        """
         low, high = np.log(self.ends)
         if not low < high:
             return None
@@ -315,6 +336,7 @@ class Search:
             for part in (0.6, 0.85, 0.3)
             for share in (-1.7, -3.0, -0.5)
         ]
+        guesses = guesses if near is None else [near, *guesses]
         begin, least = None, FAILED
         for guess in guesses:
             if (value := cost(guess)) < least:

@@ -43,6 +43,19 @@ def require_turned(mission: Mission) -> None:
         )
 
 
+def why_noisy(mission: Mission) -> str:
+    """Return why a mission with bounded noise is not covered; empty if it has none.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    noise = mission.uncertainty.noise
+    if noise == type(noise)():
+        return ""
+    return "bounded noise is not covered by a region of attraction: the motion ends near the goal"
+
+
 @dataclass(frozen=True)
 class Vehicles:
     """A design, and the tolerances within which the vehicle is.
@@ -249,7 +262,7 @@ class Limits:
 
     @cached_property
     def stretching(self) -> float:
-        """Bound of |D_c'/D_c| with rotors that lag, 1/s: the lever of a steady torque."""
+        """Bound of |D_c'/D_c| with rotors that lag, 1/s."""
         return (1 + self.vehicles.thrust) * self.sinking + self.crosswind
 
     def vertices(self) -> Iterator[tuple[float, ...]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -13,7 +12,7 @@ from hoverproof.cli.answers.words import interval, number, numbers
 
 
 def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
-    """Yield the lines for people.
+    """Yield the lines for people, after the one that says which vehicles converge.
 
     Parameters
     ----------
@@ -21,38 +20,40 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     starts : sequence of str
         Its starts in words.
     """
-    covers = verdict.mission.uncertainty.covers()
-    who = f"with {', '.join(covers)}" if covers else "that is just as modelled"
-    yield from textwrap.wrap(
-        f"every vehicle {who} converges to the goal (theorem 5), with any heading, from",
-        80,
-        initial_indent="  ",
-        subsequent_indent="  ",
-    )
-    settling, slope = verdict.settling, verdict.slope
+    settling, (low, high) = verdict.settling, verdict.slope
     for start in starts:
         yield f"  start                   {start}"
-    near, time = number(settling.radius), number(settling.time)
-    yield f"  settled                 within {near} m after {time} s"
-    yield f"  Ψ falls as exp(-r t)    r = {number(verdict.rate)} 1/s"
-    yield f"  Ψ from the start on     {number(verdict.level)} or less"
+    yield f"  settled                 after {number(settling.time)} s: from then on within"
+    yield f"                          {number(settling.radius)} m of the goal"
+    yield f"  decay rate              Ψ falls as exp(-r t), r = {number(verdict.rate)} 1/s"
+    yield f"  Ψ                       {number(verdict.level)} or less from the start on"
     yield f"  weights w2, w3, w4      {', '.join(map(number, verdict.weights))}"
     if verdict.ultimate_radius is not None:
         yield f"  in the end              within {number(verdict.ultimate_radius)} m, by the noise"
     yield "  On the way:"
-    low, high = (1 / u for u in reversed(verdict.wedge[2]))
-    yield f"  height over the target  in {interval((low, high))} m"
+    yield f"  height                  in {interval(heights(verdict))} m above the target"
     yield f"  tilt                    {number(verdict.tilt)} rad or less"
-    yield f"  thrust over mass, × m   in {interval(verdict.thrust)} N"
+    yield f"  thrust                  in {interval(verdict.thrust)} N,"
+    yield "                          over the true mass times the modelled"
     if verdict.field_of_view is not None:
-        angle = verdict.field_of_view
-        degrees = f"{math.degrees(angle):.3g}°"
-        yield f"  points are seen within  {number(angle)} rad ({degrees}) of the axis"
+        angle = f"{number(verdict.field_of_view)} rad ({math.degrees(verdict.field_of_view):.3g}°)"
+        yield f"  target points           within {angle} of the optical axis"
     yield f"  thrust of each rotor    in {interval(verdict.rotor_thrust)} N"
     yield from map("  {}".format, beyond(verdict))
-    middle, radius = sum(slope) / 2, (slope[1] - slope[0]) / 2
     symbol = "J" if verdict.mission.law.feature == "scaled" else "Q"
-    yield f"  |{symbol} - j I| <= ϱ           j = {number(middle)}, ϱ = {number(radius)} 1/m"
+    ball = f"j = {number((low + high) / 2)}, ϱ = {number((high - low) / 2)} 1/m"
+    yield f"  |{symbol} - j I| <= ϱ          {ball}"
+
+
+def heights(verdict: Exponential) -> tuple[float, float]:
+    """Return the ends of the heights above the mean of the target on the way, m.
+
+    Parameters
+    ----------
+    verdict : Exponential
+    """
+    low, high = verdict.wedge[2]
+    return float(1 / high), float(1 / low)
 
 
 def beyond(verdict: Exponential) -> list[str]:
@@ -90,7 +91,7 @@ def as_json(verdict: Exponential) -> dict[str, Any]:
         "decay_rate": float(verdict.rate),
         "settling_time": float(verdict.settling.time),
         "settling_radius": float(verdict.settling.radius),
-        "heights": numbers(1 / u for u in reversed(verdict.wedge[2])),
+        "heights": numbers(heights(verdict)),
         "tilt": float(verdict.tilt),
         "thrust": numbers(verdict.thrust),
         "slope": numbers(verdict.slope),
@@ -103,12 +104,12 @@ def as_json(verdict: Exponential) -> dict[str, Any]:
             "decay_rate": "1/s, of Ψ",
             "settling_time": "s, to settling_radius for good",
             "settling_radius": "m from the goal",
-            "heights": "m, above the mean of the target",
+            "heights": "m above the mean of the target",
             "tilt": "rad",
-            "thrust": "N, over the true mass, times the modelled",
+            "thrust": "N, over the true mass times the modelled",
             "slope": "1/m",
             "ultimate_radius": "m from the goal, in the end",
-            "rotor_thrust": "N",
             "field_of_view": "rad from the optical axis",
+            "rotor_thrust": "N, of each rotor",
         },
     }
