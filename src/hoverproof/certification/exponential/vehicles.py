@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -87,6 +87,18 @@ class Vehicles:
         numbers = np.array([float(x) for x in law.design.values(mission, feature)])
         names = ("thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate")
         return cls(law, numbers, float(feature[2]), *(float(getattr(covered, x)) for x in names))
+
+    def allowing(self, name: str, size: float) -> Vehicles:
+        """Return them with another tolerance.
+
+        Parameters
+        ----------
+        name : str
+            thrust, torque, latency, rotor_lag, wind or yaw_rate.
+        size : float
+            In its unit.
+        """
+        return replace(self, **{name: size})  # type: ignore[arg-type]
 
     @cached_property
     def design(self) -> Design:
