@@ -217,11 +217,11 @@ class StartSearch:
             likely = likely if found is None else found.solution.tight
         if best.cost >= FAILED:
             return None
-        for _ in range(ROUNDS):
+        for k in range(ROUNDS):
             tell(f"searching for gains: {self.words(best.cost)}")
-            new = self._descend(best)
+            new = self._descend(best, np.array(STEPS) * (-1) ** k)
             gained, best = best.cost - new.cost, new
-            if gained < ENOUGH:
+            if k and gained < ENOUGH:
                 break
         return best
 
@@ -236,7 +236,7 @@ class StartSearch:
             return f"Ψ at the start {math.exp(cost - OUTSIDE):.3g} times the level"
         return f"settled after {math.exp(cost):.3g} s (floating point)"
 
-    def _descend(self, best: Point) -> Point:
+    def _descend(self, best: Point, steps: Array) -> Point:
         """Descend along where the starts are just inside, and return the best point on the way."""
         likely, offset = Likely(), self.whole.settled_offset
 
@@ -250,7 +250,7 @@ class StartSearch:
             over = max(math.log(found.solution.fill / (1 - ROOM)), 0.0)
             return math.log(found.time(offset)) + STEEP * over
 
-        corners = np.vstack([best.z, best.z + np.diag(STEPS)])
+        corners = np.vstack([best.z, best.z + np.diag(steps)])
         descend(cost, corners, Ends(EVALUATIONS, values=1e-3, places=1e-3))
         return best
 
