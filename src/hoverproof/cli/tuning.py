@@ -17,6 +17,7 @@ from hoverproof.cli.console import (
     Json,
     MissionName,
     Set,
+    at_work,
     load_mission,
     progress,
     warn,
@@ -26,19 +27,23 @@ from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
     from hoverproof.cli.answers.curve import CurveAnswer
-    from hoverproof.design.outcome import Infeasible, RegionTuned, Tuned
-    from hoverproof.design.tuning import Wish
+    from hoverproof.design.outcome import RegionTuned, StartTuned, Tuned
+    from hoverproof.design.tuning import Found, Wish
     from hoverproof.mission.sections import Mission
+
+ENDING = ".attraction.cert.json"
+"""Of the certificate beside a mission file."""
 
 
 def tune(
     mission: MissionName,
     *,
     objective: Annotated[
-        Literal["decay", "settling", "region"],
+        Literal["decay", "settling", "region", "start"],
         Parameter(
-            help="Largest certified decay rate of L, fastest settling of certified gains, or "
-            "largest certified region of attraction."
+            help="Largest certified decay rate of L, fastest settling of certified gains, "
+            "largest certified region of attraction, or shortest proved settling time from the "
+            "mission's start within its tolerances."
         ),
     ] = "decay",
     bandwidth: Annotated[
@@ -46,7 +51,10 @@ def tune(
     ] = 20.0,
     rate: Annotated[
         float | None,
-        Parameter(help="Sampling rate in Hz: keeps the bandwidth times its period at most 0.2."),
+        Parameter(
+            help="Sampling rate in Hz: keeps the bandwidth times its period at most 0.2; for start "
+            "by default the mission's control_rate."
+        ),
     ] = None,
     tilt: Annotated[
         float | None, Parameter(help="Largest tilt asked for at the start, in degrees.")
@@ -89,13 +97,15 @@ def tune(
 
     The gains are rounded to short decimals and then certified exactly, so what is printed is what
     is proved. A wish that cannot be met has status 1, and says what binds and by how much. With
-    --out, --objective region writes the certificate of the region beside the mission.
+    --out, --objective region or start writes the certificate beside the mission.
 
     Example: `hoverproof tune x4-flyer --bandwidth 20 --out my-flyer.toml`
 
     Example: `hoverproof tune x4-flyer --pareto 4 --out decay-and-bandwidth.svg`
 
     Example: `hoverproof tune x4-flyer --objective region --minimum-decay 0.0234`
+
+    Example: `hoverproof tune my-flyer.toml --objective start --out my-tuned-flyer.toml`
     """
     loaded = load_mission(mission, set_)
     if pareto is not None and at_least is not None:
@@ -119,19 +129,21 @@ def tune(
     return tell(_curve(loaded, pareto, picture, wish), json_, loaded)
 
 
-def _tune(
-    mission: Mission, out: Path | None, wish: Wish
-) -> tuple[Tuned | RegionTuned | Infeasible, str | None, Path | None]:
+def _tune(mission: Mission, out: Path | None, wish: Wish) -> tuple[Found, str | None, Path | None]:
     """Find gains; return them with the mission file and the certificate that were written."""
     from hoverproof.design.outcome import Infeasible
     from hoverproof.design.tuning import gains_for
 
     wanted = mission
-    if wish.objective == "region" and out is not None:
+    if wish.objective in ("region", "start") and out is not None:
         # the certificate is about the mission in `out`
         wanted = mission.model_copy(update={"name": mission_name(out)})
-    with progress("tune"):
-        found = gains_for(wanted, wish)
+    if wish.objective == "start":
+        with at_work() as doing:
+            found = gains_for(wanted, wish, doing)
+    else:
+        with progress("tune"):
+            found = gains_for(wanted, wish)
     if isinstance(found, Infeasible):  # nothing is written, so nothing bears the name of `out`
         found = replace(found, mission=mission)
     warn(found.mission, known=mission)
@@ -140,35 +152,40 @@ def _tune(
     return found, str(out), _write(found, out)
 
 
-def _write(found: Tuned | RegionTuned, out: Path) -> Path | None:
-    """Write a mission file, and the certificate of a region, whose path is returned."""
+def _write(found: Tuned | RegionTuned | StartTuned, out: Path) -> Path | None:
+    """Write a mission file, and the certificate of a region or a start, whose path is returned."""
     from hoverproof.cli.answers.region_tuned import reach_text
+    from hoverproof.cli.answers.start_tuned import settled_text
     from hoverproof.cli.answers.words import number
-    from hoverproof.design.outcome import RegionTuned
+    from hoverproof.design.outcome import RegionTuned, StartTuned
     from hoverproof.files import write_text
     from hoverproof.mission.writing import mission_text
 
-    certificate = None
+    certificate: Path | None = out.with_suffix(ENDING)
     if isinstance(found, RegionTuned):
         proved = f"certified hovers about the goal: {reach_text(found.region)}"
-        certificate = out.with_suffix(".attraction.cert.json")
-        found.region.certificate.save(certificate)
+        found.region.certificate.save(out.with_suffix(ENDING))
+    elif isinstance(found, StartTuned):
+        proved = f"settled from the start, proved: {settled_text(found)}"
+        found.verdict.certificate.save(out.with_suffix(ENDING))
     else:
         proved = f"certified decay rate of L: {number(found.verdict.decay_rate)} 1/s"
+        certificate = None
     note = f"{shlex.join(['hoverproof', *sys.argv[1:]])}\n{proved}"
     write_text(out, mission_text(found.mission, name=mission_name(out), note=note))
     return certificate
 
 
-def _answer(
-    found: Tuned | RegionTuned | Infeasible, written: str | None, certificate: Path | None
-) -> Answer:
+def _answer(found: Found, written: str | None, certificate: Path | None) -> Answer:
     from hoverproof.cli.answers.region_tuned import RegionTunedAnswer
+    from hoverproof.cli.answers.start_tuned import StartTunedAnswer
     from hoverproof.cli.answers.tuned import InfeasibleAnswer, TunedAnswer
-    from hoverproof.design.outcome import Infeasible, RegionTuned
+    from hoverproof.design.outcome import Infeasible, RegionTuned, StartTuned
 
     if isinstance(found, Infeasible):
         return InfeasibleAnswer(found)
+    if isinstance(found, StartTuned):
+        return StartTunedAnswer(found, written, certificate)
     if isinstance(found, RegionTuned):
         return RegionTunedAnswer(found, written, certificate)
     return TunedAnswer(found, written)

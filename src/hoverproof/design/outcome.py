@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import ClassVar
 
 from hoverproof.certification.attraction.verdict import Attraction
+from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.certification.gains import ProvedGains
 from hoverproof.design.gain_search import Objective
 from hoverproof.design.limits import Use, bandwidth
@@ -94,6 +95,37 @@ class RegionTuned(_OfMission):
     slowest_rate_before: float
     decay_rate: Fraction | None
     decay_rate_before: Fraction | None
+    uses: list[Use]
+
+
+@dataclass(frozen=True)
+class StartTuned(_OfMission):
+    """Gains with which every vehicle within tolerance has soon settled, from the mission's start.
+
+    Attributes
+    ----------
+    mission : Mission
+        The mission with the new gains.
+    verdict : Exponential
+        What is proved of just these gains.
+    before : float or None
+        Settling time of the gains that the mission had, s, as the search finds it in floating
+        point; None if it finds none.
+    estimate : float
+        Settling time before rounding to short decimals, s, in floating point.
+    flown : float or None
+        When the mission has settled as near in a flight, s; None if not as soon as is proved.
+    uses : list of Use
+        How much of each limit the gains use.
+    """
+
+    status: ClassVar[str] = "tuned"
+    objective: ClassVar[str] = "start"
+    mission: Mission
+    verdict: Exponential
+    before: float | None
+    estimate: float
+    flown: float | None
     uses: list[Use]
 
 

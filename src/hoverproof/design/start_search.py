@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -22,13 +23,14 @@ from numpy.typing import NDArray
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.search import FAILED, OUTSIDE, Candidate, Search
+from hoverproof.certification.exponential.search import FAILED, OUTSIDE, ROOM, Candidate, Search
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.descent import Ends, descend
 from hoverproof.design.limits import FirstCommand, Limits
 from hoverproof.mission.sections import Mission
 
 Array = NDArray[np.float64]
+Likely = tuple[int, ...]
 Progress = Callable[[str], None]
 RATES = 0.02, 0.14, 0.26, 1.0
 """j k1/m, k1 k2/m, k3/m and k4/m where the search sets out, over the last of them."""
@@ -41,10 +43,12 @@ SCALES = 1.0, 0.6, 0.36, 0.2, 0.1
 PARTS, SHARES = (0.9, 0.5), (-1.5, -2.5)
 FIRST_RATE = 0.3
 STEPS = 0.15, 0.15, 0.15, 0.15, -0.04, 0.3, 0.2
-ROUNDS, EVALUATIONS, ENOUGH = 4, 140, 0.02
+ROUNDS, EVALUATIONS, ENOUGH = 3, 130, 0.02
+STEEP = 20.0
+"""What the logarithm of Ψ at the start over the level weighs more than that of the time."""
 LOSS = 0.01
 """Part of the time by which rounding may make it longer."""
-WIDER, HIGHEST = 0.3, 0.835
+WIDER, HIGHEST = 0.35, 0.838
 """See `Search`: so that the domain takes few cells."""
 
 
@@ -61,6 +65,11 @@ class Point(NamedTuple):
 
     cost: float
     z: Array
+
+    @property
+    def set_out(self) -> tuple[Array, float]:
+        """Where the proof sets out: see `converge`."""
+        return self.z[4:6], math.exp(self.z[6])
 
 
 @dataclass(frozen=True)
@@ -118,7 +127,7 @@ class StartSearch:
             k1 to k4.
         """
         k1, k2, k3, k4 = four
-        excess = [(k1 * k2 + k3 + k4) / float(self.mission.vehicle.mass) / self.limits.fastest]
+        excess = [float(k1 * k2 + k3 + k4) / float(self.mission.vehicle.mass) / self.limits.fastest]
         if self.limits.tilt is not None or self.limits.rotors is not None:
             thrusts, tilt = self.command(tuple(np.array([k]) for k in four))
             if self.limits.tilt is not None:
@@ -130,7 +139,7 @@ class StartSearch:
                 excess.append(1 + (least - float(thrusts.min())) / hover)
         return float(max(max(excess) - 1, 0.0))
 
-    def at(self, z: Array, likely: tuple[int, ...] = ()) -> tuple[float, Candidate | None]:
+    def at(self, z: Array, likely: Likely = ()) -> tuple[float, Candidate | None]:
         """Return the cost of a point and what it is of.
 
         Parameters
@@ -145,14 +154,19 @@ class StartSearch:
         if over > 0:
             return FAILED * (1 + over), None
         search = self.with_gains(four)
-        found = search.at(z[4:6], math.exp(z[6]), search.terms(), likely)
+        d = min(z[4], math.log(search.highest * search.scene.wanted) - 1e-9)
+        found = search.at(np.array([d, z[5]]), math.exp(z[6]), search.terms(), likely)
         return search.cost(found, search.settled_offset), found
 
     def guesses(self) -> Iterator[Array]:
-        """Yield points to set out from, the fastest first."""
+        """Yield points to set out from: that of the mission's own gains, then the fastest first."""
         low, high = self.whole.ends
         if not low < high:
             return
+        if self.own is not None:
+            names = self.whole.vehicles.law.design.chain_gains()
+            four = np.array([getattr(self.mission.gains, name) for name in names], float)
+            yield np.array([*np.log(four), *self.own.x, math.log(self.own.rate)])
         v = self.whole.vehicles
         mass, gravity = float(v.design.mass), float(v.design.gravity)
         wait = v.latency + v.rotor_lag
@@ -171,6 +185,20 @@ class StartSearch:
                 last = math.log(d), share, math.log(FIRST_RATE * rates[0])
                 yield np.array([*np.log(four), *last])
 
+    @cached_property
+    def own(self) -> Candidate | None:
+        """What is found for the mission's own gains; None if they do not hold the start."""
+        terms = self.whole.terms()
+        first = self.whole.deepest(terms)
+        if first is None or first.solution.fill > 1:
+            return None
+        return self.whole.soonest(first, terms, self.whole.settled_offset)
+
+    @property
+    def settled_before(self) -> float | None:
+        """When the mission's own gains settle, s, as it is found."""
+        return None if self.own is None else self.own.time(self.whole.settled_offset)
+
     def run(self, tell: Progress) -> Point | None:
         """Return the best point; None if all programs fail where it sets out.
 
@@ -179,20 +207,21 @@ class StartSearch:
         tell : callable
             Is told what is being done.
         """
+        tell("searching for weights for the mission's own gains")
+        self.own  # noqa: B018
         tell("looking for gains to set out from")
-        best = Point(FAILED, np.zeros(7))
-        likely: tuple[int, ...] = ()
+        best, likely = Point(FAILED, np.zeros(7)), Likely()
         for z in self.guesses():
             cost, found = self.at(z, likely)
             best = min(best, Point(cost, z), key=lambda p: p.cost)
             likely = likely if found is None else found.solution.tight
         if best.cost >= FAILED:
             return None
-        for _ in range(ROUNDS):
+        for k in range(ROUNDS):
             tell(f"searching for gains: {self.words(best.cost)}")
-            new = self._descend(best)
+            new = self._descend(best, np.array(STEPS) * (-1) ** k)
             gained, best = best.cost - new.cost, new
-            if gained < ENOUGH:
+            if k and gained < ENOUGH:
                 break
         return best
 
@@ -207,17 +236,23 @@ class StartSearch:
             return f"Ψ at the start {math.exp(cost - OUTSIDE):.3g} times the level"
         return f"settled after {math.exp(cost):.3g} s (floating point)"
 
-    def _descend(self, best: Point) -> Point:
-        likely: tuple[int, ...] = ()
+    def _descend(self, best: Point, steps: Array) -> Point:
+        """Descend along where the starts are just inside, and return the best point on the way."""
+        likely, offset = Likely(), self.whole.settled_offset
 
         def cost(z: Array) -> float:
-            nonlocal likely
+            nonlocal likely, best
             value, found = self.at(z, likely)
-            likely = likely if found is None else found.solution.tight
-            return value
+            best = min(best, Point(value, z), key=lambda p: p.cost)
+            if found is None:
+                return value
+            likely = found.solution.tight
+            over = max(math.log(found.solution.fill / (1 - ROOM)), 0.0)
+            return math.log(found.time(offset)) + STEEP * over
 
-        corners = np.vstack([best.z, best.z + np.diag(STEPS)])
-        return Point(*descend(cost, corners, Ends(EVALUATIONS, values=1e-3, places=1e-3)))
+        corners = np.vstack([best.z, best.z + np.diag(steps)])
+        descend(cost, corners, Ends(EVALUATIONS, values=1e-3, places=1e-3))
+        return best
 
     def short(self, point: Point) -> Iterator[tuple[tuple[Fraction, ...], Point]]:
         """Yield gains of few digits that are hardly slower, and their point, then longer ones.
@@ -230,13 +265,9 @@ class StartSearch:
         exact = np.exp(point.z[:4])
         for digits in range(2, 7):
             around = [(decimal_below(k, digits), decimal_above(k, digits)) for k in exact]
-            tried: list[tuple[float, tuple[Fraction, ...], Point]] = []
             for four in itertools.product(*around):
                 z = np.array([*np.log(np.array(four, float)), *point.z[4:]])
-                cost, _ = self.at(z)
-                if cost < point.cost + LOSS:
-                    tried.append((cost, four, Point(cost, z)))
+                near = Point(self.at(z)[0], z)
+                if near.cost < point.cost + LOSS:
+                    yield four, near
                     break
-            if tried:
-                _, four, near = min(tried, key=lambda t: t[0])
-                yield four, near

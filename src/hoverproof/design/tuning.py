@@ -34,15 +34,17 @@ from hoverproof.design.limits import (
     uses,
 )
 from hoverproof.design.margins import Questions, margins
-from hoverproof.design.outcome import Infeasible, RegionTuned, Tuned
+from hoverproof.design.outcome import Infeasible, RegionTuned, StartTuned, Tuned
 from hoverproof.design.region_tuning import region_pareto, tune_region
+from hoverproof.design.start_tuning import tune_start
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Gains, Mission
 from hoverproof.servo.loop import slowest_rate
 
 Array = NDArray[np.float64]
 Weights = tuple[Fraction, ...] | Literal["search"]
-Objective = Literal["decay", "settling", "region"]
+Objective = Literal["decay", "settling", "region", "start"]
+Found = Tuned | RegionTuned | StartTuned | Infeasible
 Report = Callable[[int, int], None]
 
 LOSS = 2e-4
@@ -61,7 +63,7 @@ def tune(
     weights: Weights = ONES,
     at_least: float | None = None,
     minimum_decay: float | None = None,
-) -> Tuned | RegionTuned | Infeasible:
+) -> Found:
     """Find the best gains within a vehicle's limits that can be proved.
 
     Parameters
@@ -70,12 +72,14 @@ def tune(
         Its gains are replaced; its bounds, goal, start and limits of the rotors count.
     bandwidth : float
         Largest attitude bandwidth (k1 k2 + k3 + k4)/m, rad/s.
-    objective : {"decay", "settling", "region"}
+    objective : {"decay", "settling", "region", "start"}
         Make the certified decay rate of L as large as possible; or the slowest rate of the loop
         linearised at the goal, as long as the gains are certified; or the certified region of
-        attraction, with a slowest rate that is wished for.
+        attraction, with a slowest rate that is wished for; or the proved settling time from the
+        mission's start as short, for every vehicle within its tolerances.
     rate : float, optional
-        Sampling rate, 1/s: the bandwidth times the period is kept at 0.2 or below.
+        Sampling rate, 1/s: the bandwidth times the period is kept at 0.2 or below. For a start it
+        is by default that of the mission's sensors.
     tilt : float, optional
         Largest tilt that may be asked for at the mission's start, rad.
     rotor_thrust : float, optional
@@ -91,7 +95,7 @@ def tune(
 
     Returns
     -------
-    Tuned, RegionTuned or Infeasible
+    Tuned, RegionTuned, StartTuned or Infeasible
 
     Raises
     ------
@@ -110,7 +114,7 @@ class Wish:
     ----------
     bandwidth, rate, tilt, rotor_thrust
         Limits, in rad/s, 1/s, rad and N.
-    objective : {"decay", "settling", "region"}
+    objective : {"decay", "settling", "region", "start"}
     weights : (4,) Fractions, or "search"
     at_least, minimum_decay : float or None
         1/s.
@@ -131,9 +135,10 @@ class Wish:
         for option, wished in rates:
             if wished is not None and not 0 < wished < math.inf:
                 raise InputError(option, "", f"must be a positive rate in 1/s, not {wished}")
-        if self.objective == "region" and (self.at_least is not None or self.weights != ONES):
+        of_place = self.objective in ("region", "start")
+        if of_place and (self.at_least is not None or self.weights != ONES):
             option = "--weights" if self.at_least is None else "--at-least"
-            raise InputError(option, "", "is about L, so not for --objective region")
+            raise InputError(option, "", f"is about L, so not for --objective {self.objective}")
         if self.objective != "region" and self.minimum_decay is not None:
             reason = f"is for --objective region, not {self.objective}"
             raise InputError("--minimum-decay", "", reason)
@@ -149,16 +154,21 @@ class Wish:
         if most is None and rotors.max_thrust is not None:
             most = float(rotors.max_thrust)
         least = None if rotors.min_thrust is None else float(rotors.min_thrust)
-        return Limits(self.bandwidth, self.rate, self.tilt, most, least)
+        rate, known = self.rate, mission.sensors.control_rate
+        if rate is None and self.objective == "start" and known is not None:
+            rate = float(known)
+        return Limits(self.bandwidth, rate, self.tilt, most, least)
 
 
-def gains_for(mission: Mission, wish: Wish) -> Tuned | RegionTuned | Infeasible:
+def gains_for(mission: Mission, wish: Wish, progress: Callable[[str], None] | None = None) -> Found:
     """Do what `tune` does, for a wish in one piece.
 
     Parameters
     ----------
     mission : Mission
     wish : Wish
+    progress : callable, optional
+        Is told what is being done, for a start.
     """
     limits, at_least, weights = wish.limits(mission), wish.at_least, wish.weights
     least, most = limits.rotors or (0.0, math.inf)
@@ -171,6 +181,8 @@ def gains_for(mission: Mission, wish: Wish) -> Tuned | RegionTuned | Infeasible:
         return Infeasible(mission, f"the rotors cannot hover: their least thrust of {above}")
     if wish.objective == "region":
         return tune_region(mission, limits, wish.minimum_decay)
+    if wish.objective == "start":
+        return tune_start(mission, limits, progress)
     command = FirstCommand.of(mission)
 
     def best(objective: RateObjective, weights: tuple[Fraction, ...]) -> Tuned | Infeasible:
@@ -343,6 +355,8 @@ def pareto(
     if not 2 <= count <= 1000:
         raise InputError("--pareto", "", f"must be from 2 to 1000 bandwidths, not {count}")
     wish = wish or Wish()
+    if wish.objective == "start":
+        raise InputError("--pareto", "", "is not for --objective start")
     highest = wish.bandwidth if bandwidth is None else bandwidth
     if wish.objective == "region":
         limits = replace(wish, bandwidth=highest).limits(mission)
@@ -351,6 +365,8 @@ def pareto(
     points = []
     for i, b in enumerate(np.geomspace(first, highest, count)):
         b = float(f"{b:.4g}") if i < count - 1 else highest
-        points.append((b, gains_for(mission, replace(wish, bandwidth=b))))
+        found = gains_for(mission, replace(wish, bandwidth=b))
+        assert not isinstance(found, StartTuned)
+        points.append((b, found))
         report(i + 1, count)
     return points

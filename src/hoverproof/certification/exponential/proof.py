@@ -31,7 +31,7 @@ from hoverproof.servo.law import Law
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 MOST_STARTS = 16
-ROOMS = (0.3, 0.835), (0.6, 0.835), (0.6, 0.7), (1.0, 0.55)
+ROOMS = (0.35, 0.838), (0.6, 0.835), (0.6, 0.7), (1.0, 0.55)
 """By which share the ball of J is widened for the proof, and the share of s3* that d is at most,
 one after the other: the trees are shorter."""
 
@@ -138,7 +138,9 @@ def _settled(search: Search, near: tuple[Array, float] | None) -> tuple[Search, 
 def _found(search: Search, near: tuple[Array, float] | None) -> Candidate | str:
     """Return a candidate that holds the starts, or why there is none."""
     terms = search.terms()
-    first = None if near is None else search.at(*near, terms)
+    first = None
+    if near is not None:
+        first = search.at(np.minimum(near[0], [np.log(search.ends[1]), np.inf]), near[1], terms)
     if first is None or first.solution.fill > 1:
         first = search.deepest(terms)
     if first is None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -106,6 +106,18 @@ class Vehicles:
         slowness = mission.vehicle.mass / mission.gains.k1
         noise = covered.noise.feature + slowness * covered.noise.velocity
         return cls(law, numbers, float(feature[2]), **each, noise=float(noise))
+
+    def allowing(self, name: str, size: float) -> Vehicles:
+        """Return them with another tolerance.
+
+        Parameters
+        ----------
+        name : str
+            thrust, torque, latency, rotor_lag, wind or yaw_rate.
+        size : float
+            In its unit.
+        """
+        return replace(self, **{name: size})  # type: ignore[arg-type]
 
     @cached_property
     def design(self) -> Design:

@@ -1,0 +1,108 @@
+"""What `tune --objective start` answers: gains, and how soon they are proved to settle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hoverproof.cli.answers.answer import Answer
+from hoverproof.cli.answers.words import (
+    gain_units,
+    gains_as_json,
+    gains_text,
+    hover_error_as_json,
+    hover_error_text,
+    interval,
+    limits_as_json,
+    limits_text,
+    number,
+    numbers,
+)
+from hoverproof.design.outcome import StartTuned
+
+
+@dataclass(frozen=True)
+class StartTunedAnswer(Answer):
+    """Gains, and the mission file and the certificate that were written."""
+
+    found: StartTuned
+    written: str | None
+    certificate: Path | None
+
+    def text(self) -> Iterator[str]:
+        """Yield the lines for people."""
+        found, proved = self.found, self.found.verdict
+        covers = found.mission.uncertainty.covers()
+        yield f"{found.mission.name}: tuned for its start, and proved (theorem 5)"
+        yield f"  for every vehicle       {', '.join(covers) if covers else 'just as modelled'}"
+        yield from gains_text(found.mission)
+        yield f"  settled, proved         {settled_text(found)}"
+        yield f"    before rounding:         {number(found.estimate)} s (floating point)"
+        own = "not found to settle" if found.before is None else f"{number(found.before)} s"
+        yield f"    the mission's own gains: {own} (floating point)"
+        flown = "not as soon" if found.flown is None else f"after {number(found.flown)} s"
+        yield f"  settled, in a flight    {flown}"
+        yield f"  Ψ at the start          {fill(found):.3g} of the level, falls as exp(-r t)"
+        yield f"    r                        {number(proved.rate)} 1/s"
+        degrees = math.degrees(proved.tilt)
+        yield f"  tilt on the way         {number(proved.tilt)} rad ({degrees:.3g}°) or less"
+        yield f"  thrust over mass, × m   in {interval(proved.thrust)} N"
+        yield from hover_error_text(found.hover_error, found.mission)
+        yield from limits_text(found.uses)
+        if self.written is None:
+            yield "Next: the same with --out FILE.toml writes a mission file and its certificate"
+        else:
+            yield f"  written to              {self.written}"
+            yield f"  certificate             {self.certificate}"
+            yield f"Next: hoverproof check {self.certificate}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object for machines."""
+        found, proved = self.found, self.found.verdict
+        return {
+            "mission": found.mission.name,
+            "status": found.status,
+            "objective": found.objective,
+            "gains": gains_as_json(found.mission),
+            "settling_time": float(proved.settling.time),
+            "settling_radius": float(proved.settling.radius),
+            "settling_time_before": found.before,
+            "settling_time_before_rounding": found.estimate,
+            "settling_time_flown": found.flown,
+            "fill": fill(found),
+            "decay_rate": float(proved.rate),
+            "tilt": float(proved.tilt),
+            "thrust": numbers(proved.thrust),
+            "bandwidth": found.bandwidth,
+            **limits_as_json(found.uses),
+            "hover_error": hover_error_as_json(found.hover_error),
+            "out": self.written,
+            "certificate": None if self.certificate is None else str(self.certificate),
+            "units": {
+                **gain_units(),
+                "settling_time": "s, to settling_radius for good, proved",
+                "settling_time_before": "s, in floating point",
+                "settling_time_before_rounding": "s, in floating point",
+                "settling_time_flown": "s, in a flight",
+                "settling_radius": "m from the goal",
+                "fill": "Ψ at the start over the level of the set",
+                "decay_rate": "1/s, of Ψ",
+                "tilt": "rad",
+                "thrust": "N, over the true mass, times the modelled",
+                "bandwidth": "rad/s",
+            },
+        }
+
+
+def fill(found: StartTuned) -> float:
+    """Return Ψ at the start over the level of the set."""
+    return float(found.verdict.start_level / found.verdict.level)
+
+
+def settled_text(found: StartTuned) -> str:
+    """Write how soon the vehicle is proved to settle, and how near."""
+    settling = found.verdict.settling
+    return f"within {number(settling.radius)} m after {number(settling.time)} s"
