@@ -335,11 +335,14 @@ UNCERTAINTY = {  # what a proof is asked to cover; without it, nothing
 }
 CAMERA = {"half_angle": positive}  # rad
 WHERE = {"height": number}, {"centroid": VECTOR}  # m; q*
+IMAGE = word("image", "a heading that is not from a compass is from the image")
+ANGLE = {"heading": number}  # rad
+HEADINGS: tuple[dict[str, Any], ...] = {}, ANGLE, ANGLE | {"heading_from": IMAGE}
 PLAIN = {
     "name": word(r"[\w.-]{1,64}", "the mission has no proper name"),
     "vehicle": dict.fromkeys(VEHICLE, positive) | {"inertia": [positive] * 3},  # kg m²
     "target": {"points": several(VECTOR, MAX_POINTS)},  # world axes, z down, m
-    "goal": (*WHERE, *(where | {"heading": number} for where in WHERE)),  # rad
+    "goal": tuple(where | more for where in WHERE for more in HEADINGS),
     "gains": tuple(dict.fromkeys((*GAINS, *more), positive) for more in ((), ("k_heading",))),
     "bounds": tuple(bounds | force for bounds in ASSUMED for force in FORCE),
     "start": dict.fromkeys(("position", "velocity", "rotation", "rates"), VECTOR),

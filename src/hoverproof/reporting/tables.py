@@ -244,7 +244,8 @@ def _heading(mission: Mission) -> list[tuple[str, str]]:
     if mission.goal.heading is None:
         return []
     gain = ("k_heading", f"{short(mission.k_heading)} kg m²/s²")
-    return [gain, ("heading, by a compass", f"{short(mission.goal.heading)} rad")]
+    source = "the image" if mission.goal.heading_from == "image" else "a compass"
+    return [gain, (f"heading, by {source}", f"{short(mission.goal.heading)} rad")]
 
 
 def _moving(mission: Mission) -> list[tuple[str, str]]:
