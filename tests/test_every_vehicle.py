@@ -16,6 +16,7 @@ from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.mission.reading import load, with_tolerance
 from hoverproof.reporting import parts
 from hoverproof.show.exponential import View, fly, save_exponential_figure
+from hoverproof.show.largest import largest_figure
 
 GUIDE = Path(__file__).parents[1] / "docs" / "how-to" / "prove-every-vehicle.md"
 COVERED = ["thrust ±20 %", "torque ±20 %", "latency up to 0.073 s"]
@@ -170,6 +171,9 @@ def test_the_search_ends_at_the_largest_number_of_two_digits_that_fits(
     assert found.beyond == min(value for value, _ in found.fills if value > limit)
     assert found.beyond < limit * F(12, 10)
     assert len(asked) < 20
+    (axes,) = largest_figure(found).axes
+    assert axes.get_xlabel() == "uncertainty.latency (s)"
+    assert len(axes.lines[0].get_xdata()) == len(found.fills)
 
 
 def test_where_not_even_zero_is_proved_nothing_is_claimed(monkeypatch, capsys):

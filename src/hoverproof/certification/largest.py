@@ -43,6 +43,7 @@ def two_digits(place: int) -> Fraction:
     Parameters
     ----------
     place : int
+        How many numbers of two digits it is from 1.
     """
     decade, digits = divmod(place, 90)
     return Fraction(10 + digits, 10) * Fraction(10) ** decade
@@ -57,12 +58,12 @@ class Largest:
     name : str
         Of the tolerance.
     value : Fraction
-        In its unit.
+        In its unit, s, m/s², rad/s or a share.
     verdict : Attraction, Exponential, Sinks or Undecided
         About the mission with that value; not proved only if it is zero.
     fills : tuple of (value, fill)
-        What was tried, ascending: the Lyapunov function at the starts over the highest level
-        found, in floating point; infinite where nothing was found.
+        What was tried, ascending, and the Lyapunov function at the starts over the highest level
+        found, a number in floating point; infinite where nothing was found.
     """
 
     name: Tolerance

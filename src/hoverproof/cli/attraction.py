@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from hoverproof.certification.attraction.starts import Start
     from hoverproof.certification.attraction.verdict import Attraction
     from hoverproof.certification.exponential.verdict import Exponential
+    from hoverproof.certification.largest import Largest
 
 
 def attraction(
@@ -98,14 +99,23 @@ def attraction(
             verdict = decide(
                 loaded, objective=objective, starts=starts, barrier=barrier, progress=doing
             )
-    path = picture = None
+    path = picture = search = None
     if verdict.certificate is not None:
         stem = certificate_stem(loaded, mission, set_)
         path = out or Path(f"{stem}.attraction.{verdict.ending}.json")
         verdict.certificate.save(path)
         if figure and verdict.proved:
             picture = _draw(verdict.proved, path)
-    return tell(AttractionAnswer(verdict, path, picture, found), json_, loaded)
+            search = _draw_search(found, path) if found is not None else None
+    return tell(AttractionAnswer(verdict, path, picture, found, search), json_, loaded)
+
+
+def _draw_search(found: Largest, path: Path) -> Path:
+    from hoverproof.show.largest import save_largest_figure
+
+    picture = path.with_name(f"{path.name.removesuffix('.json').removesuffix('.cert')}.largest.png")
+    save_largest_figure(found, picture)
+    return picture
 
 
 def _draw(verdict: Attraction | Exponential, path: Path) -> Path | None:

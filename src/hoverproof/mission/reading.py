@@ -63,6 +63,7 @@ def with_tolerance(mission: Mission, name: str, value: Fraction) -> Mission:
     name : str
         Such as ``"latency"``.
     value : Fraction
+        In its unit, s, m/s², rad/s or a share, dimensionless.
 
     Raises
     ------

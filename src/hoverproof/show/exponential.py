@@ -82,6 +82,7 @@ class View:
         Parameters
         ----------
         level : float or array
+            Dimensionless.
         """
         return self.tilted.offset(self.verdict.weights, level)
 

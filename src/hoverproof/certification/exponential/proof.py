@@ -107,8 +107,9 @@ def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> 
     _require(mission, starts)
     whole = Search.of(Vehicles.of(mission), Scene.of(mission), tuple(starts))
     wider, highest = ROOMS[0]
-    search = replace(whole, wider=wider, highest=highest)
-    return search.deepest(search.terms(), near)
+    search = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
+    found = search.deepest(search.terms(), near)
+    return found if found is not None and search.sees(found) else None
 
 
 def _require(mission: Mission, starts: Sequence[Start]) -> None:

@@ -87,6 +87,7 @@ class Tilted:
         weights : (3,)
             w2, w3, w4.
         level : float or array
+            Dimensionless.
         """
         w2, w3, _ = map(float, weights)
         return np.asarray(np.sqrt(2 * level * (1 + self.factor * (1 / w2 + 1 / w3))) + self.shift)

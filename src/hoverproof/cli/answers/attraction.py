@@ -49,6 +49,7 @@ class AttractionAnswer(Answer):
     path: Path | None
     picture: Path | None
     largest: Largest | None = None
+    search: Path | None = None
 
     @property
     def status(self) -> int:
@@ -80,6 +81,8 @@ class AttractionAnswer(Answer):
         yield f"  certificate             {self.path}"
         if self.picture is not None:
             yield f"  figure                  {self.picture}"
+        if self.search is not None:
+            yield f"  figure of the search    {self.search}"
         yield "Not covered:"
         for line in not_covered(verdict):
             yield f"  {line}"
@@ -101,6 +104,7 @@ class AttractionAnswer(Answer):
             "reason": verdict.reason,
             "covers": [],
             "largest": self.largest and _largest_as_json(self.largest),
+            "search_figure": None if self.search is None else str(self.search),
             **(proved_as_json(verdict.proved) if verdict.proved else {}),
             "figure": None if self.picture is None else str(self.picture),
         }
