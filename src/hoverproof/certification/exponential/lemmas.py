@@ -195,7 +195,7 @@ def _falls(law: Law, lagged: bool) -> bool:
     change = ca.dot(sizes * x.errors, rates[:11])
     if lagged:
         change += w.torque * ca.dot(x.torque, rates[11:13]) + w.thrust * x.thrust * rates[13]
-    vertex = Vertex(at.lever_ratio, h, gained, tau, swing)
+    vertex = Vertex(at.lever_ratio, h, gained, tau, swing, lean=ca.SX(0))
     form = derive_form(law, lagged)(d.vector(), vertex.vector(), w.vector())
     X, m = x.vector(), _matrices(form)
     by = {name: m[name] @ X for name in ROWS}
@@ -259,7 +259,7 @@ def _vertices() -> dict[str, bool]:
     return proved
 
 
-PUSHED = "d4", "torque", "pull", "lift"
+PUSHED = "d4", "torque", "lift"
 MOVED = "fall", "energy", "applied", *PUSHED
 
 
