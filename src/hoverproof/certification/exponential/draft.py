@@ -156,8 +156,7 @@ def _seen(domain: Domain, r: Rounded) -> tuple[str | None, Fraction | None]:
 
 def _ultimate(r: Rounded, domain: Domain) -> tuple[dict[str, Fraction], str]:
     """Return where the vehicle is in the end, and the tree that shows it."""
-    reach = Reach.of(np.array(r.weights, float), r.floor)
-    offset = r.tilted.offset(reach, r.floor) * (1 + LAST_ROOM)
+    offset = float(r.tilted.offset(r.weights, r.floor)) * (1 + LAST_ROOM)
     radius = np.linalg.norm(domain.scene.ends(offset), axis=1).max() * (1 + LAST_ROOM) ** 2
     last = {"offset": decimal_above(offset, DIGITS), "radius": decimal_above(float(radius), 4)}
     tree = domain.near(float(last["offset"]), float(last["radius"]))
