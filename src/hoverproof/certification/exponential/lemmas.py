@@ -216,7 +216,7 @@ def _falls(law: Law, lagged: bool) -> bool:
     terms += ca.dot(torque, tau * k12 * h * (e.d3 - e.d2)[2] * by["zeta"])
     terms += ca.dot(torque, at.yaw * QUARTER @ by["missed"])
     terms -= ca.dot(torque, tau * k12 * at.yaw * QUARTER @ by["pulled"])
-    terms -= by["lift"] * h * ca.dot(by["zeta"], e.d3[:2])
+    terms += by["lift"] * tau * k * h * ca.dot(by["zeta"], e.d3[:2])
     terms += ca.dot(torque, tau * drift * by["applied"])
     return bool(prove_equal(change, terms - ca.dot(X, m["fall"] @ X)))
 
