@@ -58,7 +58,7 @@ class Point(NamedTuple):
     Attributes
     ----------
     cost : float
-        See `Search.cost`.
+        See `Search.cost`, a bare number.
     z : (7,)
         The logarithms of k1 to k4 and of d, the odds' of the share of the force, and that of r.
     """
@@ -231,6 +231,7 @@ class StartSearch:
         Parameters
         ----------
         cost : float
+            A bare number, dimensionless.
         """
         if cost >= OUTSIDE:
             return f"Ψ at the start {math.exp(cost - OUTSIDE):.3g} times the level"

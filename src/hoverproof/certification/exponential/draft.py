@@ -46,7 +46,7 @@ class Rounded:
     memory : Fraction or None
         M.
     slope : Fraction
-        The multiplier of the ball of J.
+        The multiplier of the ball of J, a bare number.
     multipliers : (k,)
         Of the terms.
     ball : (low, high)
@@ -56,7 +56,7 @@ class Rounded:
     tilted : Tilted
         Of the rounded numbers.
     noise : Fraction or None
-        σν, what |ν|² adds to the rate of Ψ.
+        σν, what |ν|² adds to the rate of Ψ, 1/s.
     factor : float
         A.
     """
@@ -121,7 +121,7 @@ class Rounded:
         Parameters
         ----------
         cosine : Fraction
-            Of the angle to the vertical.
+            Of the angle to the vertical, dimensionless.
         """
         angle = math.acos(cosine) + math.asin(self.limits.tilt)
         return decimal_below(math.cos(angle) - SPARE, DIGITS) if angle < WIDEST else None
@@ -132,8 +132,9 @@ class Rounded:
         Parameters
         ----------
         start_level : Fraction
-            Bound of Ψ at the start.
+            Bound of Ψ at the start, dimensionless.
         offset : Fraction
+            A bare number, dimensionless.
         """
         w2, w3, _ = map(float, self.weights)
         factor = 1 + self.tilted.factor * (1 / w2 + 1 / w3)

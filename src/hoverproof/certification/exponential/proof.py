@@ -53,7 +53,7 @@ def converge(
     progress : callable, optional
         Is told what is being done.
     near : (x, rate), optional
-        Where to set out; see `Candidate`.
+        Where to set out, bare numbers and 1/s; see `Candidate`.
 
     Raises
     ------

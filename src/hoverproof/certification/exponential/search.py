@@ -60,7 +60,7 @@ class Tilted:
     Attributes
     ----------
     factor, shift : float
-        A and b; 1 and 0 for an inertial goal.
+        A and b, dimensionless; 1 and 0 for an inertial goal.
     """
 
     factor: float
@@ -102,7 +102,7 @@ class Candidate:
     x : (2,)
         Where it was found: the logarithm of d, and of the odds of the share of the largest force.
     offset : float
-        d: |σ - σ*| is at most that on the set.
+        d, dimensionless: |σ - σ*| is at most that on the set.
     ball : (low, high)
         j - ϱ and j + ϱ, 1/m.
     rate : float
@@ -110,7 +110,7 @@ class Candidate:
     tilted : Tilted
     solution : Solution
     floor : float
-        ℓ∞: what noise leaves of Ψ.
+        ℓ∞, dimensionless: what noise leaves of Ψ.
     """
 
     x: Array
@@ -127,6 +127,7 @@ class Candidate:
         Parameters
         ----------
         offset : float
+            A bare number, dimensionless.
         """
         factor = 1 + self.tilted.factor * (self.solution.reach.force**2 / (2 * self.solution.level))
         if offset <= self.tilted.shift:
@@ -161,13 +162,13 @@ class Search:
     balls : Balls
         Of J by d.
     wider : float
-        By which share the narrowest ball of J, as sampled, is widened.
+        By which share, a bare number, the narrowest ball of J, as sampled, is widened.
     half_angle : float or None
         Of the cone about the axis that the camera sees, rad, if it is said.
     highest : float
-        Share of s3* that d is at most.
+        Share of s3*, dimensionless, that d is at most.
     settled : float
-        One of `SETTLED`.
+        One of `SETTLED`, dimensionless.
     """
 
     vehicles: Vehicles
@@ -302,6 +303,7 @@ class Search:
         Parameters
         ----------
         d : float
+            A bare number, dimensionless.
         """
         low, high = self.balls.within(d)
         share = SLOWEST_IN_NOISE if self.vehicles.noise else SLOWEST
@@ -358,6 +360,7 @@ class Search:
         ----------
         found : Candidate or None
         offset : float
+            A bare number, dimensionless.
         """
         if found is None:
             return FAILED
@@ -376,6 +379,7 @@ class Search:
         starts : (k, 8)
             See `terms`.
         offset : float
+            A bare number, dimensionless.
         """
         best = first
 
