@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.exponential.candidate import Candidate
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.search import FAILED, OUTSIDE, ROOM, Candidate, Search
+from hoverproof.certification.exponential.search import FAILED, OUTSIDE, ROOM, Search
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.descent import Ends, descend
 from hoverproof.design.limits import FirstCommand, Limits

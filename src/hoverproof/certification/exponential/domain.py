@@ -174,7 +174,7 @@ class Domain:
         Parameters
         ----------
         cosine : float or None
-            Of the angle to the vertical under which all target points are to be seen, dimensionless.
+            Dimensionless, of the angle to the vertical in which all target points are to be.
         """
         whole = self._sides
 

@@ -12,9 +12,10 @@ import numpy as np
 
 from hoverproof.algebra.decimals import binary_above, binary_below, decimal_above, decimal_below
 from hoverproof.certification.attraction.draft import NotShown
+from hoverproof.certification.exponential.candidate import Candidate, Tilted
 from hoverproof.certification.exponential.domain import Domain
 from hoverproof.certification.exponential.rotors import thrusts
-from hoverproof.certification.exponential.search import Candidate, Search, Tilted
+from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.vehicles import Limits, Reach
 from hoverproof.certification.problem import scaled_centroid
 from hoverproof.mission.sections import Mission
@@ -57,8 +58,8 @@ class Rounded:
         Of the rounded numbers.
     noise : Fraction or None
         σν, what |ν|² adds to the rate of Ψ, 1/s.
-    factor : float
-        A.
+    limits : Limits
+        Of the rounded numbers.
     """
 
     weights: tuple[Fraction, ...]
