@@ -147,9 +147,7 @@ def _expression(value: _Value, operands: Sequence[_Value], precision: Precision)
     if value.op == ca.OP_SQRT:
         return f"{precision.sqrt}({operands[0].text})"
     if value.op == ca.OP_FMAX:
-        return (
-            f"({texts[0]} > {texts[1]}) ? {texts[0]} : {texts[1]}"  # the second for a NaN, as fmax
-        )
+        return f"({texts[0]} > {texts[1]}) ? {texts[0]} : {texts[1]}"  # a NaN is left out
     raise NotImplementedError(f"no C for CasADi operation {value.op}")
 
 
