@@ -212,7 +212,19 @@ class Search:
     def at(
         self, x: Array, rate: float, starts: Array, likely: Sequence[int] = ()
     ) -> Candidate | None:
-        """Return d, the ball of J and the best weights, for the logarithm of d and the reach."""
+        """Return d, the ball of J and the best weights, for the logarithm of d and the reach.
+
+        Parameters
+        ----------
+        x : (2,)
+            See `Candidate`.
+        rate : float
+            r, 1/s.
+        starts : (k, 8)
+            See `terms`.
+        likely : sequence of int
+            See `program.solve`.
+        """
         d = float(np.exp(x[0]))
         if d > self.highest * self.scene.wanted:
             return None
