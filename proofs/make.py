@@ -5,18 +5,25 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from hoverproof.certification.attraction.lemmas import LEMMAS
+from hoverproof.certification.attraction.lemmas import LEMMAS, Lemma
 from hoverproof.certification.attraction.proof import start_or_ball
+from hoverproof.certification.exponential.lemmas import LEMMAS as TOLERANCES
 from hoverproof.certification.gains import Proved, certify
 from hoverproof.certification.over_box import certify_region
 from hoverproof.certification.region import default_box
 from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
 
+LEDGERS = {
+    "attraction-lemmas.md": ("The lemmas behind a region of attraction", LEMMAS),
+    "exponential-lemmas.md": ("The lemmas behind every vehicle within tolerances", TOLERANCES),
+}
+
 
 def make(folder: Path) -> None:
-    """Write the certificates of each preset: gains, region, over-box, attraction."""
-    (folder / "attraction-lemmas.md").write_text(lemmas(), encoding="utf-8")
+    """Write the ledgers, and certificates of each preset: gains, region, over-box, attraction."""
+    for name, (title, proved) in LEDGERS.items():
+        (folder / name).write_text(lemmas(title, proved), encoding="utf-8")
     for name in presets():
         mission = load(name)
         box = default_box(mission)
@@ -39,10 +46,10 @@ def make(folder: Path) -> None:
         attracted.certificate.save(folder / f"{name}.attraction.cert.json")
 
 
-def lemmas() -> str:
-    """Return the ledger of lemmas as Markdown; each identity is proved now."""
-    parts = ["# The lemmas behind a region of attraction\n\nMade by `make proofs`.\n"]
-    for lemma in LEMMAS:
+def lemmas(title: str, proved: tuple[Lemma, ...]) -> str:
+    """Return a ledger of lemmas as Markdown; each identity is proved now."""
+    parts = [f"# {title}\n\nMade by `make proofs`.\n"]
+    for lemma in proved:
         identities = lemma.identities()
         if not all(identities.values()):
             raise SystemExit(f"lemma {lemma.id}: not proved: {identities}")

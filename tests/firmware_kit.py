@@ -120,6 +120,7 @@ def other_laws():
     felt = (("law", {"force": "measured"}),)
     best = (("law", {"feature": "scaled", "goal": "inertial", "force": "measured"}),)
     uncertified = ("allow_uncertified", True)
+    seen = (("goal.heading", "0.5"), ("goal.heading_from", "'image'"))
     return [
         Kind("crazyflie-2.1", felt, (uncertified, ("tunable", True))),
         Kind("crazyflie-2.1", best, (uncertified,)),
@@ -128,6 +129,8 @@ def other_laws():
         Kind("x4-flyer", best, (uncertified, ("camera", True))),
         Kind("crazyflie-2.1", (("goal.heading", "0.5"),), (("tunable", True),)),
         Kind("x4-flyer", (*best, ("goal.heading", "-2")), (uncertified, ("camera", True))),
+        Kind("crazyflie-2.1", seen),
+        Kind("x4-flyer", (*best, *seen), (uncertified, ("camera", True))),
         Kind(options=(("camera", True), ("sensing", "centroid"), ("precision", "float64"))),
     ]
 

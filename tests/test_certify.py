@@ -20,7 +20,7 @@ def sampled_worst(mission, count=300, seed=0):
     problem = gain_problem(mission)
     rng = np.random.default_rng(seed)
     low, high = map(float, problem.eigenvalues)
-    g = {k: float(v) for k, v in mission.gains}
+    g = {k: float(v) for k, v in mission.gains if v is not None}
     q = [float(c) for c in problem.goal.centroid_midpoint]
     worst = np.inf
     for _ in range(count):

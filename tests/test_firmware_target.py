@@ -389,6 +389,7 @@ def camera_macros(package, calls):
     macros = {
         "CAMERA_HEADER": f'"{name}_camera.h"',
         "OF_POINTS": int(package.manifest["camera"] == "points"),
+        "HEADED": int(package.manifest["law"].get("heading") == "image"),
         "CALLS": calls,
         **{f"{t}_t": f"{name}_{t}_t" for t in ("camera", "frame")},
         **{f"camera_{v}": f"{name}_camera_{v}" for v in ("init", "turn")},

@@ -170,7 +170,9 @@ def test_j_at_a_single_place_is_enclosed_to_fifty_digits():
         points = [[x * F(size) for x in point] for point in target(rng, 1.0)]
         place = [side[0] for side in cell_before(rng, points, size)]
         with mpmath.workdps(160):
-            J = checker.scaled_slope(points, [checker.Tangent.constant(x) for x in place])
+            J = checker.scaled_slope(
+                checker.Target(points), [checker.Tangent.constant(x) for x in place]
+            )
             unit = mpmath.mpf(2) ** -checker.BITS
             for row, wanted in zip(J, exact_slope(points, place), strict=True):
                 for x, value in zip(row, wanted, strict=True):

@@ -152,9 +152,8 @@ def test_a_certificate_says_that_it_considers_none_of_it(capsys):
 
 def test_every_answer_about_the_mission_says_what_it_leaves_out(capsys):
     asked = ("x4-flyer", "--set", "uncertainty.torque=0.2")
-    for command in (("attraction", "--no-figure"), ("simulate", "--no-figures")):
-        _, out = printed(capsys, command[0], *asked, *command[1:])
-        assert out.splitlines()[1] == "  not considered          torque ±20 %"
+    _, out = printed(capsys, "simulate", *asked, "--no-figures")
+    assert out.splitlines()[1] == "  not considered          torque ±20 %"
     _, out = printed(capsys, "certify", *asked, "--json")
     assert "not considered: torque ±20 %" in json.loads(out)["warnings"]
     _, out = printed(capsys, "certify", "x4-flyer")
@@ -190,7 +189,7 @@ def test_the_checker_reads_these_sections_in_one_form(section, change):
 
 
 def test_the_report_lists_what_was_asked_and_is_not_considered():
-    title = "Asked to be covered (not considered here)"
+    title = "Asked to be covered (looked at under region of attraction alone)"
     asked, plain = (
         {
             table.title: table.rows

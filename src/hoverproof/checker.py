@@ -335,11 +335,14 @@ UNCERTAINTY = {  # what a proof is asked to cover; without it, nothing
 }
 CAMERA = {"half_angle": positive}  # rad
 WHERE = {"height": number}, {"centroid": VECTOR}  # m; q*
+IMAGE = word("image", "a heading that is not from a compass is from the image")
+ANGLE = {"heading": number}  # rad
+HEADINGS: tuple[dict[str, Any], ...] = {}, ANGLE, ANGLE | {"heading_from": IMAGE}
 PLAIN = {
     "name": word(r"[\w.-]{1,64}", "the mission has no proper name"),
     "vehicle": dict.fromkeys(VEHICLE, positive) | {"inertia": [positive] * 3},  # kg m²
     "target": {"points": several(VECTOR, MAX_POINTS)},  # world axes, z down, m
-    "goal": (*WHERE, *(where | {"heading": number} for where in WHERE)),  # rad
+    "goal": tuple(where | more for where in WHERE for more in HEADINGS),
     "gains": tuple(dict.fromkeys((*GAINS, *more), positive) for more in ((), ("k_heading",))),
     "bounds": tuple(bounds | force for bounds in ASSUMED for force in FORCE),
     "start": dict.fromkeys(("position", "velocity", "rotation", "rates"), VECTOR),
@@ -1527,14 +1530,19 @@ def state_of(start: Object) -> str:
 #
 #   Ψ = E + M ∫_{-τ'}^0 ∫_{t+x}^t exp(r(z - t)) |y(z)|² dz dx.
 #
+# Where the feature and V are measured with noise b and v, what is used less what is now is
+# n + ν, ν = b - (m/k1) v: so n + ν stands where n does, but for the memory, and with a
+# term -σν|ν|² the same gives Ψ' <= -r Ψ + σν|ν|², so that {Ψ <= ℓ} is not left while ℓ∞ =
+# σν max|ν|²/r < ℓ, and Ψ(t) <= Ψ(0) exp(-r t) + ℓ∞.
+#
 # For |J - j I| <= ϱ, ϱ²|V|² >= |y - jV|². As |n|² <= τ' ∫ |y|² over the last τ', Ψ' <= -r Ψ if
 #
 #   -E' - r E - Mτ'|y|² + (M/τ') exp(-rτ')|n|² - σJ(ϱ²|V|² - |y - jV|²) >= 0,
 #
 # where uᵀHv <= (R/2)(t|v|² + |u|²/t) for what E' has of norm |H| <= R, with any t > 0. The rest is
-# affine, and all of it concave, in each of χ, s3 h, ς, τ and π: their ends suffice. No product in it
-# is of components along different axes, and those along y stand in it as those along x: they are
-# left out. On {Ψ <= ℓ},
+# affine, and all of it concave, in each of χ, s3 h, ς, τ and π: their ends suffice. No product in
+# it is of components along different axes, and those along y stand in it as those along x: they
+# are left out. On {Ψ <= ℓ},
 #
 #   |δ3|² <= 2ℓ/w3, |δ3 - δ2|² <= 2ℓ(1/w2 + 1/w3), |ζ|² <= 2ℓ(1/w3 + 1/w4), |F| = c|δ3 - δ2| <= f,
 #   |V|² <= (k1/m)² 2ℓ(1 + 1/w2), |n| <= τ'(j + ϱ)|V|, (m g - f)² - (m w')² <= Tc² <= (m g + f)²,
@@ -1545,10 +1553,17 @@ def state_of(start: Object) -> str:
 # √(2ΨA) + b, A = 1 + (s3 t c/(m g))² (1/w2 + 1/w3), b = s3 t w'/g. The domain is a wedge each cell
 # of which has |σ - s*| > d >= √(2ℓA) + b, or J in its ball; those at the faces have the first. So
 # no motion leaves it. At a start, |F| <= f0 and sin φ <= (f0 + m w')/(m g).
+#
+# A vehicle whose mass, inertia, arm d and drag ratio κd are the mission's makes the thrust T, which
+# is within f + m w' of m g, and torques Γ1, Γ2 that are the moments of inertia times at most
+# (1 + γ')|a| + Ω3' ((1 + γ')ρ' + γ')|ζ|h, a = h (σn + K Pn - πζ + Ω3 e3×P(δ3 - n)). With lag it is
+# set to what it would settle at, which is τ T' ahead, |T'| <= (1 + θ)|Ua|, and to these torques.
+# |Γ3| <= (1 + γ')(k_yaw Ω3' + k_heading + |I2 - I1| |Ω1 Ω2|), k_heading if there is a heading.
+# Each rotor has T/4 ± Γ1/(4d) ± Γ2/(4d) ± Γ3/(4κd).
 
 
 class Wedges:
-    """Positions above a target in cells of x, y and u: (x, y, 1)/u is where its mean lies from them.
+    """Positions above a target in cells of x, y, u: (x, y, 1)/u is where its mean lies from them.
 
     A target that is its own mirror image across x or y needs one half of the wedge. With one that
     is the same along x and y, what lies at y > x is seen as its image is.
@@ -1562,10 +1577,12 @@ class Wedges:
         require(self.unit < 10**46, "the ends of the wedge are too long")
         self.whole = [(int(a * self.unit), int(b * self.unit)) for a, b in self.sides]
         self.target = Target(points)
-        self.mean, apart = self.target.mean, set(map(tuple, self.target.apart))
-        images = {(-x, y, z) for x, y, z in apart}, {(x, -y, z) for x, y, z in apart}
-        self.mirrored = [image == apart for image in images]
-        swapped = {(y, x, z) for x, y, z in apart} == apart
+        self.mean, apart = self.target.mean, sorted(map(tuple, self.target.apart))
+        self.length = math.lcm(*(x.denominator for point in apart for x in point))
+        self.apart = [[int(x * self.length) for x in point] for point in apart]
+        images = [(-x, y, z) for x, y, z in apart], [(x, -y, z) for x, y, z in apart]
+        self.mirrored = [sorted(image) == apart for image in images]
+        swapped = sorted((y, x, z) for x, y, z in apart) == apart
         self.swapped = swapped and self.sides[0] == self.sides[1]
 
     def faces(self) -> list[tuple[int, int]]:
@@ -1620,14 +1637,16 @@ class Wedges:
             return False
 
     def hold(self, cell: Cell, grid: Grid, domain: Any) -> bool:
-        """Show that a cell is beyond the domain, or that J is in its bounds over it, and what is seen."""
+        """Show that a cell is beyond the domain, or J in its bounds over it, and what is seen."""
         if self.left_out(cell):
             return True
         try:
             sight = self.sight(cell)
             if self.beyond(self.off(sight), domain.offset):
                 return True
-            if self.at_face(cell) or (domain.cone and not self.steep(cell, domain.cone)):
+            if self.at_face(cell) or (
+                domain.cone is not None and not self.steep(cell, domain.cone)
+            ):
                 return False
             low, high = domain.bounds
             if self.scaled:
@@ -1653,10 +1672,18 @@ class Wedges:
         return alike and not any(x for k, x in enumerate(level) if self.halved(k))
 
     def steep(self, cell: Cell, cosine: Fraction) -> bool:
-        """Show that all target points are in a cone about the vertical: at the corners, as it is convex."""
-        for corner, point in itertools.product(self.corners(cell), self.points):
-            x, y, z = minus(point, corner)
-            if z <= 0 or z**2 < cosine**2 * (x**2 + y**2 + z**2):
+        """Show that all target points are in a cone about the vertical.
+
+        The ray to a point that is a from the mean has the direction of (x, y, 1) + u a, so it is so
+        over the cell if it is at the corners, the cone being convex.
+        """
+        (x0, x1), (y0, y1), heights = cell
+        p, q = cosine.numerator**2, cosine.denominator**2
+        for u, (a, b, c) in itertools.product(heights, self.apart):
+            x = max(abs(end * self.length + u * a) for end in (x0, x1))
+            y = max(abs(end * self.length + u * b) for end in (y0, y1))
+            z = self.unit * self.length + u * c
+            if z <= 0 or (q - p) * z**2 < p * (x**2 + y**2):
                 return False
         return True
 
@@ -1703,13 +1730,14 @@ class Wedges:
 
 NONE = Object(
     **dict.fromkeys(("thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate"), Fraction(0)),
-    noise=Object(),
+    noise=Object(**dict.fromkeys(("feature", "velocity", "force", "rate"), Fraction(0))),
 )
 
 
 class Tolerant(Claim):
     """A claim about every vehicle within tolerances."""
 
+    w1: ClassVar[Fraction] = Fraction(1)  # 0 if there is a potential in place of |δ1|²
     high: Fraction  # bounds |J|, 1/m
 
     def __init__(self, c: Any) -> None:
@@ -1722,7 +1750,9 @@ class Tolerant(Claim):
         self.goal = wanted[2]  # holds s3*
         self.inertial = self.law[1] == "inertial"
         self.may = may = getattr(c.mission, "uncertainty", NONE)
-        require(not any(vars(may.noise).values()), "noise is not covered by this theorem")
+        unsure = may.noise.force or may.noise.rate
+        require(not unsure, "noise of the force and of the body rates is not covered")
+        self.noise = may.noise.feature + self.m / self.k[0] * may.noise.velocity  # |ν|
         exact = self.law[2] == "measured" or not (may.thrust or may.rotor_lag or may.wind)
         require(exact, "a modelled force knows nothing of thrust, rotor lag and wind")
         require((c.lag is not None) == (may.rotor_lag > 0), "weights of the lag belong to a lag")
@@ -1730,15 +1760,17 @@ class Tolerant(Claim):
         i1, i2, i3 = c.mission.vehicle.inertia
         self.gyroscopic = max(abs(i3 - i2) / i1, abs(i3 - i1) / i2)  # bounds |Gc|
         self.bound()
-        late, lagged = may.latency > 0, may.rotor_lag > 0
-        held = [*[(True, True)] * 3, (True, False), (True, True), (late, late), (lagged, lagged)]
+        late, lagged, noisy = may.latency > 0, may.rotor_lag > 0, self.noise > 0
+        held = [*[(True, True)] * 3, (True, False), (True, True)]
+        held += [(late, late), (noisy, noisy), (lagged, lagged)]
         self.size = sum(map(sum, held))
         count = itertools.count()
-        *self.errors, self.Y, self.N, lag = (
+        *self.errors, self.Y, self.N, self.B, lag = (
             Vector(Form({(next(count),): Fraction(1)} if there else {}) for there in (x, False, z))
             for x, z in held
         )
         self.lag, self.lift = flat(lag), upright(lag)  # μ and μT
+        self.A = Vector(self.N + self.B)  # what is used less what is now
         require(
             len(c.multipliers.terms) == len(self.terms(Fraction(0), Fraction(0))),
             "a multiplier a term",
@@ -1763,7 +1795,7 @@ class Tolerant(Claim):
         # the ends of s3 h, χ - 1 and π
         self.drag = pull[0] / self.stiffness * gain / longest, pull[1] / self.stiffness * self.quick
         self.tipped = upward(self.push / lever)
-        self.missed = upward(may.latency * self.high * speed)  # |n|
+        self.missed = upward(may.latency * self.high * speed + self.noise)  # |n + ν|
         self.cross = upward(self.quick * self.turn * self.tipped)  # |p3|
         self.sinking = upward(self.quick * (self.sink + self.missed))  # |p1 - p2|, |Ua/Dc|
         self.pace = 2 * self.sinking + self.cross
@@ -1791,17 +1823,17 @@ class Tolerant(Claim):
     def nominal(
         self, chi: Fraction, drag: Fraction, gain: Fraction, tau: Fraction, pi: Fraction
     ) -> Form:
-        """Return E' without what is bounded by its norm, and without what |δ1|² adds."""
+        """Return E' without what is bounded by its norm."""
         (w2, w3, w4), kappa, stiff = self.c.weights, self.kappa, self.kappa + self.damping
-        (_, D2, D3, D4), Y, N = self.errors, self.Y, self.N
+        (D1, D2, D3, D4), Y, N = self.errors, self.Y, self.A
         zeta, pull = D4 - flat(D3), self.k12 * (D3 - D2)
         dragged = drag * zeta
         lift = kappa * upright(D3) + self.lift if self.c.lag else kappa * upright(D3 - N)
-        d2 = Y + pull - dragged
+        d1, d2 = dragged - Y, Y + pull - dragged
         d3 = Y + pull + (kappa * chi) * zeta - gain * lift
         turning = kappa * chi + (gain - 1) * pi / 2 + pi
         d4 = flat(Y + pull) + turning * zeta + self.command(pi)
-        total: Form = w2 * (D2 @ d2) + w3 * (D3 @ d3) + w4 * (D4 @ d4)
+        total: Form = self.w1 * (D1 @ d1) + w2 * (D2 @ d2) + w3 * (D3 @ d3) + w4 * (D4 @ d4)
         if self.c.lag:
             steady = stiff * flat(N) - pi * zeta - self.lag
             late = steady + tau * (stiff * d4 + self.k12 * ((kappa * chi) * zeta + dragged))
@@ -1815,19 +1847,19 @@ class Tolerant(Claim):
         sigma = (-self.kappa - self.damping) * D4 - self.k12 * flat(D3 - D2)
         if self.c.lag:
             return Vector(sigma + self.lag)
-        return Vector(sigma + (self.kappa + self.damping) * flat(self.N) - pi * (D4 - flat(D3)))
+        return Vector(sigma + (self.kappa + self.damping) * flat(self.A) - pi * (D4 - flat(D3)))
 
     def terms(self, tau: Fraction, pi: Fraction) -> list[tuple[Vector, Vector, Fraction]]:
         """Return u, v and R of each uᵀHv in E', |H| <= R, where R is not zero."""
         _, D2, D3, D4 = self.errors
         may, yaw, zeta = self.may, self.may.yaw_rate, D4 - flat(D3)
-        u, missed, sigma = self.c.weights[2] * D4, flat(D3 - self.N), self.command(pi)
+        u, missed, sigma = self.c.weights[2] * D4, flat(D3 - self.A), self.command(pi)
         turned = self.quick * self.missed + may.thrust * self.cross / 2
         if self.c.lag is None:
             each = [
                 (u, sigma, may.torque),
                 (u, zeta, turned + yaw * may.torque),
-                (u, flat(self.N), yaw if may.latency else Fraction(0)),
+                (u, flat(self.A), yaw if may.latency or self.noise else Fraction(0)),
                 (u, missed, may.torque * yaw),
             ]
         else:
@@ -1849,7 +1881,7 @@ class Tolerant(Claim):
         return [(u, v, upward(radius)) for u, v, radius in each if radius]
 
     def least_fall(self, fading: Fraction, *corner: Fraction) -> Form:
-        """Return the lower bound of -Ψ' at a corner, without what |δ1|² adds and what J is."""
+        """Return the lower bound of -Ψ' at a corner, without what is known of J."""
         *_, tau, pi = corner
         c, latency = self.c, self.may.latency
         form: Form = Form() - self.nominal(*corner)
@@ -1860,8 +1892,8 @@ class Tolerant(Claim):
             form -= (radius / 2) * (t * (v @ v) + (1 / t) * (u @ u))
         return form
 
-    def at_start(self, start: Object, offset: Fraction, level: Fraction) -> tuple[Fraction, ...]:
-        """Bound |δ1|²/2 and the rest of Ψ at a start by |σ - s*| and its horizontal part.
+    def at_start(self, start: Object, offset: Fraction, level: Fraction) -> Fraction:
+        """Bound Ψ, without a potential, at a start by |σ - s*| and its horizontal part.
 
         The rotors are steady: Ua = 0 and b = 0, hence μ = -σn and μT = -κ δ3z.
         """
@@ -1878,14 +1910,14 @@ class Tolerant(Claim):
         d2 = d1 + moved
         d3 = d2 + pushed
         d4 = flat1 + moved + pushed + lever * start.rate / (self.stiffness * self.kappa)
-        total = w2 * d2**2 + w3 * d3**2 + w4 * d4**2
+        total = self.w1 * d1**2 + w2 * d2**2 + w3 * d3**2 + w4 * d4**2
         if self.c.lag:
             asked = stiff * d4 + self.k12 * pushed
             rotors = self.c.lag.torque * asked**2 + self.c.lag.thrust * (self.kappa * d3) ** 2
             total += may.rotor_lag * rotors
         if self.c.memory:
             total += self.c.memory * (may.latency * self.high * start.speed) ** 2
-        return d1**2 / 2, Fraction(total / 2)
+        return Fraction(total / 2)
 
     def left_out(self) -> str:
         """Say nothing: all that the mission asks to be covered is."""
@@ -1897,11 +1929,12 @@ class Tolerant(Claim):
         ends = f"{about(1 - may.thrust)} to {about(1 + may.thrust)} times"
         gained = f"by {ends} what is commanded" if may.thrust else "just as commanded"
         law = "measured force is exact" if self.law[2] == "measured" else "force is as modelled"
-        torque = "e3×Ω' = a without error, a the angular acceleration commanded"
+        torque = "e3×Ω' as commanded"
         if may.torque:
             torque = (
-                "e3×Ω' = (I + γ) a + Ω3 G e3×Ω, a commanded, with any 2 x 2 matrices γ and G, which "
-                f"may change, of norm at most {about(may.torque)} (inertia and rotors)"
+                "e3×Ω' = (I + γ) a + Ω3 G e3×Ω but for lag, a the angular acceleration commanded, "
+                "with any 2 x 2 matrices γ and G, which may change, of norm at most "
+                f"{about(may.torque)}"
             )
         lag = "no rotor lag"
         if may.rotor_lag:
@@ -1921,9 +1954,16 @@ class Tolerant(Claim):
         yaw = f"|Ω3| <= {about(may.yaw_rate)} rad/s" if may.yaw_rate else "Ω3 = 0"
         if not (may.torque or may.latency or may.rotor_lag):
             yaw = "any Ω3"  # nothing but these depends on it
+        known = "V, Ω and the vertical are known exactly"
+        if self.noise:
+            feature, velocity = map(about, (may.noise.feature, may.noise.velocity))
+            known = (
+                f"the feature of that image is wrong by at most {feature} and V by at most "
+                f"{velocity} m/s, in any way that changes, Ω and the vertical are known exactly"
+            )
         return (
             f"a true thrust over mass that changes {gained}, {torque}, {lag}, {late}, {wind} and "
-            f"{yaw} on the way, where V, Ω and the vertical are known exactly and the {law}"
+            f"{yaw} on the way, where {known} and the {law}"
         )
 
     def state(self, start: Object, place: str = "") -> str:
@@ -1940,10 +1980,23 @@ class Tolerant(Claim):
             held += "at rest, "
             held += f"for {about(self.may.latency)} s already, " if self.may.latency else ""
         held += f"an acceleration of at most {about(f0 / self.m)} m/s²" if f0 else "no acceleration"
-        held += f" and √(Ω1² + Ω2²) <= {about(start.rate)} rad/s"
+        held += (
+            f" and √(Ω1² + Ω2²) <= {about(start.rate)} rad/s" if start.rate else " and Ω1 = Ω2 = 0"
+        )
         if self.may.rotor_lag:
-            held += ", thrust and torque of the rotors being steady and zero in turn"
+            held += ", with the rotors steady: thrust that does not change, no torque"
         return held
+
+
+TERMS = several(positive, 8)
+CLAIM = {
+    **dict.fromkeys(("level", "rate", "start_level"), positive),
+    "starts": several(START, MAX_STARTS),
+    "settling": dict.fromkeys(("offset", "radius", "time"), positive),  # 1, m, s
+    "cone": maybe(share),
+    "rotors": interval,  # N
+}
+TREES = {"near": TREE, "starts": several(TREE, MAX_STARTS)}
 
 
 class Exponential(Tolerant):
@@ -1953,20 +2006,18 @@ class Exponential(Tolerant):
         "weights": [positive] * 3,  # w2, w3, w4
         "lag": maybe({"torque": positive, "thrust": positive}),  # a5, a6
         "memory": maybe(positive),  # M
-        "multipliers": {"slope": positive, "terms": several(positive, 8)},
+        "multipliers": (
+            {"slope": positive, "terms": TERMS},
+            {"slope": positive, "terms": TERMS, "noise": positive},
+        ),
         "domain": {
             **{"wedge": BOX, "bounds": [positive] * 2, "offset": positive},
             **{"cone": maybe(share), "tree": TREE},  # the cosine of an angle
         },
         "enclosures": {"goal": interval},  # of s3*
         "hover": VECTOR,  # near the hover at the goal, m
-        "claim": {
-            **dict.fromkeys(("level", "rate", "start_level"), positive),
-            "starts": several(START, MAX_STARTS),
-            "settling": dict.fromkeys(("offset", "radius", "time"), positive),
-            "cone": maybe(share),
-        },
-        "trees": {"near": TREE, "starts": several(TREE, MAX_STARTS)},
+        "claim": (CLAIM, CLAIM | {"ultimate": dict.fromkeys(("offset", "radius"), positive)}),
+        "trees": (TREES, TREES | {"ultimate": TREE}),
     }
 
     def __init__(self, c: Any) -> None:
@@ -1976,7 +2027,14 @@ class Exponential(Tolerant):
         self.grid = Grid(self.points)
         self.place = Wedges(c, self.points, self.scaled)
         require(c.claim.starts, "there is no start")
-        costs = ((tree, 10) for tree in (c.trees.near, *c.trees.starts))
+        require(c.claim.start_level <= c.claim.level, "a start is above the level")
+        parts = c.multipliers, c.claim, c.trees
+        have = [
+            hasattr(x, k) for x, k in zip(parts, ("noise", "ultimate", "ultimate"), strict=True)
+        ]
+        require(have == [self.noise > 0] * 3, "noise is to have its multiplier, bound and tree")
+        far = [c.trees.ultimate] if self.noise else []
+        costs = ((tree, 10) for tree in (c.trees.near, *far, *c.trees.starts))
         require_little(self.points, (c.domain.tree, 15), *costs)
         require(len(c.trees.starts) == len(c.claim.starts), "a tree a start")
         angles = c.claim.cone is None or c.domain.cone is not None
@@ -1999,31 +2057,40 @@ class Exponential(Tolerant):
 
     def decrease(self, *corner: Fraction) -> Form:
         """Return the lower bound of -Ψ' - r Ψ at a corner."""
-        _, drag, _, tau, _ = corner
-        c, rate, (D1, D2, D3, D4) = self.c, self.c.claim.rate, self.errors
+        *_, tau, _ = corner
+        c, rate = self.c, self.c.claim.rate
         energy = squares([Fraction(1), *c.weights], self.errors)
         if c.lag:
             energy += tau * (
                 c.lag.torque * (self.lag @ self.lag) + c.lag.thrust * (self.lift @ self.lift)
             )
         j, reach = (self.low + self.high) / 2, (self.high - self.low) / 2
-        V = (self.k[0] / self.m) * (D1 + D2)
+        V = (self.k[0] / self.m) * (self.errors[0] + self.errors[1])
         out, x = self.Y - j * V, rate * self.may.latency
         fading = 1 - x + x**2 / 2 - x**3 / 6  # below exp(-x)
         form: Form = (
             self.least_fall(fading, *corner)
-            - (D1 @ (drag * (D4 - flat(D3)) - self.Y))
             - (rate / 2) * energy
             - c.multipliers.slope * (reach**2 * (V @ V) - out @ out)
         )
-        return form
+        return form + c.multipliers.noise * (self.B @ self.B) if self.noise else form
+
+    def floor(self) -> Fraction:
+        """Return ℓ∞ = σν ν²/r."""
+        if not self.noise:
+            return Fraction(0)
+        return Fraction(self.c.multipliers.noise * self.noise**2 / self.c.claim.rate)
 
     def verify(self) -> None:
         """Verify that Ψ falls at the rate, where, how soon the vehicle is near, and from where."""
         require(within(self.goal, self.c.enclosures.goal), "the interval of s3* does not hold it")
+        require(
+            self.floor() < self.c.claim.level, "the noise is not shown to stay within the level"
+        )
         for corner in self.vertices():
             shown = self.decrease(*corner).positive(self.size)
             require(shown, "Ψ is not shown to fall at the rate claimed")
+        require(within(self.rotors(), self.c.claim.rotors), "the thrust of a rotor does not follow")
         self.verify_domain()
         self.verify_settling()
         for start, tree in zip(self.c.claim.starts, self.c.trees.starts, strict=True):
@@ -2032,6 +2099,7 @@ class Exponential(Tolerant):
     def verify_domain(self) -> None:
         """Verify that no motion leaves the box, in which J is in its ball, and what is seen."""
         claim, domain, place = self.c.claim, self.c.domain, self.place
+        require(claim.start_level <= claim.level, "a start is above the level")
         far = self.shift + square_root(2 * claim.level * self.stretch)[1]
         require(far <= domain.offset, "the level is not shown to be within the domain")
         cover(
@@ -2049,22 +2117,49 @@ class Exponential(Tolerant):
             follows = claim.cone is not None and cosine_below(camera.half_angle, claim.cone)
             require(follows, "the points are not shown to be within the half angle of the camera")
 
+    def rotors(self) -> tuple[Fraction, Fraction]:
+        """Bound what each rotor makes, and is set to make, N."""
+        c, (w2, w3, w4), may, vehicle = self.c, self.c.weights, self.may, self.c.mission.vehicle
+        stiff, (i1, i2, i3) = self.kappa + self.damping, vehicle.inertia
+        steady = 2 * c.claim.level * (stiff**2 / w4 + self.k12**2 * (1 / w2 + 1 / w3))
+        asked = square_root(steady)[1] + stiff * self.missed + self.pace * self.turn
+        asked += may.yaw_rate * (self.sink + self.missed)
+        own = (1 + may.torque) * self.gyroscopic + may.torque
+        turned = self.quick * ((1 + may.torque) * asked + may.yaw_rate * own * self.turn)
+        k_yaw = c.mission.gains.k_yaw
+        yaw = k_yaw * may.yaw_rate
+        if self.heading:  # its gain is this one unless it is given
+            yaw += getattr(c.mission.gains, "k_heading", min(k_yaw**2 / (4 * i3), k_yaw))
+        yaw += abs(i2 - i1) * (self.quick * self.turn) ** 2 / 2
+        aside = square_root(i1**2 + i2**2)[1] * turned / vehicle.arm
+        aside += (1 + may.torque) * yaw / vehicle.drag_ratio
+        ahead = may.rotor_lag * (1 + may.thrust) * self.stiffness * self.kappa
+        swing = self.force + self.push + ahead * (self.sink + self.missed) + aside
+        return (self.weight - swing) / 4, (self.weight + swing) / 4
+
     def verify_settling(self) -> None:
         """Verify that the vehicle is near the hover in time, where |σ - s*| is no longer large."""
         claim, soon, place = self.c.claim, self.c.claim.settling, self.place
         require(soon.offset > self.shift, "the wind moves the hover by more than the offset")
-        level = (soon.offset - self.shift) ** 2 / (2 * self.stretch)
+        level = (soon.offset - self.shift) ** 2 / (2 * self.stretch) - self.floor()
+        require(level > 0, "the noise is not shown to leave the vehicle within the offset")
         fallen = exponential_above(claim.rate * soon.time, claim.start_level / level)
         require(fallen, "the settling time does not follow from the rate")
 
         require(place.on_symmetry(self.c.hover), "the hover point is not where the target is alike")
 
-        def hold(cell: Cell) -> bool:
-            near = place.close(cell, self.c.hover, soon.radius)
-            return near or place.outside(cell, soon.offset)
-
         what = "the vehicle is not shown to be within the radius"
-        cover(self.c.trees.near, place.whole, hold, what)
+        cover(self.c.trees.near, place.whole, lambda cell: self.nearby(cell, soon), what)
+        if self.noise:
+            last = claim.ultimate
+            least = self.shift + square_root(2 * self.floor() * self.stretch)[1]
+            require(last.offset > least, "the noise may move the vehicle by more than the offset")
+            cover(self.c.trees.ultimate, place.whole, lambda cell: self.nearby(cell, last), what)
+
+    def nearby(self, cell: Cell, claimed: Object) -> bool:
+        """Show that a cell is within a radius of the hover point, or beyond an offset."""
+        near = self.place.close(cell, self.c.hover, claimed.radius)
+        return near or self.place.outside(cell, claimed.offset)
 
     def verify_start(self, start: Object, tree: str) -> None:
         """Verify that Ψ <= ℓ0 in a set of states; the vehicle was near its positions before."""
@@ -2075,8 +2170,7 @@ class Exponential(Tolerant):
         def hold(cell: Cell) -> bool:
             offsets = self.place.start(self.grid, cell)
             return (
-                offsets is not None
-                and sum(self.at_start(start, *offsets)) <= self.c.claim.start_level
+                offsets is not None and self.at_start(start, *offsets) <= self.c.claim.start_level
             )
 
         what = "a start is not shown to have Ψ <= its level"
@@ -2088,41 +2182,50 @@ class Exponential(Tolerant):
         weights, hover = (", ".join(map(about, x)) for x in (c.weights, c.hover))
         more = ""
         if c.lag:
-            more += f" + ½ τ ({about(c.lag.torque)} |μ|² + {about(c.lag.thrust)} μT²) of the rotors' lag"
+            lag = f"{about(c.lag.torque)} |μ|² + {about(c.lag.thrust)} μT²"
+            more += f" + ½ τ ({lag}) of the lag τ"
         if c.memory:
-            more += f" + {about(c.memory)} ∫∫ exp(r (z - t)) |y|² of the latency"
-        seen = "all target points seen"
+            more += f" + {about(c.memory)} ∫∫ exp(r (z - t)) |y(z)|² dz dx of the latency, z from "
+            more += "t + x to t, x from minus the latency to 0, y = J V the flow of the feature"
         half = ""
         if claim.cone is not None:
+            angle = f"{math.degrees(math.acos(claim.cone)):.4g}°"
             half = (
-                ", and every target point is seen at an angle from the optical axis whose cosine is "
-                f"at least {about(claim.cone)}, at most {math.degrees(math.acos(claim.cone)):.4g}°"
+                f"; on the way every target point is seen at an angle of at most arccos "
+                f"{about(claim.cone)}, {angle}, from the optical axis"
             )
+        fall, last = "Ψ(t) <= Ψ(0) exp(-r t)", ""
+        if self.noise:
+            fall += f" + {float(self.floor()):.6g} (to 6 digits)"
+            last = f", and in the end within {about(claim.ultimate.radius)} m"
+        turning = f", while |Ω3| <= {about(self.may.yaw_rate)} rad/s"
         starts = "; or ".join(map(self.state, claim.starts))
         s3 = f"{float(sum(self.goal) / 2):.12g}"
         return (
             f"For the mission {self.name} ({self.of_another_law()}m = {self.m} kg, g = "
             f"{self.gravity} m/s², {self.gains()}, goal straight below where its feature is (0, 0, "
             f"{s3}) to 12 digits), and for every vehicle with {self.vehicles()}, let Ψ = ½(|δ1|² + "
-            f"w2|δ2|² + w3|δ3|² + w4|δ4|²){more}, (w2, w3, w4) = ({weights}). In continuous time and "
-            f"with {seen}, the controller may be switched on in every {starts}: then Ψ(0) <= "
-            f"{about(claim.start_level)} and Ψ(t) <= Ψ(0) exp(-r t), r = {about(claim.rate)} 1/s, "
-            f"for all t >= 0; the vehicle stays {self.place.words()}; and after "
-            f"{about(soon.time)} s it is, and stays, within {about(soon.radius)} m of the point "
-            f"({hover}) m{half}."
+            f"w2|δ2|² + w3|δ3|² + w4|δ4|²){more}, (w2, w3, w4) = ({weights}). In continuous time "
+            f"and with all target points seen, the controller may be switched on in every {starts}."
+            f" Then Ψ(0) <= {about(claim.start_level)} and {fall}, r = "
+            f"{about(claim.rate)} 1/s, for all t >= 0; the vehicle stays {self.place.words()}; and "
+            f"after {about(soon.time)} s it is, and stays, within {about(soon.radius)} m of the "
+            f"point ({hover}) m{last}{half}. On the way each rotor of a vehicle whose mass, "
+            f"inertia, arm and drag ratio are the mission's makes, and is set to make, a thrust in "
+            f"{about(*claim.rotors)} N{turning}."
         )
 
 
-# With the centroid there is the natural potential W in place of ½|δ1|², of which W' = -eᵀV, and e in
-# place of δ1 = e + η, as for regions of attraction; η = 0 for an inertial goal, and without wind it
-# is as there for one of the image. With q3* and θ = (t, 0) at their ends, and 0 ⪯ Q ⪯ λ I, so
+# With the centroid there is the natural potential W in place of ½|δ1|², of which W' = -eᵀV, and e
+# in place of δ1 = e + η, as for regions of attraction; η = 0 for an inertial goal, and without wind
+# it is as there for one of the image. With q3* and θ = (t, 0) at their ends, and 0 ⪯ Q ⪯ λ I, so
 # yᵀ(λV - y) >= 0,
 #
 #   -(E - ½|δ1|²)' + eᵀV - Mτ'|y|² + (M/τ')|n|² - σQ yᵀ(λV - y) >= ε (k1/m) |Y|²
 #
-# on {Ψ <= ℓ}, where |V| <= (k1/m)(|δ1| + |δ2|), |δ1| <= n + q3*. What is along the second axis is in
-# this as what is along the first if θ = 0. A barrier follows from how U is made, so it needs that
-# the height is driven as modelled: no tolerance but those of torque and yaw rate.
+# on {Ψ <= ℓ}, where |V| <= (k1/m)(|δ1| + |δ2|), |δ1| <= n + q3*. What is along the second axis is
+# in this as what is along the first if θ = 0. A barrier follows from how U is made, so it needs
+# that the height is driven as modelled: no tolerance but those of torque and yaw rate.
 
 
 class Potential(Tolerant, Attraction):
@@ -2140,9 +2243,12 @@ class Potential(Tolerant, Attraction):
         for force in ("modelled", "measured")
     }
 
+    w1: ClassVar[Fraction] = Fraction(0)
+
     def __init__(self, c: Any) -> None:
         self.high = c.enclosures.largest_eigenvalue
         super().__init__(c)
+        require(not self.noise, "noise is not covered by this theorem")
         moved = self.may.wind > 0 and not self.inertial
         require(not moved, "wind moves the potential of a goal that is fixed in the image")
         tossed = self.may.thrust or self.may.latency or self.may.rotor_lag or self.may.wind
@@ -2185,7 +2291,7 @@ class Potential(Tolerant, Attraction):
 
     def beside(self, add: Any, whole: int, level: int) -> Fraction:
         """Bound Ψ - W where |q - q*| and its horizontal part are bounded, in units of 1/ONE."""
-        return self.at_start(add, Fraction(whole, ONE), Fraction(level, ONE))[1]
+        return self.at_start(add, Fraction(whole, ONE), Fraction(level, ONE))
 
     def words(self) -> str:
         """Say what is proved."""
@@ -2208,12 +2314,12 @@ class Potential(Tolerant, Attraction):
             f"({hover}) m at its height, up to {up} m above it or {down} m below it",
         )
         return (
-            f"For {self.asked()} and for every vehicle with {self.vehicles()}, let Ψ = W + ½(a2|δ2|² "
-            f"+ a3|δ3|² + a4|δ4|²){more}, W = Σ|P'i - ξ| + q3* z less its minimum, (a2, a3, a4) = "
-            f"({weights}). In continuous time and with all target points seen, the controller may be "
-            f"switched on in every {rest}{others}: the motion converges to the hover at the goal"
-            f"{stays}. On the way Ψ <= {about(self.level)} and Ψ' <= -(k1/m) {about(claim.rate)} "
-            f"(|q - q3* ρ|² + |δ2|² + |δ3|² + |δ4|²)."
+            f"For {self.asked()} and for every vehicle with {self.vehicles()}, let Ψ = W + "
+            f"½(a2|δ2|² + a3|δ3|² + a4|δ4|²){more}, W = Σ|P'i - ξ| + q3* z less its minimum, "
+            f"(a2, a3, a4) = ({weights}). In continuous time and with all target points seen, the "
+            f"controller may be switched on in every {rest}{others}: the motion converges to the "
+            f"hover at the goal{stays}. On the way Ψ <= {about(self.level)} and Ψ' <= -(k1/m) "
+            f"{about(claim.rate)} (|q - q3* ρ|² + |δ2|² + |δ3|² + |δ4|²)."
         )
 
 

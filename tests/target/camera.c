@@ -45,6 +45,10 @@ int main(void) {
       const size_t n = offsetof(frame_t, age) / sizeof(real);
       for (size_t i = 0; i < n; i++) numbers[i] = sometimes(uniform(-0.5, 0.5));
       if (!OF_POINTS) numbers[2] += (real)3.3;
+#if HEADED
+      for (int i = 0; i < 3; i++)
+        frame.gravity_direction[i] = sometimes(i < 2 ? uniform(-0.2, 0.2) : uniform(0.96, 1.0));
+#endif
       frame.age = sometimes(uniform(-0.002, 0.16));
       const uint32_t status = camera_frame(&camera, &frame);
       take(&status, sizeof status);
@@ -52,8 +56,15 @@ int main(void) {
     }
     for (int i = 0; i < 3; i++) in.rate[i] = any() % 1500u == 0u ? broken() : uniform(-4, 4);
     in.dt = any() % 1500u == 0u ? sometimes((real)0.1) : uniform(0.002, 0.004);
+#if HEADED
+    for (int i = 0; i < 3; i++) in.gravity_direction[i] = uniform(-0.2, 0.2) + (real)(i == 2);
+#endif
     const uint32_t status = camera_turn(&camera, &in);
     counts[status]++;
+#if HEADED
+    if (!isfinite(in.heading[0]) || !isfinite(in.heading[1])) return 3;
+    take(in.heading, sizeof in.heading);
+#endif
     for (int i = 0; i < 3; i++)
       if (!isfinite(in.feature[i])) return 1;
     if ((in.target_seen != 0u) != (status == 0u) || camera.newest >= 64u || camera.kept > 64u) return 2;

@@ -10,7 +10,7 @@ from hoverproof.certification.attraction.search import Objective
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import Attraction, Sinks
 from hoverproof.certification.exponential.proof import converge
-from hoverproof.certification.exponential.verdict import NOT_COVERED, Exponential
+from hoverproof.certification.exponential.verdict import HIDDEN, NOT_COVERED, Exponential
 from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
@@ -27,7 +27,8 @@ def not_covered(verdict: Converges) -> tuple[str, ...]:
     verdict : Attraction, Exponential, Sinks or Undecided
     """
     if isinstance(verdict, Exponential) or verdict.mission.law.feature == "scaled":
-        return NOT_COVERED
+        proved = isinstance(verdict, Exponential) and verdict.mission.camera.half_angle is not None
+        return (*NOT_COVERED[:-1], HIDDEN) if proved else NOT_COVERED
     return of_potential.not_covered(verdict)
 
 
@@ -84,3 +85,28 @@ def attraction(
         other = converge(mission, starts=starts, progress=progress)
         return other if other.proved else verdict
     return verdict
+
+
+def start_or_ball(mission: Mission) -> tuple[Converges, Attraction | Exponential | None]:
+    """Decide about the start of a mission; if it is not proved, look for other hovers that are.
+
+    Parameters
+    ----------
+    mission : Mission
+
+    Returns
+    -------
+    verdict
+        Of `attraction`, about the start of the mission.
+    proved : Attraction, Exponential or None
+        That verdict if it is proved; else, with the centroid, the region with the largest ball.
+
+    Raises
+    ------
+    InputError
+        See `attraction`.
+    """
+    verdict = attraction(mission)
+    if not isinstance(verdict, Undecided | Sinks) or mission.law.feature == "scaled":
+        return verdict, verdict.proved
+    return verdict, potential.attraction(mission, objective="radius").proved

@@ -17,12 +17,14 @@ from hoverproof.cli.console import (
     at_work,
     load_mission,
 )
-from hoverproof.cli.reading import certificate_stem
+from hoverproof.cli.reading import certificate_stem, refuse_given
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
     from hoverproof.certification.attraction.starts import Start
     from hoverproof.certification.attraction.verdict import Attraction
+    from hoverproof.certification.exponential.verdict import Exponential
+    from hoverproof.certification.largest import Largest
 
 
 def attraction(
@@ -48,6 +50,10 @@ def attraction(
         bool | None,
         Parameter(help="Use that motions do not sink to the target; by default, if it helps."),
     ] = None,
+    largest: Annotated[
+        Literal["thrust", "torque", "latency", "wind", "rotor_lag", "yaw_rate"] | None,
+        Parameter(help="Find the largest such tolerance with which the start is proved."),
+    ] = None,
     out: Annotated[
         Path | None, Parameter(help="Certificate file to write.", validator=NO_FOLDER)
     ] = None,
@@ -57,6 +63,7 @@ def attraction(
 ) -> int:
     """Prove from where the vehicle converges to its goal: where it may be switched on.
 
+    That is proved for every vehicle within the tolerances in `[uncertainty]` of the mission.
     Writes NAME.attraction.cert.json, which `check` verifies without trusting this program. A start
     above the target from which the vehicle is shown to sink to the height of its lowest point is
     refuted (status 1) in NAME.attraction.refutation.json. NAME is as for `certify`.
@@ -64,9 +71,13 @@ def attraction(
     Example: `hoverproof attraction x4-flyer --start 20,0,-20`
 
     Example: `hoverproof attraction x4-flyer --objective radius --no-barrier`
+
+    Example: `hoverproof attraction x4-flyer --set uncertainty.torque=0.2`
+
+    Example: `hoverproof attraction x4-flyer --largest torque`
     """
-    from hoverproof.certification.attraction.verdict import Attraction
     from hoverproof.certification.convergence import attraction as decide
+    from hoverproof.certification.largest import largest as find
     from hoverproof.cli.answers.attraction import AttractionAnswer
 
     loaded = load_mission(mission, set_)
@@ -75,25 +86,52 @@ def attraction(
     if start is None and any(sizes.values()):
         start = [",".join(map(str, loaded.start.position))]
     starts = None if start is None else [_start(text, sizes) for text in start]
+    found = None
+    if largest is not None:
+        others = {"--objective": objective != "start", "--barrier": barrier}
+        refuse_given(others, "is not for --largest, which is about a start")
     with at_work() as doing:
-        verdict = decide(
-            loaded, objective=objective, starts=starts, barrier=barrier, progress=doing
-        )
-    path = picture = None
+        if largest is not None:
+            found = find(loaded, largest, starts=starts, progress=doing)
+            verdict, loaded = found.verdict, found.verdict.mission
+            set_ = [*(set_ or []), f"uncertainty.{largest}={float(found.value):g}"]
+        else:
+            verdict = decide(
+                loaded, objective=objective, starts=starts, barrier=barrier, progress=doing
+            )
+    path = picture = search = None
     if verdict.certificate is not None:
         stem = certificate_stem(loaded, mission, set_)
         path = out or Path(f"{stem}.attraction.{verdict.ending}.json")
         verdict.certificate.save(path)
-        if figure and isinstance(verdict, Attraction) and not verdict.tolerant:
-            picture = _draw(verdict, path)
-    return tell(AttractionAnswer(verdict, path, picture), json_, loaded)
+        if figure and verdict.proved:
+            picture = _draw(verdict.proved, path)
+            search = _draw_search(found, path) if found is not None else None
+    return tell(AttractionAnswer(verdict, path, picture, found, search), json_, loaded)
 
 
-def _draw(verdict: Attraction, path: Path) -> Path:
-    from hoverproof.show.attraction import save_attraction_figure
+def _draw_search(found: Largest, path: Path) -> Path:
+    from hoverproof.show.largest import save_largest_figure
+
+    picture = path.with_name(f"{path.name.removesuffix('.json').removesuffix('.cert')}.largest.png")
+    save_largest_figure(found, picture)
+    return picture
+
+
+def _draw(verdict: Attraction | Exponential, path: Path) -> Path | None:
+    from hoverproof.certification.attraction.verdict import Attraction
 
     picture = path.with_name(f"{path.name.removesuffix('.json').removesuffix('.cert')}.png")
-    save_attraction_figure(verdict, picture)
+    if isinstance(verdict, Attraction):
+        if not verdict.mission.law.is_papers:  # whose flights and potential it draws
+            return None
+        from hoverproof.show.attraction import save_attraction_figure
+
+        save_attraction_figure(verdict, picture)
+    else:
+        from hoverproof.show.exponential import save_exponential_figure
+
+        save_exponential_figure(verdict, picture)
     return picture
 
 

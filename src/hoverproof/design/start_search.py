@@ -137,7 +137,7 @@ class StartSearch:
                 hover = float(self.mission.vehicle.weight) / 4
                 excess.append(float(thrusts.max()) / most)
                 excess.append(1 + (least - float(thrusts.min())) / hover)
-        return max(max(excess) - 1, 0.0)
+        return float(max(max(excess) - 1, 0.0))
 
     def at(self, z: Array, likely: Likely = ()) -> tuple[float, Candidate | None]:
         """Return the cost of a point and what it is of.
@@ -180,10 +180,10 @@ class StartSearch:
                 quick = min(quick, WAITS / wait)
             rates = scale * quick * np.array(RATES)
             k1 = mass * rates[0] / j
-            four = k1, mass * rates[1] / k1, mass * rates[2], mass * rates[3]
+            gains = [k1, mass * rates[1] / k1, mass * rates[2], mass * rates[3]]
             for share in SHARES:
                 last = math.log(d), share, math.log(FIRST_RATE * rates[0])
-                yield np.array([*np.log(four), *last])
+                yield np.array([*np.log(gains), *last])
 
     @cached_property
     def own(self) -> Candidate | None:

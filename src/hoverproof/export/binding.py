@@ -177,7 +177,21 @@ class Firmware:
         self._camera = self._new("camera")
         return self._call("camera_init", self._camera, oldest)
 
-    def frame(self, seen: Any, age: float) -> int:
+    def see_heading(self, image: Any, gravity_direction: Any) -> tuple[float, ...]:
+        """Return the heading that the image tells, (cos ψ, sin ψ), of a package that has it so.
+
+        Parameters
+        ----------
+        image : (n, 2)
+            Image points in the order of the target.
+        gravity_direction : (3,)
+            Body frame.
+        """
+        given = self._filled("input", image=image, gravity_direction=gravity_direction)
+        self._call("see_heading", given)
+        return tuple(given.heading)
+
+    def frame(self, seen: Any, age: float, **rest: Any) -> int:
         """Take in a frame, after `watch`, and return the status.
 
         Parameters
@@ -185,8 +199,10 @@ class Firmware:
         seen : (n, 2) image points, or (3,) centroid
         age : float
             From its exposure to the next step, s.
+        **rest
+            gravity_direction (3,) at its exposure, where the image tells the heading.
         """
-        frame = self._filled("frame", **self._named("camera", seen), age=age)
+        frame = self._filled("frame", **self._named("camera", seen), age=age, **rest)
         return self._call("camera", self._camera, frame)
 
     def turn(self, rate: Sequence[float], dt: float) -> tuple[int, tuple[float, ...]]:
@@ -204,9 +220,29 @@ class Firmware:
         status, feature : int, (3,) float
             The feature is for `step`, with the target seen if the status is 0.
         """
-        given = self._filled("input", rate=rate, dt=dt)
-        status = self._call("camera_turn", self._camera, given)
+        status, given = self._turned(rate=rate, dt=dt)
         return status, tuple(given.feature)
+
+    def turn_heading(
+        self, rate: Sequence[float], dt: float, gravity_direction: Sequence[float]
+    ) -> tuple[int, tuple[float, ...], tuple[float, ...]]:
+        """Do as `turn` where the image tells the heading; return status, feature and heading.
+
+        Parameters
+        ----------
+        rate : (3,)
+            At this step, rad/s.
+        dt : float
+            To the next step, s.
+        gravity_direction : (3,)
+            At this step, body frame.
+        """
+        status, given = self._turned(rate=rate, dt=dt, gravity_direction=gravity_direction)
+        return status, tuple(given.feature), tuple(given.heading)
+
+    def _turned(self, **values: Any) -> tuple[int, Any]:
+        given = self._filled("input", **values)
+        return self._call("camera_turn", self._camera, given), given
 
     def _named(self, key: str, seen: Any) -> dict[str, Any]:
         """Return what is seen by the name of its field."""

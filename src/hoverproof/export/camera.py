@@ -9,9 +9,11 @@ import casadi as ca
 
 from hoverproof.export.emitter import statements
 from hoverproof.export.flight_law import FlightLaw
+from hoverproof.export.heading import heading_kept, north_seen
 from hoverproof.export.law_text import sum_of_squares
 from hoverproof.export.options import Options
 from hoverproof.export.seen import seen_feature
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import skew
 
 KEPT = 64
@@ -37,6 +39,9 @@ class CameraText:
         where the law does without), and from a feature and a turn to the feature after it.
     image_square : str
         An expression: the sum of the squares of what the camera saw.
+    north, heading : tuple of str
+        Statements: from a frame to the x axis of the world, and from that to the heading; empty
+        where the image does not tell it.
     kept : int
         How many turns are kept: a bare number.
     largest_turn_square, oldest : Fraction
@@ -48,6 +53,8 @@ class CameraText:
     spread: tuple[str, ...]
     turned: tuple[str, ...]
     image_square: str
+    north: tuple[str, ...] = ()
+    heading: tuple[str, ...] = ()
     kept: int = KEPT
     largest_turn_square: Fraction = LARGEST_TURN**2
     oldest: Fraction = OLDEST
@@ -68,18 +75,19 @@ def turned_function() -> ca.Function:
     return ca.Function("turned", [feature, turn], [ca.cse(moved)], names, ["turned"])
 
 
-def camera_text(law: FlightLaw, options: Options, points: int) -> CameraText | None:
+def camera_text(mission: Mission, law: FlightLaw, options: Options) -> CameraText | None:
     """Write the camera in C, if there is one.
 
     Parameters
     ----------
+    mission : Mission
     law : FlightLaw
+        Of the mission.
     options : Options
-    points : int
-        Number of target points.
     """
     if options.camera is None:
         return None
+    points = len(mission.target.points)
     field = {"points": "image", "centroid": "centroid"}[options.camera]
     names = (
         [f"frame->image[{i}][{k}]" for i in range(points) for k in range(2)]
@@ -92,6 +100,8 @@ def camera_text(law: FlightLaw, options: Options, points: int) -> CameraText | N
     spread = seen.spread_function()
     places = [f"feature[{k}]" for k in range(3)]
     real = options.precision.c_type
+    axis, kept = ([f"{of}north[{k}]" for k in range(3)] for of in ("", "camera->"))
+    headed = law.source.sees_north
     return CameraText(
         field=field,
         feature=tuple(statements(of_seen, [names, ["spread"]], {"o0": places}, options.precision)),
@@ -109,4 +119,6 @@ def camera_text(law: FlightLaw, options: Options, points: int) -> CameraText | N
             )
         ),
         image_square=sum_of_squares(names),
+        north=north_seen(mission, options, names, "frame->", axis) if headed else (),
+        heading=heading_kept(options, kept, "in->") if headed else (),
     )

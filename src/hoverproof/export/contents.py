@@ -238,7 +238,7 @@ def contents(
         Prefix of files and symbols.
     options : Options
     """
-    camera = camera_text(law, options, len(mission.target.points))
+    camera = camera_text(mission, law, options)
     sized = law.spread is not None or (camera is not None and bool(camera.spread))
     spread = _spread(mission, options) if sized else None
     evidence, limits = _evidence(standing), _limits(mission, standing, law, spread)

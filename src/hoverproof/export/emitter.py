@@ -126,7 +126,7 @@ def _count_uses(values: list[_Value], wanted: Sequence[int]) -> None:
         values[v].uses += 1
     for value in reversed(values):
         if value.uses:
-            twice = 2 if value.op == ca.OP_SQ else 1  # x * x names x twice
+            twice = 2 if value.op in (ca.OP_SQ, ca.OP_FMAX) else 1  # x * x names x twice
             for operand in value.operands:
                 values[operand].uses += twice
 
@@ -146,6 +146,10 @@ def _expression(value: _Value, operands: Sequence[_Value], precision: Precision)
         return f"-{texts[0]}"
     if value.op == ca.OP_SQRT:
         return f"{precision.sqrt}({operands[0].text})"
+    if value.op == ca.OP_FMAX:
+        return (
+            f"({texts[0]} > {texts[1]}) ? {texts[0]} : {texts[1]}"  # the second for a NaN, as fmax
+        )
     raise NotImplementedError(f"no C for CasADi operation {value.op}")
 
 

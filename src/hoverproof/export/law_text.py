@@ -14,6 +14,7 @@ from hoverproof.algebra.graph import fingerprint
 from hoverproof.export.chain import body_sensors
 from hoverproof.export.emitter import literals, statements
 from hoverproof.export.flight_law import FlightLaw
+from hoverproof.export.heading import north_seen
 from hoverproof.export.options import Options
 from hoverproof.export.precision import FLOAT64
 from hoverproof.export.vehicle import rate_function, sense_function
@@ -48,6 +49,11 @@ class LawText:
         does without.
     heading : bool
         Whether the law turns to a heading.
+    from_image : bool
+        Whether it is the image that tells it.
+    seen_heading : tuple of str
+        From the image and the direction of gravity in the input to the heading there; empty where
+        it comes from elsewhere, or from frames that are kept.
     """
 
     sha256: str
@@ -61,6 +67,8 @@ class LawText:
     lift: tuple[str, ...]
     spread: tuple[str, ...]
     heading: bool
+    from_image: bool
+    seen_heading: tuple[str, ...]
 
     @property
     def numbers(self) -> int:
@@ -127,6 +135,8 @@ def law_text(mission: Mission, options: Options, law: FlightLaw) -> LawText:
         lift=_told(law.lift, [*body, list(numbers.values())], options),
         spread=_told(law.spread, [seen], options),
         heading=law.source.heading is not None,
+        from_image=law.source.sees_north,
+        seen_heading=_seen_heading(mission, options, law.source),
     )
 
 
@@ -152,6 +162,8 @@ def vehicle_text(mission: Mission, options: Options, law: Law) -> VehicleText:
     points = [FLOAT64.literal(c) for p in mission.target.points for c in p]
     sizes = law.measurement.sizes()
     fields = {u: [f"in->{u}[{k}]" for k in range(sizes[u])] for u in body_sensors(law)}
+    if law.sees_north and options.of_points:
+        del fields["heading"]  # the firmware makes it of the image
     sensors, goal = sense_function(n, options.sensing, law), law.goal_feature(mission)
     design = [FLOAT64.literal(c) for c in law.design.values(mission, goal)]
     inputs = [x, points, ["vehicle->thrust"], design]
@@ -160,6 +172,13 @@ def vehicle_text(mission: Mission, options: Options, law: Law) -> VehicleText:
         sense = [re.sub(r"^(in->.*?) = (.*);$", r"\1 = (float)(\2);", line) for line in sense]
     start = ", ".join(repr(float(s) + 0.0) for s in LoopNumbers.of(mission).start[:BODY_SIZE])
     return VehicleText(tuple(rate), tuple(sense), start, FLOAT64.literal(v.weight))
+
+
+def _seen_heading(mission: Mission, options: Options, law: Law) -> tuple[str, ...]:
+    if not (law.sees_north and options.of_points):
+        return ()
+    image, places = options.seen(len(mission.target.points)), ["in->heading[0]", "in->heading[1]"]
+    return north_seen(mission, options, image, "in->", places)
 
 
 def _law_sha256(law: FlightLaw) -> str:

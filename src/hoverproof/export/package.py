@@ -16,6 +16,7 @@ from hoverproof import checker
 from hoverproof.errors import InputError
 from hoverproof.export.contents import Contents, Standing, contents
 from hoverproof.export.flight_law import flight_law
+from hoverproof.export.heading import check_sees_points
 from hoverproof.export.names import package_name
 from hoverproof.export.options import Options
 from hoverproof.export.targets import TARGETS, titles
@@ -126,6 +127,7 @@ def write_package(
         camera=camera,
     )
     law = law or flown_law(mission)
+    check_sees_points(law, options)
     if standing.certificate is not None:
         own = flown_law(mission)
         about = f"a certificate of {mission.name} is about {own.name}, not about {law.name}"
@@ -253,4 +255,5 @@ def _flash_budget(filled: Contents) -> int:
     tuning = 180 * len(filled.design.gains) if filled.options.tunable else 0
     felt, sized = 100 if filled.law.lift else 0, 60 + points if filled.law.spread else 0
     headed = 60 if filled.law.heading else 0
-    return points + 25 * filled.law.numbers + 1400 + tuning + felt + sized + headed
+    seen = 120 * filled.points + 200 if filled.law.seen_heading else 0
+    return points + 25 * filled.law.numbers + 1400 + tuning + felt + sized + headed + seen

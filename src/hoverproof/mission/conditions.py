@@ -88,7 +88,7 @@ class Sensors(Section):
     accelerometer_time_constant : s
         Of its first-order low-pass, before the noise; 0 is none.
     heading_noise, heading_bias : rad
-        Of the yaw that a compass tells, for a mission with a heading (`goal.heading`).
+        Of the yaw that a compass tells, for a mission with a heading (`goal.heading`) from one.
     gyro_turned : true or false
         Whether the controller turns the feature it holds with the gyro, from when the frame was
         taken, so that late and rare frames tell old positions and no old attitudes. The gyro is

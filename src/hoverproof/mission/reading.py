@@ -54,6 +54,29 @@ def load(source: str | Path, overrides: Mapping[str, object] | None = None) -> M
         raise _input_error(error, where) from None
 
 
+def with_tolerance(mission: Mission, name: str, value: Fraction) -> Mission:
+    """Return a mission with another value in `[uncertainty]`.
+
+    Parameters
+    ----------
+    mission : Mission
+    name : str
+        Such as ``"latency"``.
+    value : Fraction
+        In its unit, s, m/s², rad/s or a share, dimensionless.
+
+    Raises
+    ------
+    InputError
+        If a mission cannot have it.
+    """
+    section = dict(mission.uncertainty) | {name: value}
+    try:
+        return Mission(**(dict(mission) | {"uncertainty": section}))
+    except ValidationError as error:
+        raise _input_error(error, mission.source) from None
+
+
 def _read(source: str | Path) -> tuple[str, str]:
     path, where = Path(source), str(source)
     if isinstance(source, str) and source in presets():

@@ -119,6 +119,7 @@ class Goal(_Section):
     """Where to hover: height m above the target, or the wanted image centroid; and the heading.
 
     The heading is the yaw to turn to, rad; by default yaw is damped alone, at whatever heading.
+    It is known from a compass, or from the image: points in their order, flat and level.
     """
 
     height: _PositiveLength | None = None
@@ -129,6 +130,16 @@ class Goal(_Section):
         | None
     ) = None
     heading: _Angle | None = None
+    heading_from: Annotated[Literal["compass", "image"], _one_of("compass", "image")] | None = None
+
+    @model_validator(mode="after")
+    def _has_a_heading(self) -> Self:
+        if self.heading_from is not None and self.heading is None:
+            raise _reject(
+                "says where the heading is known from: give goal.heading (rad), or leave it out",
+                key="heading_from",
+            )
+        return self
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -293,6 +304,12 @@ class Mission(_Section):
                     "another while the vehicle turns",
                     key="goal.heading",
                 )
+        if self.goal.heading_from == "image" and len({z for _, _, z in points}) > 1:
+            raise _reject(
+                "'image' needs a target that is flat and level, all z equal: of another the image "
+                "alone does not tell the heading",
+                key="goal.heading_from",
+            )
         if self.gains.k_heading is not None and self.goal.heading is None:
             raise _reject(
                 "turns to a heading: give goal.heading (rad), or leave it out",
@@ -359,6 +376,8 @@ class Mission(_Section):
         said_by_none = ("law", "uncertainty", "camera")  # as in the missions before these sections
         left_out = {k for k in said_by_none if getattr(self, k) == type(getattr(self, k))()}
         text: dict[str, Any] = _as_text(self.model_dump(exclude_none=True, exclude=left_out))
+        if text["goal"].get("heading_from") == "compass":
+            del text["goal"]["heading_from"]  # what it is left out
         return text
 
     def conditions(self) -> dict[str, Any]:

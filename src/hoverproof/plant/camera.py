@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from hoverproof.plant.rigid_body import skew
+from hoverproof.plant.rigid_body import direction_of, skew
 
 
 def body_points(points: ca.SX, position: ca.SX, rotation: ca.SX) -> ca.SX:
@@ -83,6 +83,37 @@ def spread(directions: ca.SX, centroid: ca.SX) -> ca.SX:
     n = directions.shape[1]
     apart = directions - ca.repmat(centroid / n, 1, n)
     return n * ca.sumsqr(apart)
+
+
+LOWEST = 1 / 32
+"""Cosine to the vertical below which a point is taken to be seen, so that it stays a direction."""
+
+
+def north(directions: ca.SX, gravity_direction: ca.SX, points: ca.SX) -> ca.SX:
+    """Return the x axis of the world, Rᵀe₁, (3, 1), as a flat level target in its order tells it.
+
+    With b the horizontal coordinates of the points less their mean, and h = p/(ρ·p) the level
+    image, it is along Σ b₁ h - ρ × Σ b₂ h: the turn about the vertical that fits the level image
+    to the pattern best, by least squares. It is exact wherever the camera is above the target, and
+    however it is tilted, as long as each point is seen well below the horizon.
+
+    Parameters
+    ----------
+    directions : SX
+        p, (3, n), unit vectors, camera frame.
+    gravity_direction : SX
+        ρ = Rᵀe₃, (3, 1), likewise.
+    points : SX
+        Target, (3, n), world frame, m, of one z.
+    """
+    n = points.shape[1]
+    flat = points[:2, :]
+    flat -= ca.repmat(ca.sum2(flat) / n, 1, n)
+    flat /= ca.sqrt(ca.sumsqr(flat))
+    down = ca.fmax(gravity_direction.T @ directions, LOWEST)
+    moments = (directions / ca.repmat(down, 3, 1)) @ flat.T
+    along = moments[:, 0] - skew(gravity_direction) @ moments[:, 1]
+    return direction_of(along)
 
 
 def depth_matrix(points: ca.SX) -> ca.SX:

@@ -167,6 +167,30 @@ def heading(rotation: ca.SX) -> ca.SX:
     return forward / ca.norm_2(forward)
 
 
+def direction_of(vector: ca.SX) -> ca.SX:
+    """Return a vector over its length, (k, 1); one of next to none, below 1e-9, stays that.
+
+    Parameters
+    ----------
+    vector : SX
+        (k, 1), dimensionless.
+    """
+    return vector / ca.fmax(ca.norm_2(vector), 2**-30)
+
+
+def heading_of_north(north: ca.SX, gravity_direction: ca.SX) -> ca.SX:
+    """Return (cos ψ, sin ψ), (2, 1), of two axes of the world that are known in the body frame.
+
+    Parameters
+    ----------
+    north : SX
+        Rᵀe₁, (3, 1), body frame.
+    gravity_direction : SX
+        ρ = Rᵀe₃, (3, 1), body frame.
+    """
+    return direction_of(ca.vertcat(north[0], (skew(gravity_direction) @ north)[0]))
+
+
 def heading_rate(heading: ca.SX, gravity_direction: ca.SX, rate: ca.SX) -> ca.SX:
     """Return the time derivative of (cos ψ, sin ψ), (2, 1), 1/s: ψ̇ = (Ω2 ρ2 + Ω3 ρ3)/(ρ2² + ρ3²).
 

@@ -11,6 +11,7 @@ from latex2mathml.converter import convert
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.attraction.verdict import Attraction
+from hoverproof.certification.exponential.verdict import Exponential
 
 DENOMINATOR = 10**15
 RELATIONS = "⪯⪰≺≻"
@@ -145,19 +146,55 @@ def attraction_claim(region: Attraction) -> list[str]:
         A region of attraction.
     """
     a2, a3, a4 = map(decimal, region.weights)
+    symbol = r"\Psi" if region.tolerant else r"\Lambda"
     height = region.barrier_height
     above = "" if height is None else rf",\quad h \ge {decimal(height)}\ \mathrm{{m}}"
     return [
-        r"\Lambda = W(\xi) + \tfrac12\left("
+        rf"{symbol} = W(\xi) + \tfrac12\left("
         rf"{a2} \left|\delta_2\right|^2 + {a3} \left|\delta_3\right|^2 + "
-        rf"{a4} \left|\delta_4\right|^2\right)",
+        rf"{a4} \left|\delta_4\right|^2\right){_of_vehicles(region)}",
         r"W(\xi) = \sum_i \left|P'_i - \xi\right| + q_3^* e_3^T \xi - W_0",
-        rf"\Lambda(0) \le {decimal(region.level)}{above}\quad\Longrightarrow\quad "
+        rf"{symbol}(0) \le {decimal(region.level)}{above}\quad\Longrightarrow\quad "
         r"\xi(t) \to \xi^*",
-        rf"\dot\Lambda \le -\frac{{k_1}}{{m}}\, {decimal(region.rate)} \left("
+        rf"\dot{symbol} \le -\frac{{k_1}}{{m}}\, {decimal(region.rate)} \left("
         r"\left|q - q_3^* \rho\right|^2 + \left|\delta_2\right|^2 + "
         r"\left|\delta_3\right|^2 + \left|\delta_4\right|^2\right)",
     ]
+
+
+def exponential_claim(verdict: Exponential) -> list[str]:
+    """Return theorem 5 with its numbers, as LaTeX, a line each (see `proofs/README.md`).
+
+    Parameters
+    ----------
+    verdict : Exponential
+        What is proved of every vehicle within tolerance.
+    """
+    w2, w3, w4 = map(decimal, verdict.weights)
+    radius, time = decimal(verdict.settling.radius), decimal(verdict.settling.time)
+    return [
+        r"\Psi = \tfrac12\left(\left|\delta_1\right|^2 + "
+        rf"{w2} \left|\delta_2\right|^2 + {w3} \left|\delta_3\right|^2 + "
+        rf"{w4} \left|\delta_4\right|^2\right){_of_vehicles(verdict)}",
+        rf"\Psi(0) \le {decimal(verdict.level)}\quad\Longrightarrow\quad "
+        rf"\Psi(t) \le \Psi(0)\, e^{{-r t}},\quad r = {decimal(verdict.rate)}\ \mathrm{{s}}^{{-1}}",
+        rf"\Psi(0) \le {decimal(verdict.start_level)}\quad\Longrightarrow\quad "
+        rf"\left|\xi(t) - \xi^*\right| \le {radius}\ \mathrm{{m}}\ "
+        rf"\mathrm{{for}}\ t \ge {time}\ \mathrm{{s}}",
+    ]
+
+
+def _of_vehicles(verdict: Attraction | Exponential) -> str:
+    """Return what lag of the rotors and latency add to the Lyapunov function, as LaTeX."""
+    content, more = verdict.certificate.content, ""
+    if content.get("lag"):
+        a5, a6 = (decimal(Fraction(content["lag"][name])) for name in ("torque", "thrust"))
+        more += rf" + \tfrac\tau 2 \left({a5} \left|\mu\right|^2 + {a6} \mu_T^2\right)"
+    if content.get("memory"):
+        weight = r"e^{r (x - t)} " if content["kind"] == "exponential" else ""
+        memory = decimal(Fraction(content["memory"]))
+        more += rf" + {memory} \iint {weight}\left|y(x)\right|^2"
+    return more
 
 
 def fraction(x: Fraction) -> str:

@@ -14,8 +14,10 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
-from hoverproof.certification.attraction.verdict import Attraction, not_covered
+from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.certificate import Certificate
+from hoverproof.certification.convergence import not_covered
+from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.export.cost import STEPS
 from hoverproof.paper.judge import Verdict
 from hoverproof.reporting import mathematics, pictures, tables, wording
@@ -157,7 +159,11 @@ def _theorem(parts: Parts) -> dict[str, Any]:
         told["not_covered"] = not_covered(attracted)
         told["attraction_words"] = wording.attraction(attracted)
         told["attraction_statement"] = attracted.certificate.statement
-        told["attraction_claim"] = mathematics.attraction_claim(attracted)
+        told["attraction_claim"] = (
+            mathematics.exponential_claim(attracted)
+            if isinstance(attracted, Exponential)
+            else mathematics.attraction_claim(attracted)
+        )
     told["mended"] = [j for j in judged.values() if j.verdict in MENDED]
     told["unmended"] = [j for j in judged.values() if j.verdict not in MENDED]
     counts = Counter(str(j.verdict) for j in judged.values())
@@ -184,7 +190,11 @@ def _tables(parts: Parts) -> dict[str, Any]:
         told["region_table"] = tables.region_table(parts.region)
         told["region_words"] = wording.region(parts.region, parts.mission)
     if (attracted := _attraction(parts)) is not None:
-        told["attraction_table"] = tables.attraction_table(attracted)
+        told["attraction_table"] = (
+            tables.exponential_table(attracted)
+            if isinstance(attracted, Exponential)
+            else tables.attraction_table(attracted)
+        )
     if isinstance(parts.flight, Flown):
         told["flight_table"] = tables.flight_table(parts.flight)
         told["flight_words"] = wording.FLIGHT
@@ -203,7 +213,11 @@ def _pictures(parts: Parts) -> dict[str, Any]:
     if not isinstance(parts.region, Missing):
         drawn["region"] = pictures.region_picture(parts.mission, parts.region)
     if (attracted := _attraction(parts)) is not None:
-        drawn["attraction"] = pictures.attraction_pictures(attracted)
+        drawn["attraction"] = (
+            pictures.exponential_pictures(attracted)
+            if isinstance(attracted, Exponential)
+            else pictures.attraction_pictures(attracted)
+        )
     if isinstance(parts.flight, Flown):
         drawn["flight"] = list(pictures.flight_pictures(parts.flight))
         many = parts.flight.runs is not None
@@ -211,8 +225,8 @@ def _pictures(parts: Parts) -> dict[str, Any]:
     return {"pictures": drawn}
 
 
-def _attraction(parts: Parts) -> Attraction | None:
-    """Return the region of attraction that is shown, if there is one."""
+def _attraction(parts: Parts) -> Attraction | Exponential | None:
+    """Return what is shown of where it may be switched on, if there is anything."""
     return parts.attraction.region if isinstance(parts.attraction, Attracted) else None
 
 

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from hoverproof.certification.attraction.proof import start_or_ball
-from hoverproof.certification.attraction.verdict import Attraction, AttractionVerdict
+from hoverproof.certification.attraction.verdict import Attraction
+from hoverproof.certification.convergence import Converges, start_or_ball
+from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.certification.gains import GainsVerdict, certify
 from hoverproof.certification.over_box import BoundsVerdict, certify_region
 from hoverproof.certification.region import default_box
@@ -131,12 +132,12 @@ class Attracted:
     ----------
     start
         What `hoverproof.attraction` returned for the start of the mission.
-    region : Attraction or None
-        The region that holds that start; where none does, the one with the largest ball.
+    region : Attraction, Exponential or None
+        What holds that start; where nothing does, the region with the largest ball, if any.
     """
 
-    start: AttractionVerdict
-    region: Attraction | None
+    start: Converges
+    region: Attraction | Exponential | None
 
 
 @dataclass(frozen=True)

@@ -15,11 +15,12 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
 from hoverproof.certification.attraction.verdict import Attraction
+from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.certification.flow import flow_of
 from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.mission.sections import Mission
 from hoverproof.reporting.parts import Flown, Map
-from hoverproof.show import attraction, panels, style
+from hoverproof.show import attraction, exponential, panels, style
 from hoverproof.show.atlas import atlas_figure
 from hoverproof.show.region import region_figure
 
@@ -169,6 +170,8 @@ def attraction_pictures(region: Attraction) -> list[Picture]:
     ----------
     region : Attraction
     """
+    if not region.mission.law.is_papers:  # whose flights and potential are drawn
+        return []
     view = attraction.View.of(region)
     flights = attraction.fly(region, view, FLIGHTS)
 
@@ -201,6 +204,48 @@ def attraction_pictures(region: Attraction) -> list[Picture]:
             energy,
             "The function Λ over time along simulated flights, and the proved level.",
             "Λ along those flights, from inside and outside of the certified set.",
+        ),
+    ]
+
+
+def exponential_pictures(verdict: Exponential) -> list[Picture]:
+    """Draw where every vehicle within tolerance stays, and how soon it is near its goal.
+
+    Parameters
+    ----------
+    verdict : Exponential
+    """
+    view = exponential.View(verdict)
+    flight = exponential.fly(view)
+
+    def section() -> Figure:
+        figure = Figure(figsize=(WIDTH, 5.6), layout="constrained")
+        axes = figure.subplots()
+        exponential.draw_section(axes, view, flight)
+        labels = axes.get_legend_handles_labels()
+        figure.legend(*labels, loc="outside lower left", ncols=1, frameon=False)
+        return figure
+
+    def distance() -> Figure:
+        figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
+        exponential.draw_distance(figure.subplots(), view, flight)
+        return figure
+
+    return [
+        picture(
+            "attraction-section",
+            section,
+            "Cross-section of the hovers inside and of what no motion leaves, with target, goal "
+            "and starts.",
+            "Hovers inside, and what no motion from there leaves; the shapes are drawn in floating "
+            "point from proved numbers, and the simulated flight illustrates.",
+        ),
+        picture(
+            "attraction-distance",
+            distance,
+            "The proved bound of the distance from the goal over time, and a simulated flight.",
+            "The distance from the goal that the bound of Ψ allows, where it is proved small, "
+            "and that of a simulated flight.",
         ),
     ]
 

@@ -11,6 +11,7 @@ import numpy as np
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.bounds import eigenvalue_bounds
+from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.certification.flow import flow_of
 from hoverproof.certification.gains import GainsVerdict
 from hoverproof.certification.over_box import BoundsVerdict
@@ -206,7 +207,9 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
     asked = mission.asks_to_cover()
     if asked:
         rows = [("[uncertainty], [camera]", "; ".join(asked))]
-        tables.append(Table("Asked to be covered (not considered here)", rows))
+        tables.append(
+            Table("Asked to be covered (looked at under region of attraction alone)", rows)
+        )
     return tables
 
 
@@ -241,7 +244,8 @@ def _heading(mission: Mission) -> list[tuple[str, str]]:
     if mission.goal.heading is None:
         return []
     gain = ("k_heading", f"{short(mission.k_heading)} kg m²/s²")
-    return [gain, ("heading, by a compass", f"{short(mission.goal.heading)} rad")]
+    source = "the image" if mission.goal.heading_from == "image" else "a compass"
+    return [gain, (f"heading, by {source}", f"{short(mission.goal.heading)} rad")]
 
 
 def _moving(mission: Mission) -> list[tuple[str, str]]:
@@ -335,6 +339,34 @@ def attraction_table(region: Attraction) -> Table:
     if height is not None:
         rows.append(("height above the target", f"{at_least(height)} m or more"))
     return Table("Certified hovers about the goal, and what holds on the way", rows)
+
+
+def exponential_table(verdict: Exponential) -> Table:
+    """Return from where and how soon every vehicle is at its goal, and what holds on the way.
+
+    Parameters
+    ----------
+    verdict : Exponential
+    """
+    low, high = (1 / u for u in reversed(verdict.wedge[2]))
+    settling = verdict.settling
+    rows = [
+        ("vehicles", ", ".join(verdict.mission.uncertainty.covers()) or "as modelled"),
+        *(("start", place([(a + b) / 2 for a, b in s.position])) for s in verdict.starts),
+        ("settled", f"within {at_most(settling.radius)} m from {at_most(settling.time)} s on"),
+        ("decay rate of Ψ", f"{at_least(verdict.rate)} 1/s or more"),
+        ("height above the target", f"{at_least(low)} to {at_most(high)} m"),
+        ("tilt on the way", f"{at_most(verdict.tilt)} rad or less"),
+        (
+            "thrust on the way, over the true mass times the modelled",
+            f"{at_least(verdict.thrust[0], 5)} to {at_most(verdict.thrust[1], 5)} N",
+        ),
+    ]
+    if verdict.field_of_view is not None:
+        rows.append(("target points", f"within {at_most(verdict.field_of_view)} rad of the axis"))
+    least, most = verdict.rotor_thrust
+    rows.append(("thrust of each rotor", f"{at_least(least)} to {at_most(most)} N"))
+    return Table("Every vehicle within tolerance, and what holds on the way", rows)
 
 
 def flight_table(flown: Flown) -> Table:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from hoverproof.certification.attraction.verdict import Attraction
+from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.mission.sections import Mission
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts
@@ -199,16 +200,8 @@ def merits(parts: Parts) -> Iterable[tuple[str, str, str]]:
         yield "decay rate of L, proved", f"≥ {at_least(verdict.decay_rate)} 1/s", ""
     elif verdict.margin_above is not None:
         yield "worst eigenvalue of Σ", f"≤ {at_most(verdict.margin_above)} kg/s", "proved"
-    if isinstance(attracted, Attracted) and attracted.region is not None:
-        reach = attracted.region.reach
-        holds = "" if attracted.start is attracted.region else ", start not inside"
-        yield (
-            "may be switched on",
-            f"{at_least(reach.sideways)} m sideways",
-            f"{at_least(reach.down)} m down, {at_least(reach.up)} m up; proved{holds}",
-        )
-    elif not isinstance(attracted, Missing):
-        yield "region of attraction", "undecided", ""
+    if isinstance(attracted, Attracted):
+        yield _switched_on(attracted)
     if isinstance(flight, Flown):
         settled = flight.summary["settled_at"]
         value = "not reached" if settled is None else f"{short(settled)} s"
@@ -218,6 +211,23 @@ def merits(parts: Parts) -> Iterable[tuple[str, str, str]]:
         flash = "flash not measured here" if isinstance(used, Missing) else f"{used.flash} B flash"
         count = firmware.manifest["budgets"]["instructions"]
         yield "firmware, Cortex-M4F", f"≤ {count} instructions", flash
+
+
+def _switched_on(attracted: Attracted) -> tuple[str, str, str]:
+    region = attracted.region
+    if region is None:
+        return "region of attraction", "undecided", ""
+    if isinstance(region, Exponential):
+        near, soon = at_most(region.settling.radius), at_most(region.settling.time)
+        every = ", every vehicle within tolerance" if region.mission.uncertainty.covers() else ""
+        return "settles after", f"{soon} s", f"to {near} m from the goal; proved{every}"
+    reach = region.reach
+    holds = "" if attracted.start is region else ", start not inside"
+    return (
+        "may be switched on",
+        f"{at_least(reach.sideways)} m sideways",
+        f"{at_least(reach.down)} m down, {at_least(reach.up)} m up; proved{holds}",
+    )
 
 
 def conditions(parts: Parts) -> str:
@@ -252,20 +262,30 @@ def atlas(found: Map) -> str:
     )
 
 
-def attraction(region: Attraction) -> str:
+def attraction(region: Attraction | Exponential) -> str:
     """Say from where the motion comes to the goal.
 
     Parameters
     ----------
-    region : Attraction
+    region : Attraction or Exponential
     """
+    covers = ", ".join(region.mission.uncertainty.covers())
+    who = f"every vehicle with {covers}" if covers else "the exact model"
+    if isinstance(region, Exponential):
+        settling = region.settling
+        return (
+            f"From the starts below the motion of {who} comes to the hover at the goal, "
+            f"exponentially (theorem 5), while all target points are seen: from "
+            f"{at_most(settling.time)} s on it is within {at_most(settling.radius)} m of it."
+        )
     height = region.barrier_height
+    symbol, turning = ("Ψ", "heading") if region.tolerant else ("Λ", "heading and yaw rate")
     where = "state" if height is None else "level hover at rest"
     above = "" if height is None else f" and at least {at_least(height)} m above the target"
     return (
-        f"From every {where} with Λ at most {at_least(region.level, 6)}{above}, with any heading "
-        "and yaw rate, the motion of the exact model comes to the hover at the goal, while all "
-        "target points are seen."
+        f"From every {where} with {symbol} at most {at_least(region.level, 6)}{above}, with any "
+        f"{turning}, the motion of {who} comes to the hover at the goal, while all target points "
+        "are seen."
     )
 
 

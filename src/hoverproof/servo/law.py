@@ -18,6 +18,7 @@ from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.goal import hover_goal
+from hoverproof.servo.heading import Heading
 from hoverproof.servo.layout import Packed, column, scalar
 
 SMALLEST_SPREAD = Fraction(1, 10**12)
@@ -255,31 +256,6 @@ class Force:
     sensed: Callable[[Measurement, ca.SX], Measurement] | None = None
 
 
-@dataclass(frozen=True)
-class Heading:
-    """How a law knows where the vehicle heads, and what it does about it.
-
-    Attributes
-    ----------
-    name : str
-    measurement : callable
-        The layout of what a law measures ↦ that layout with `heading`, (cos ψ, sin ψ), behind.
-    seen : callable
-        (R (3, 3), ρ (3, 1), image directions (3, n), target points (3, n) in m) ↦ (cos ψ, sin ψ),
-        (2, 1), ψ the yaw in R = Rz(ψ) Ry Rx.
-    turning : callable
-        (Measurement, Design) ↦ what it adds to Ω̇3, (1, 1), rad/s².
-    rate : callable
-        Measurement ↦ the time derivative of `heading`, (2, 1), 1/s.
-    """
-
-    name: str
-    measurement: Callable[[type[Measurement]], type[Measurement]]
-    seen: Callable[[ca.SX, ca.SX, ca.SX, ca.SX], ca.SX]
-    turning: Callable[[Any, Any], ca.SX]
-    rate: Callable[[Any], ca.SX]
-
-
 @dataclass(frozen=True, repr=False)
 class Law:
     """A control law as a value, from which everything is derived; hashable, so graphs are cached.
@@ -331,6 +307,16 @@ class Law:
 
     def __repr__(self) -> str:
         return f"Law({self.name!r})"
+
+    @property
+    def has_compass(self) -> bool:
+        """Whether it is a compass that tells where the vehicle heads."""
+        return self.heading is not None and not self.heading.of_image
+
+    @property
+    def sees_north(self) -> bool:
+        """Whether it is the image that tells where the vehicle heads."""
+        return self.heading is not None and self.heading.of_image
 
     @property
     def measurement(self) -> type[Measurement]:

@@ -55,7 +55,7 @@ static inline int hp_due(long long step, long long num, long long den) {
 
 /* Frames on their way from the camera to the controller, the same for all lanes but for content. */
 typedef struct {
-  V seen[HP_RING][3];
+  V seen[HP_RING][HP_SEEN];
   long long arrival[HP_RING], taken, delivered;
 } Frames;
 
@@ -71,7 +71,7 @@ static void hp_look(const Plan *plan, Frames *frames, V *now, const V *params, c
     V *res[] = {seen, &margin};
     hoverproof_frame(arg, res, 0, 0, 0);
     const I visible = margin > 0;
-    for (int i = 0; i < 3; ++i) seen[i] = hp_pick(visible, seen[i], held[i]);
+    for (int i = 0; i < HP_SEEN; ++i) seen[i] = hp_pick(visible, seen[i], held[i]);
     if (HP_ABORT || frames->taken == 0) { /* at first there is nothing to hold */
       const I lower = margin < now[HP_VIEW];
       now[HP_VIEW] = hp_pick(lower, margin, now[HP_VIEW]);
@@ -84,8 +84,9 @@ static void hp_look(const Plan *plan, Frames *frames, V *now, const V *params, c
   }
   while (frames->delivered < frames->taken &&
          frames->arrival[frames->delivered % HP_RING] <= step) {
-    for (int i = 0; i < 3; ++i)
-      now[HP_HELD + i] = frames->seen[frames->delivered % HP_RING][i];
+    const V *told = frames->seen[frames->delivered % HP_RING];
+    for (int i = 0; i < 3; ++i) now[HP_HELD + i] = told[i];
+    for (int i = 3; i < HP_SEEN; ++i) now[HP_NORTH + i - 3] = told[i];
     ++frames->delivered;
   }
 }

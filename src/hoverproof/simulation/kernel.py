@@ -318,8 +318,8 @@ def _fly_slowly(
     now = memory.T.copy()
     flying = np.ones(count, bool)
     records[:, 0] = call("record", now, params, tiled)[0].T
-    frames: list[tuple[int, Array]] = []  # arrival and centroid
-    last = np.zeros((3, count))
+    frames: list[tuple[int, Array]] = []  # arrival and what it tells
+    last = np.zeros((c.get("SEEN", 3), count))
     step = 0
     for sample in range(1, schedule.samples + 1):
         if not flying.any():
@@ -344,7 +344,9 @@ def _fly_slowly(
                 now[c["LOST"]] += ~visible
                 frames.append((step + (0 if initial else schedule.latency), last))
             while frames and frames[0][0] <= step:
-                now[c["HELD"] : c["HELD"] + 3] = frames.pop(0)[1]
+                _, told = frames.pop(0)
+                now[c["HELD"] : c["HELD"] + 3] = told[:3]
+                now[c["NORTH"] : c["NORTH"] + len(told) - 3] = told[3:]
             if due(step, schedule.control):
                 shake = np.zeros((c["IMU_NOISE"], count))
                 if c["IMU_NOISY"]:

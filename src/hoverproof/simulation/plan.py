@@ -67,7 +67,8 @@ def check_runs_differ(mission: Mission, runs: int) -> None:
     noises = (s.pixel_noise, s.gyro_noise, s.velocity_noise, s.gravity_noise)
     biases = (s.gyro_bias, s.velocity_bias, s.gravity_bias)
     felt = (s.accelerometer_noise, s.accelerometer_bias) if mission.law.force == "measured" else ()
-    told = (s.heading_noise, s.heading_bias) if mission.goal.heading is not None else ()
+    compass = mission.goal.heading is not None and mission.goal.heading_from != "image"
+    told = (s.heading_noise, s.heading_bias) if compass else ()
     if runs > 1 and not any((*drawn, *noises, *biases, *felt, *told, mission.wind.gust)):
         raise InputError(
             "--runs",
@@ -154,7 +155,7 @@ class Plan:
         s, wrong, drawn = mission.sensors, mission.model_error, mission.scatter
         noises = [s.gyro_noise, s.velocity_noise, s.gravity_noise]
         noises += [s.accelerometer_noise] if law.force.sensed else []
-        noises += [s.heading_noise] if law.heading else []
+        noises += [s.heading_noise] if law.has_compass else []
         errors = [wrong.thrust, wrong.arm, *wrong.rotors]
         errors += [drawn.thrust, drawn.arm] if self.scattered else []
         return Features(

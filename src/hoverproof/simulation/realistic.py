@@ -37,6 +37,8 @@ IMU_NOISE = 9
 """Numbers that a tick draws for gyro, velocity and gravity; see `imu_noise`."""
 
 IMU_CHANNEL, GUST_CHANNEL = 64, 72  # a camera has at most 64 points: channels 0 to 63
+CAMERA_CHANNEL = 128
+"""Of a camera that tells the heading too, which draws three numbers more."""
 
 
 @cache
@@ -52,11 +54,12 @@ def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY) -> Loop:
     """
     design, points = parameters(n, law)
     around = features.surroundings(law).symbols()
-    memory = {name: ca.SX.sym(name, size) for name, size in features.layout(law).items()}
+    north, layout = law.sees_north, features.layout(law)
+    memory = {name: ca.SX.sym(name, size) for name, size in layout.items()}
     packed = ca.vertcat(*memory.values())
     params = ca.vertcat(design.vector(), around.vector())
     imu = ca.SX.sym("imu", imu_noise(law))
-    pixels, gust = ca.SX.sym("pixels", 2 * n), ca.SX.sym("gust", 3)
+    pixels, gust = ca.SX.sym("pixels", 2 * n + 3 * north), ca.SX.sym("gust", 3)
 
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
         outputs = [ca.densify(output) for output in ca.cse(outputs)]
@@ -85,9 +88,11 @@ def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY) -> Loop:
             "LOST": place(LAYOUT, "lost").start,
             "LOST_AT": place(LAYOUT, "lost_at").start,
             "HELD": place(LAYOUT, "held").start,
-            "CAMERA_NOISE": 2 * n,
-            "CAMERA_CHANNEL": 0,
-            "CAMERA_NOISY": int(features.camera_noise),
+            "SEEN": 6 if north else 3,
+            "NORTH": place(layout, "north" if north else "held").start,
+            "CAMERA_NOISE": pixels.numel(),
+            "CAMERA_CHANNEL": CAMERA_CHANNEL if north else 0,
+            "CAMERA_NOISY": int(features.camera_noise or (north and features.imu_noise)),
             "IMU_NOISE": imu.numel(),
             "IMU_CHANNEL": IMU_CHANNEL,
             "IMU_NOISY": int(features.imu_noise),
@@ -120,9 +125,10 @@ def look(
     *,
     rounded: bool,
 ) -> tuple[ca.SX, ca.SX]:
-    """Return the feature of a frame, (3, 1), and a margin above 0 if all points are in it.
+    """Return what a frame tells, (3, 1), and a margin above 0 if all points are in it.
 
-    With a gyro that turns what is held, it is in the axes of the attitude that has been added up.
+    That is the feature and, where the image tells the heading, the x axis of the world below it,
+    (6, 1). With a gyro that turns what is held, they are in the axes of the attitude added up.
 
     Parameters
     ----------
@@ -132,7 +138,8 @@ def look(
     points : SX
         (3, n), world frame, m.
     noise : SX
-        (2 n, 1), standard normal, point by point.
+        (2 n, 1), standard normal, point by point; with three more of the gravity direction where
+        the image tells the heading.
     law : Law
     rounded : bool
         Whether image coordinates are rounded.
@@ -144,12 +151,32 @@ def look(
         ca.fmin(ca.mmin(around.half_width - size[0, :]), ca.mmin(around.half_height - size[1, :])),
         ca.mmin(seen[2, :]),
     )
-    image = image + around.image_noise * ca.reshape(noise, 2, points.shape[1])
+    count = 2 * points.shape[1]
+    image = image + around.image_noise * ca.reshape(noise[:count], 2, points.shape[1])
     if rounded:
         image = ca.floor(image / around.image_resolution + 0.5) * around.image_resolution
-    feature = law.feature.seen(camera.spherical(image))
-    turned = "attitude" in memory
-    return held_still(memory["attitude"], feature) if turned else feature, margin
+    directions = camera.spherical(image)
+    told = [law.feature.seen(directions)]
+    if law.sees_north:
+        down = gravity_read(RigidBodyState.from_vector(memory["state"]), around, noise[count:])
+        told.append(camera.north(directions, down, points))
+    if "attitude" in memory:
+        told = [held_still(memory["attitude"], vector) for vector in told]
+    return ca.vertcat(*told), margin
+
+
+def gravity_read(body: RigidBodyState, around: Surroundings, noise: ca.SX) -> ca.SX:
+    """Return ρ as it is measured, (3, 1), body frame, a unit vector.
+
+    Parameters
+    ----------
+    body : RigidBodyState
+    around : Surroundings
+    noise : SX
+        (3, 1), standard normal.
+    """
+    down = body.gravity_direction + around.gravity_bias + around.gravity_noise * noise
+    return down / ca.norm_2(down)
 
 
 def used(memory: dict[str, ca.SX]) -> ca.SX:
@@ -160,7 +187,20 @@ def used(memory: dict[str, ca.SX]) -> ca.SX:
     memory : dict of SX
         By name, each (k, 1), with k and unit as in `Features.layout`.
     """
-    held = memory["held"]
+    return now_in_body(memory, "held")
+
+
+def now_in_body(memory: dict[str, ca.SX], name: str) -> ca.SX:
+    """Return a vector that is held from a frame, (3, 1), body frame, in its own unit.
+
+    Parameters
+    ----------
+    memory : dict of SX
+        By name, each (k, 1), with k and unit as in `Features.layout`.
+    name : str
+        Its name there.
+    """
+    held = memory[name]
     return in_body(memory["attitude"], held) if "attitude" in memory else held
 
 
@@ -204,7 +244,7 @@ def imu_noise(law: Law) -> int:
     ----------
     law : Law
     """
-    return IMU_NOISE + 3 * (law.force.sensed is not None) + (law.heading is not None)
+    return IMU_NOISE + 3 * (law.force.sensed is not None) + law.has_compass
 
 
 def read(
@@ -224,16 +264,18 @@ def read(
     law : Law
     """
     body = RigidBodyState.from_vector(memory["state"])
-    down = body.gravity_direction + around.gravity_bias + around.gravity_noise * noise[6:9]
     measured = Measurement(
         centroid=used(memory),
         velocity=body.velocity + around.velocity_bias + around.velocity_noise * noise[3:6],
-        gravity_direction=down / ca.norm_2(down),
+        gravity_direction=gravity_read(body, around, noise[6:9]),
         rate=body.rate + around.gyro_bias + around.gyro_noise * noise[0:3],
         thrust=memory["command"],
     )
     force = felt(memory, around, noise[IMU_NOISE : IMU_NOISE + 3]) if law.force.sensed else None
-    heading = headed(body, around, noise[-1]) if law.heading else None
+    heading = headed(body, around, noise[-1]) if law.has_compass else None
+    if law.sees_north:
+        north = now_in_body(memory, "north")
+        heading = rigid_body.heading_of_north(north, measured.gravity_direction)
     known: Measurement = law.known(measured, design, force, heading)
     return known
 

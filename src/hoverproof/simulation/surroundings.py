@@ -39,6 +39,10 @@ GYRO_LAYOUT = {"attitude": 4, "gyro_error": 3}
 """With features turned by the gyro: the attitude that it has added up since the start, a unit
 quaternion, body to the axes in which features are then held; the error of its readings (rad/s)."""
 
+NORTH_LAYOUT = {"north": 3}
+"""With a heading from the image: the x axis of the world as the frame held tells it, body frame, or
+with a gyro in the axes in which features are held."""
+
 ACCELEROMETER_LAYOUT = {"accelerometer": 3}
 """With an accelerometer that lags: what it makes of the specific force (m/s², body frame)."""
 
@@ -287,7 +291,8 @@ class Features:
         law : Law
         """
         turning = GYRO_LAYOUT if self.turned else {}
-        return LAYOUT | turning | (ACCELEROMETER_LAYOUT if self.lags(law) else {})
+        lagging = ACCELEROMETER_LAYOUT if self.lags(law) else {}
+        return LAYOUT | turning | lagging | (NORTH_LAYOUT if law.sees_north else {})
 
     def record(self, law: Law) -> dict[str, int]:
         """Return the parts of a record and their sizes, those of `RECORD` first.
@@ -305,7 +310,7 @@ class Features:
         ----------
         law : Law
         """
-        if law.heading is not None:
+        if law.has_compass:
             return HeadedSurroundings
         further = self.rotors_differ or law.force.sensed
         return FurtherSurroundings if further else Surroundings

@@ -32,7 +32,7 @@ from hoverproof.certification.attraction.trees import start_terms
 from hoverproof.certification.attraction.verdict import Attraction, AttractionVerdict, Reach
 from hoverproof.certification.certificate import Certificate, rejection, seal
 from hoverproof.certification.exponential import form as of_vehicles
-from hoverproof.certification.exponential.vehicles import require_turned
+from hoverproof.certification.exponential.vehicles import require_turned, why_noisy
 from hoverproof.certification.region import holds_target_point
 from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
@@ -192,11 +192,8 @@ def why_not_covered(mission: Mission) -> str:
     """
     if is_plain(mission):
         return ""
-    noise = mission.uncertainty.noise
-    if noise != type(noise)():
-        return (
-            "bounded noise is not covered by a region of attraction: the motion ends near the goal"
-        )
+    if refused := why_noisy(mission):
+        return refused
     if mission.uncertainty.wind and mission.law.goal == "image":
         return (
             "wind moves the hover of a goal that is fixed in the image, and the natural potential "
@@ -238,13 +235,19 @@ def _advice(mission: Mission, asked: bool) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def estimate(mission: Mission, *, objective: Objective = "radius", barrier: bool = False) -> Found:
+def estimate(
+    mission: Mission,
+    *,
+    objective: Objective = "radius",
+    starts: Sequence[Start] | None = None,
+    barrier: bool = False,
+) -> Found:
     """Search without proving: for tuning, where many gains are tried.
 
     Parameters
     ----------
     mission : Mission
-    objective, barrier
+    objective, starts, barrier
         See `attraction`.
 
     Returns
@@ -259,7 +262,8 @@ def estimate(mission: Mission, *, objective: Objective = "radius", barrier: bool
     ValueError
         If no weights satisfy the inequality.
     """
-    asked = _Question.of(mission, [Start.of(mission)] if objective == "start" else [])
+    own = [Start.of(mission)] if objective == "start" else []
+    asked = _Question.of(mission, starts or own)
     found = find(asked.search(SLACKS[0], barrier), objective, asked.terms())
     if found is None:
         raise ValueError("no weights satisfy the inequality for these gains")

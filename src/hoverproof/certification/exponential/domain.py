@@ -146,16 +146,14 @@ class Domain:
             return scaled.in_ball(sight.slope(), len(cells), *self.bounds)
         view = View.of(self.scene.points, self._boxes(cells))
         low, high = self.bounds
-        return largest_below(view, high) & smallest_above(view, low)
+        return np.asarray(largest_below(view, high) & smallest_above(view, low))
 
     def _corners(self, cells: Array) -> Array:
         """Return the positions of the corners of wedges, (k, 8, 3), m."""
         ends = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3)
         x, y, u = (cells[:, k, ends[:, k]] for k in range(3))
-        return (
-            self.scene.points.mean(axis=0)
-            - np.stack([x, y, np.ones_like(x)], axis=-1) / u[..., None]
-        )
+        rays = np.stack([x, y, np.ones_like(x)], axis=-1) / u[..., None]
+        return np.asarray(self.scene.points.mean(axis=0) - rays)
 
     def _boxes(self, cells: Array) -> Array:
         corners = self._corners(cells)
@@ -219,7 +217,7 @@ class Domain:
                 rest = ~told
                 part = cells[rest]
                 told[rest] = self._beyond(self._sight(part), len(part), offset)
-            return told
+            return np.asarray(told)
 
         return grow_tree(
             self._sides, hold, most_cells(len(self.scene.points), LOOK_COST), self._scale

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -12,6 +13,7 @@ import numpy as np
 from hoverproof.algebra.decimals import binary_above, binary_below, decimal_above, decimal_below
 from hoverproof.certification.attraction.draft import NotShown
 from hoverproof.certification.exponential.domain import Domain
+from hoverproof.certification.exponential.rotors import thrusts
 from hoverproof.certification.exponential.search import Candidate, Search, Tilted
 from hoverproof.certification.exponential.vehicles import Limits, Reach
 from hoverproof.certification.problem import scaled_centroid
@@ -21,6 +23,12 @@ from hoverproof.plant.goal import hover_goal
 BITS = 64
 START_ROOM = 3e-3
 DIGITS = 8
+CONE_ROOMS = 0.01, 0.05
+"""By which shares the angle to the vertical under which points are seen is widened, in turn."""
+WIDEST = math.pi / 2 - 1e-3
+"""Of the angles to the axis that are claimed, rad."""
+LAST_ROOM = 0.04
+"""By which share |σ - σ*|, and the radius, in the end are widened."""
 SPARE = 1e-7
 """By what share numbers that are compared with exact ones are on the safe side."""
 
@@ -47,6 +55,8 @@ class Rounded:
         d, ℓ, and r in 1/s.
     tilted : Tilted
         Of the rounded numbers.
+    noise : Fraction or None
+        σν, what |ν|² adds to the rate of Ψ.
     factor : float
         A.
     """
@@ -62,10 +72,11 @@ class Rounded:
     rate: Fraction
     limits: Limits
     tilted: Tilted
+    noise: Fraction | None
 
     @classmethod
     def of(cls, search: Search, found: Candidate) -> Rounded:
-        """Round a candidate; its level is what the rounded weights and d give.
+        """Round a candidate; its level is that of the starts, and d what follows from it.
 
         Parameters
         ----------
@@ -78,16 +89,12 @@ class Rounded:
             return decimal_below(float(x), DIGITS)
 
         weights = tuple(map(short, s.weights))
-        offset = short(found.offset)
-        w2, w3, _ = map(float, weights)
-        level = found.solution.level
-        for _ in range(3):
-            limits = Limits(
-                search.vehicles, Reach.of(np.array(weights, float), level), found.ball[1]
-            )
-            tilted = Tilted.of(limits)
-            factor = 1 + tilted.factor * (1 / w2 + 1 / w3)
-            level = (float(offset) - tilted.shift) ** 2 / (2 * factor)
+        level = decimal_above(s.start * (1 + START_ROOM), DIGITS)
+        if level > s.level:
+            raise NotShown("a start is not inside after rounding")
+        reach = Reach.of(np.array(weights, float), float(level))
+        limits = Limits(search.vehicles, reach, found.ball[1])
+        tilted = Tilted.of(limits)
         return cls(
             weights=weights,
             lag=None if s.lag is None else tuple(map(short, s.lag)),
@@ -95,23 +102,29 @@ class Rounded:
             slope=short(s.slope),
             multipliers=tuple(map(short, s.multipliers)),
             ball=(decimal_above(found.ball[0], 5), decimal_below(found.ball[1], 5)),
-            offset=offset,
-            level=decimal_below(level * (1 - SPARE), DIGITS),
+            offset=decimal_above(float(tilted.offset(weights, float(level))) * (1 + SPARE), DIGITS),
+            level=level,
             rate=short(found.rate),
             limits=limits,
             tilted=tilted,
+            noise=None if s.noise is None else short(s.noise),
         )
 
-    def offset_at(self, level: float) -> float:
-        """Return what |σ - σ*| is at most where Ψ is at most a level.
+    @property
+    def floor(self) -> float:
+        """ℓ∞: what noise leaves of Ψ."""
+        return float(self.noise or 0) * self.limits.vehicles.noise**2 / float(self.rate)
+
+    def cone(self, cosine: Fraction) -> Fraction | None:
+        """Return the cosine of an angle to the vertical and the tilt together, rounded down.
 
         Parameters
         ----------
-        level : float
+        cosine : Fraction
+            Of the angle to the vertical.
         """
-        w2, w3, _ = map(float, self.weights)
-        factor = 1 + self.tilted.factor * (1 / w2 + 1 / w3)
-        return float(np.sqrt(2 * level * factor) + self.tilted.shift)
+        angle = math.acos(cosine) + math.asin(self.limits.tilt)
+        return decimal_below(math.cos(angle) - SPARE, DIGITS) if angle < WIDEST else None
 
     def settling_time(self, start_level: Fraction, offset: Fraction) -> Fraction:
         """Return when |σ - σ*| is at most an offset for good, s, rounded up.
@@ -124,9 +137,32 @@ class Rounded:
         """
         w2, w3, _ = map(float, self.weights)
         factor = 1 + self.tilted.factor * (1 / w2 + 1 / w3)
-        level = (float(offset) - self.tilted.shift) ** 2 / (2 * factor)
+        level = (float(offset) - self.tilted.shift) ** 2 / (2 * factor) - self.floor
         time = math.log(max(float(start_level) / level, 1.0)) / float(self.rate)
         return decimal_above(time * (1 + SPARE) + 1e-6, 4)
+
+
+def _seen(domain: Domain, r: Rounded) -> tuple[str | None, Fraction | None]:
+    """Halve the wedge of a domain, and return the cosine of the angle under which all is seen."""
+    angle = domain.scene.cone(float(r.offset))
+    for room in CONE_ROOMS:
+        cosine = decimal_below(math.cos(angle * (1 + room)), DIGITS)
+        if angle * (1 + room) + math.asin(r.limits.tilt) < WIDEST:
+            tree = domain.tree(float(cosine))
+            if tree is not None:
+                return tree, cosine
+    return domain.tree(), None
+
+
+def _ultimate(r: Rounded, domain: Domain) -> tuple[dict[str, Fraction], str]:
+    """Return where the vehicle is in the end, and the tree that shows it."""
+    offset = float(r.tilted.offset(r.weights, r.floor)) * (1 + LAST_ROOM)
+    radius = np.linalg.norm(domain.scene.ends(offset), axis=1).max() * (1 + LAST_ROOM) ** 2
+    last = {"offset": decimal_above(offset, DIGITS), "radius": decimal_above(float(radius), 4)}
+    tree = domain.near(float(last["offset"]), float(last["radius"]))
+    if tree is None:
+        raise NotShown("where noise leaves the vehicle takes more cells than are checked")
+    return last, tree
 
 
 @dataclass(frozen=True)
@@ -161,21 +197,22 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
         If the checker would not be shown what it asks for.
     """
     r, hover = Rounded.of(search, found), hover_goal(mission)
-    seen = hover.centroid
+    seen: Sequence[tuple[Fraction, Fraction]] = hover.centroid
     if mission.law.feature == "scaled":
-        seen = scaled_centroid(seen, len(mission.target.points))
-    start_level = decimal_above(found.solution.start * (1 + START_ROOM), DIGITS)
-    if start_level > r.level:
-        raise NotShown("a start is not inside after rounding")
+        seen = tuple(scaled_centroid(seen, len(mission.target.points)))
     offset = decimal_below(search.settled_offset, DIGITS)
     points = [tuple(point) for point in mission.target.points]
     bounds = float(r.ball[0]), float(r.ball[1])
     domain = Domain.of(search.scene, points, float(r.offset), bounds)
-    trees = {"domain": domain.tree(), "near": domain.near(float(offset), float(search.radius))}
+    tree, cosine = _seen(domain, r)
+    trees = {"domain": tree, "near": domain.near(float(offset), float(search.radius))}
     for name, tree in trees.items():
         if tree is None:
             raise NotShown(f"the {name} takes more cells than are checked")
-    content = {
+    low, high = thrusts(r.limits, np.array(r.weights, float), float(r.level), mission)
+    rotors = [decimal_below(low - SPARE * high, 6), decimal_above(high * (1 + SPARE), 6)]
+    last = None if r.noise is None else _ultimate(r, domain)
+    content: dict[str, Any] = {
         "weights": list(r.weights),
         "lag": None if r.lag is None else dict(zip(("torque", "thrust"), r.lag, strict=True)),
         "memory": r.memory,
@@ -184,7 +221,7 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
             "wedge": [list(side) for side in domain.wedge],
             "bounds": list(r.ball),
             "offset": r.offset,
-            "cone": None,
+            "cone": cosine,
             "tree": trees["domain"],
         },
         "enclosures": {"goal": [binary_below(seen[2][0], BITS), binary_above(seen[2][1], BITS)]},
@@ -192,18 +229,22 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
         "claim": {
             "level": r.level,
             "rate": r.rate,
-            "start_level": start_level,
+            "start_level": r.level,
             "starts": [start.content() for start in search.starts],
             "settling": {
                 "offset": offset,
                 "radius": search.radius,
-                "time": r.settling_time(start_level, offset),
+                "time": r.settling_time(r.level, offset),
             },
-            "cone": None,
+            "cone": None if cosine is None else r.cone(cosine),
+            "rotors": rotors,
         },
         "trees": {
             "near": trees["near"],
             "starts": [domain.start(start) for start in search.starts],
         },
     }
+    if last is not None:
+        content["multipliers"]["noise"] = r.noise
+        content["claim"]["ultimate"], content["trees"]["ultimate"] = last
     return Parts(content, r, domain)

@@ -108,6 +108,35 @@ class Scene:
         far = np.nan_to_num(far, nan=np.inf).reshape(len(directions), -1)
         return np.asarray(directions * radii[np.argmax(far >= offset, axis=1)][:, None])
 
+    def outward(self) -> tuple[Array, Array]:
+        """Return |σ - σ*|, ascending, and positions, (k,) and (k, 3), where it is below s3*."""
+        parts = np.linspace(0, 1, STEPS) ** 0.7
+        places = self.goal + self.ends(0.97 * self.wanted)[:, None] * parts[None, :, None]
+        places = places.reshape(-1, 3)
+        far = np.linalg.norm(self.offset(places), axis=1)
+        order = np.argsort(far)
+        return far[order], places[order]
+
+    def angles(self, positions: Array) -> Array:
+        """Return the largest angle to the vertical under which a target point is seen, (k,), rad.
+
+        Parameters
+        ----------
+        positions : (k, 3)
+            World frame, m.
+        """
+        rays = self.points[None] - positions[:, None]
+        return np.asarray(np.arccos(rays[..., 2] / np.linalg.norm(rays, axis=2)).max(axis=1))
+
+    def cone(self, offset: float) -> float:
+        """Return the largest of these angles where |σ - σ*| <= offset, as sampled, rad.
+
+        Parameters
+        ----------
+        offset : float
+        """
+        return float(self.angles(self.goal + self.ends(offset)).max())
+
     def slopes(self, positions: Array) -> Array:
         """Return J, or Q, (k, 3, 3), 1/m.
 
@@ -147,16 +176,12 @@ class Balls:
         ----------
         scene : Scene
         """
-        parts = np.linspace(0, 1, STEPS) ** 0.7
-        places = scene.goal + scene.ends(0.97 * scene.wanted)[:, None] * parts[None, :, None]
-        places = places.reshape(-1, 3)
-        far = np.linalg.norm(scene.offset(places), axis=1)
-        order = np.argsort(far)
-        J = scene.slopes(places[order])
+        offsets, places = scene.outward()
+        J = scene.slopes(places)
         sizes = np.linalg.norm(J, 2, axis=(1, 2))
         middles = np.linspace(0.2, 1.2, MIDDLES) * np.median(sizes)
         away = np.linalg.norm(J[:, None] - middles[:, None, None] * np.eye(3), 2, axis=(2, 3))
-        return cls(far[order], middles, np.maximum.accumulate(away, axis=0))
+        return cls(offsets, middles, np.maximum.accumulate(away, axis=0))
 
     def within(self, d: float) -> tuple[float, float]:
         """Return j - ϱ and j + ϱ where |σ - σ*| <= d, 1/m.

@@ -21,9 +21,9 @@ from hoverproof.certification.robust import Solution as Optimum
 from hoverproof.servo.law import Law
 
 Array = NDArray[np.float64]
-W2, W3, W4, TORQUE, THRUST, SLOPE, MEMORY = range(1, 8)
+W2, W3, W4, TORQUE, THRUST, SLOPE, MEMORY, NOISE = range(1, 9)
 """Places among (1, parameters)."""
-PARAMETERS = 7
+PARAMETERS = 8
 ALONG_Y = 1, 4, 7, 10, 12, 15, 18
 """Places of what is along the second axis among the variables. No product in the inequality joins
 it with the others, and it is in it as what is along the first: so it is left out."""
@@ -119,7 +119,7 @@ def falls(limits: Limits, slope: Ball | Sector, rate: float, potential: bool = F
         See `derive_form`; then r is to be 0.
     """
     v = limits.vehicles
-    lagged, late = v.rotor_lag > 0, v.latency > 0
+    lagged, late, noisy = v.rotor_lag > 0, v.latency > 0, v.noise > 0
     kept = [
         place
         for name, there in (
@@ -134,13 +134,21 @@ def falls(limits: Limits, slope: Ball | Sector, rate: float, potential: bool = F
         if place not in ALONG_Y
     ]
     terms = limits.terms()
-    y, n = (np.eye(Variables.size())[Variables.place(name)] for name in ("flow", "ahead"))
-    used = (W2, W3, W4, *((TORQUE, THRUST) if lagged else ()), SLOPE, *((MEMORY,) if late else ()))
+    L = np.eye(Variables.size())[:, kept]  # from the variables that are kept
+    y, n = (L[Variables.place(name)] for name in ("flow", "ahead"))
+    if noisy:  # ν comes last, and is in the forms as n is
+        ahead = [k for k in range(len(L))[Variables.place("ahead")] if k not in ALONG_Y]
+        L = np.hstack([L, np.eye(len(L))[:, ahead]])
+        y, n = (np.pad(x, ((0, 0), (0, len(ahead)))) for x in (y, n))
+    nu = np.eye(L.shape[1])[len(kept) :]
+    there = ((TORQUE, lagged), (THRUST, lagged), (SLOPE, True), (MEMORY, late), (NOISE, noisy))
+    used = (W2, W3, W4, *(name for name, has in there if has))
     corners = []
     for at in _at_vertices(limits, potential):
-        S = np.zeros((1 + PARAMETERS, *at["fall"].shape[1:]))
-        S[:6] = at["fall"] - rate / 2 * at["energy"]
-        S[SLOPE] = slope.lost(y, at["sum"][0] / float(v.design.slowness))
+        S = np.zeros((1 + PARAMETERS, L.shape[1], L.shape[1]))
+        S[:6] = L.T @ (at["fall"] - rate / 2 * at["energy"]) @ L
+        S[SLOPE] = slope.lost(y, at["sum"][0] @ L / float(v.design.slowness))
+        S[NOISE] = nu.T @ nu
         if late:
             forgets = np.exp(-rate * v.latency)
             S[MEMORY] = forgets / v.latency * n.T @ n - v.latency * y.T @ y
@@ -148,10 +156,10 @@ def falls(limits: Limits, slope: Ball | Sector, rate: float, potential: bool = F
         at["yaw"][W4] -= at["h3"][0]
         each = []
         for pushed, by, size in terms:
-            u = np.zeros((1 + PARAMETERS, *at[pushed].shape[1:]))
-            u[:6] = at[pushed]
-            each.append(Term(u[..., kept], at[by][0][:, kept], np.array(size)))
-        corners.append(Inequality(S[:, kept][:, :, kept], tuple(each)))
+            u = np.zeros((1 + PARAMETERS, at[pushed].shape[1], L.shape[1]))
+            u[:6] = at[pushed] @ L
+            each.append(Term(u, at[by][0] @ L, np.array(size)))
+        corners.append(Inequality(S, tuple(each)))
     return Falls(tuple(corners), used)
 
 
@@ -197,6 +205,8 @@ class Solution:
         ℓ.
     start : float
         Bound of Ψ at the starts.
+    noise : float or None
+        σν, what |ν|² adds to the rate of Ψ.
     tight : tuple of int
         The vertices that keep it from being lower.
     """
@@ -208,6 +218,7 @@ class Solution:
     multipliers: Array
     level: float
     start: float
+    noise: float | None = None
     tight: tuple[int, ...] = ()
 
     @property
@@ -228,6 +239,7 @@ def solve(
     level: float,
     starts: Array,
     likely: Sequence[int] = (),
+    floor: float = np.inf,
 ) -> Solution | None:
     """Find the weights that bring the starts as deep as can be below a level.
 
@@ -245,6 +257,8 @@ def solve(
         What (1, parameters) are multiplied by in Ψ of each start; see `starts.terms`.
     likely : sequence of int
         The vertices that were tight in a program like this.
+    floor : float
+        What ℓ∞ is at most, where there is noise.
 
     Returns
     -------
@@ -270,6 +284,9 @@ def solve(
     ]
     inside = np.column_stack([-starts[:, there] / level, np.ones(len(starts))])
     rows = np.vstack([inside, np.eye(size)[1:]])
+    if NOISE in place:
+        most = np.eye(size)[0] * floor * rate / limits.vehicles.noise**2
+        rows = np.vstack([rows, most - np.eye(size)[place[NOISE]]])
     found_at = _over_few(size, corners, rows, pencils, likely)
     if found_at is None or not (found_at[0].x[:-1] > 0).all():
         return None
@@ -282,6 +299,7 @@ def solve(
         slope=values[SLOPE],
         multipliers=answer.multipliers[0],
         level=level,
+        noise=values.get(NOISE),
         start=float(answer.x[-1]) * level,
         tight=tight,
     )

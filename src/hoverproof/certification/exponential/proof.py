@@ -18,7 +18,7 @@ from hoverproof.certification.certificate import Certificate, rejection, seal
 from hoverproof.certification.exponential.draft import Parts, draft
 from hoverproof.certification.exponential.form import derive_form
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.search import Candidate, Search
+from hoverproof.certification.exponential.search import SETTLED, Candidate, Search
 from hoverproof.certification.exponential.vehicles import Vehicles, require_turned
 from hoverproof.certification.exponential.verdict import Exponential, Settling
 from hoverproof.certification.region import holds_target_point
@@ -63,12 +63,16 @@ def converge(
     tell = progress or (lambda text: None)
     wanted = tuple(starts or [Start.of(mission)])
     _require(mission, wanted)
+    noise = mission.uncertainty.noise
+    if noise.force or noise.rate:
+        reason = "noise of the force and of the body rates is not covered"
+        return Undecided(mission=mission, reason=reason)
     scene, vehicles = Scene.of(mission), Vehicles.of(mission)
     reason, whole = "", Search.of(vehicles, scene, wanted)
     for wider, highest in ROOMS:
         tell("searching for weights")
-        search = replace(whole, wider=wider, highest=highest)
-        found = _found(search, near)
+        search = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
+        search, found = _settled(search, near)
         if isinstance(found, str):
             reason = reason or found
             break
@@ -85,6 +89,29 @@ def converge(
     return Undecided(mission=mission, reason=reason, advice=_advice(mission))
 
 
+def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> Candidate | None:
+    """Search without proving: Ψ of the starts is below the level if the fill is below 1 - `ROOM`.
+
+    Parameters
+    ----------
+    mission : Mission
+    starts : sequence of Start
+    near : (2,), or None
+        See `Search.deepest`.
+
+    Raises
+    ------
+    InputError
+        See `converge`.
+    """
+    _require(mission, starts)
+    whole = Search.of(Vehicles.of(mission), Scene.of(mission), tuple(starts))
+    wider, highest = ROOMS[0]
+    search = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
+    found = search.deepest(search.terms(), near)
+    return found if found is not None and search.sees(found) else None
+
+
 def _require(mission: Mission, starts: Sequence[Start]) -> None:
     """Refuse what poses no question."""
     if any(end != 0 for ends in hover_goal(mission).centroid[:2] for end in ends):
@@ -99,6 +126,16 @@ def _require(mission: Mission, starts: Sequence[Start]) -> None:
     require_turned(mission)
 
 
+def _settled(search: Search, near: tuple[Array, float] | None) -> tuple[Search, Candidate | str]:
+    """Search until a radius is found in which noise leaves the vehicle."""
+    found = _found(search, near)
+    for share in SETTLED[1:] if search.vehicles.noise else ():
+        if isinstance(found, str):
+            search = replace(search, settled=share)
+            found = _found(search, near)
+    return search, found
+
+
 def _found(search: Search, near: tuple[Array, float] | None) -> Candidate | str:
     """Return a candidate that holds the starts, or why there is none."""
     terms = search.terms()
@@ -111,7 +148,20 @@ def _found(search: Search, near: tuple[Array, float] | None) -> Candidate | str:
         return "no weights were found that satisfy the inequality"
     if first.solution.fill > 1:
         return f"Ψ at the start is {first.solution.fill:.3g} times the highest level found"
-    return search.soonest(first, terms, search.settled_offset)
+    if not search.sees(first):
+        first = search.narrowest(first, terms)
+    if not search.sees(first):
+        angle, half = search.seen(first), search.half_angle or 0
+        return (
+            f"points are seen up to {angle:.3g} rad from the optical axis on the smallest set "
+            f"found, {angle - half:.3g} rad more than the half angle of the camera"
+        )
+    return search.quietest(search.soonest(first, terms, search.settled_offset), terms)
+
+
+def _half_angle(mission: Mission) -> float | None:
+    half = mission.camera.half_angle
+    return None if half is None else float(half)
 
 
 def _verdict(
@@ -119,6 +169,7 @@ def _verdict(
 ) -> Exponential:
     claim, r = parts.content["claim"], parts.rounded
     low, high = r.limits.thrust
+    cone = claim["cone"]
     return Exponential(
         mission=mission,
         certificate=certificate,
@@ -132,7 +183,9 @@ def _verdict(
         offset=r.offset,
         tilt=decimal_above(math.asin(r.limits.tilt), 4),
         thrust=(decimal_below(low, 6), decimal_above(high, 6)),
-        field_of_view=None,
+        field_of_view=None if cone is None else decimal_above(math.acos(cone), 4),
+        ultimate_radius=claim["ultimate"]["radius"] if "ultimate" in claim else None,
+        rotor_thrust=tuple(claim["rotors"]),
         starts=starts,
     )
 

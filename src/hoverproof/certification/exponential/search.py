@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,13 +37,20 @@ HIGHEST = 0.835
 """Share of s3* that d is at most, unless said: |σ| is small near the target."""
 SLOWEST = 0.05
 """The rate that is first asked for, as a share of 2 (k1/m)(j - ϱ)."""
+SLOWEST_IN_NOISE = 0.5
+"""The same with noise, of which more stays at a slow rate."""
 ROOM = 0.01
 """Share of the level, and of the ball, that is spared for the proof."""
-SETTLED = 0.1
-"""Of the largest distance of a start from the goal: there the vehicle has settled."""
+SETTLED = 0.1, 0.2, 0.4
+"""Of the largest distance of a start from the goal: there the vehicle has settled. With noise the
+first of them that it allows."""
 NEAR = 0.1
 """Share of |σ - σ*| there that is spared for the proof."""
 DIRECTIONS = 300
+LOUDEST = 0.5
+"""Share of Ψ where a vehicle has settled that noise may leave."""
+VIEW_ROOM = 0.012
+"""Of the angle under which points are seen: a share that is spared for the proof, and rad."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +79,19 @@ class Tilted:
         by_force = (lean * v.stiffness / v.weight) ** 2
         return cls(by_force, float(lean * v.wind / v.design.gravity))
 
+    def offset(self, weights: Sequence[Any] | Array, level: float | Array) -> Array:
+        """Return what |σ - σ*| is at most where Ψ is at most a level.
+
+        Parameters
+        ----------
+        weights : (3,)
+            w2, w3, w4.
+        level : float or array
+            Dimensionless.
+        """
+        w2, w3, _ = map(float, weights)
+        return np.asarray(np.sqrt(2 * level * (1 + self.factor * (1 / w2 + 1 / w3))) + self.shift)
+
 
 @dataclass(frozen=True)
 class Candidate:
@@ -88,6 +109,8 @@ class Candidate:
         r, 1/s.
     tilted : Tilted
     solution : Solution
+    floor : float
+        ℓ∞: what noise leaves of Ψ.
     """
 
     x: Array
@@ -96,6 +119,7 @@ class Candidate:
     rate: float
     tilted: Tilted
     solution: Solution
+    floor: float
 
     def time(self, offset: float) -> float:
         """Return when |σ - σ*| is at most an offset for good, s.
@@ -107,8 +131,22 @@ class Candidate:
         factor = 1 + self.tilted.factor * (self.solution.reach.force**2 / (2 * self.solution.level))
         if offset <= self.tilted.shift:
             return float("inf")
-        level = (offset - self.tilted.shift) ** 2 / (2 * factor)
+        level = (offset - self.tilted.shift) ** 2 / (2 * factor) - self.floor
         return float(np.log(max(self.solution.start / level, 1.0)) / self.rate)
+
+    def seen(self, scene: Scene, vehicles: Vehicles) -> float:
+        """Return the angle to the axis under which all is seen from the starts on, rad.
+
+        Parameters
+        ----------
+        scene : Scene
+        vehicles : Vehicles
+        """
+        s = self.solution
+        reach = Reach.of(s.weights, s.start)
+        limits = Limits(vehicles, reach, self.ball[1])
+        offset = float(Tilted.of(limits).offset(s.weights, s.start))
+        return float((1 + VIEW_ROOM) * scene.cone(offset) + np.arcsin(limits.tilt) + VIEW_ROOM)
 
 
 @dataclass(frozen=True)
@@ -124,8 +162,12 @@ class Search:
         Of J by d.
     wider : float
         By which share the narrowest ball of J, as sampled, is widened.
+    half_angle : float or None
+        Of the cone about the axis that the camera sees, rad, if it is said.
     highest : float
         Share of s3* that d is at most.
+    settled : float
+        One of `SETTLED`.
     """
 
     vehicles: Vehicles
@@ -133,7 +175,9 @@ class Search:
     starts: tuple[Start, ...]
     balls: Balls
     wider: float = ROOM
+    half_angle: float | None = None
     highest: float = HIGHEST
+    settled: float = SETTLED[0]
 
     @classmethod
     def of(cls, vehicles: Vehicles, scene: Scene, starts: tuple[Start, ...]) -> Search:
@@ -162,7 +206,7 @@ class Search:
         far = max(
             float(np.linalg.norm(c.reshape(-1, 3) - self.scene.goal, axis=1).max()) for c in corners
         )
-        return decimal_below(max(SETTLED * far, 1e-3), 4)
+        return decimal_below(max(self.settled * far, 1e-3), 4)
 
     @cached_property
     def settled_offset(self) -> float:
@@ -176,30 +220,41 @@ class Search:
         return np.array([self._terms(start) for start in self.starts])
 
     def _terms(self, start: Start) -> Array:
-        v, lam = self.vehicles, self.balls.within(0.97 * self.scene.wanted)[1]
-        d = v.design
-        speed, tilt, rate, thrust = map(float, (start.speed, start.tilt, start.rate, start.thrust))
         sides = np.array(start.position, float)
         corners = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3)
         off = self.scene.offset(np.unique(corners, axis=0))
+        away, level = np.linalg.norm(off, axis=1).max(), np.linalg.norm(off[:, :2], axis=1).max()
+        return np.asarray(self.terms_at(np.array([away]), np.array([level]), start)[0])
+
+    def terms_at(self, away: Array, level: Array, start: Start) -> Array:
+        """Return what (1, parameters) are multiplied by in Ψ of states, (k, 8).
+
+        Parameters
+        ----------
+        away, level : (k,)
+            |σ - σ*| where they are, and its horizontal part.
+        start : Start
+            Bounds of speed, tilt, rate and thrust; its position is not looked at.
+        """
+        v, lam = self.vehicles, self.balls.within(0.97 * self.scene.wanted)[1]
+        d = v.design
+        speed, tilt, rate, thrust = map(float, (start.speed, start.tilt, start.rate, start.thrust))
         force = thrust + v.weight * tilt
         lean = force / v.weight + v.wind / float(d.gravity)
         lean *= np.sqrt(2 / (1 + np.sqrt(max(1 - lean**2, 0.01))))
-        away = float(np.linalg.norm(off, axis=1).max())
         whole = away + v.in_image * lean
-        level = float(np.linalg.norm(off[:, :2], axis=1).max())
-        flat = min(whole, level + lean * (away + v.in_image))
+        flat = np.minimum(whole, level + lean * (away + v.in_image))
         moved, pushed = float(d.slowness) * speed, force / v.stiffness
         lever = v.weight + force - v.stiffness * v.in_image
         turned = lever * rate / (v.stiffness * v.pace)
         d2, d3 = whole + moved, whole + moved + pushed
         d4 = flat + moved + pushed + turned
         asked = (v.pace + float(d.k4 / d.mass)) * d4 + v.pull * pushed
-        result = np.zeros(1 + PARAMETERS)
-        result[[0, W2, W3, W4]] = np.array([whole, d2, d3, d4]) ** 2 / 2
-        result[TORQUE] = v.rotor_lag / 2 * asked**2
-        result[THRUST] = v.rotor_lag / 2 * (v.pace * d3) ** 2
-        result[MEMORY] = v.latency**2 / 2 * (lam * speed) ** 2
+        result = np.zeros((len(whole), 1 + PARAMETERS))
+        result[:, [0, W2, W3, W4]] = np.stack([whole, d2, d3, d4], axis=1) ** 2 / 2
+        result[:, TORQUE] = v.rotor_lag / 2 * asked**2
+        result[:, THRUST] = v.rotor_lag / 2 * (v.pace * d3) ** 2
+        result[:, MEMORY] = v.latency**2 / 2 * (lam * speed) ** 2
         return result
 
     def limits(self, x: Array, ball: tuple[float, float]) -> Limits:
@@ -210,7 +265,12 @@ class Search:
         return Limits(v, Reach(force, 0.75 * force, 1.75 * force, 6 * np.exp(x[0])), ball[1])
 
     def at(
-        self, x: Array, rate: float, starts: Array, likely: Sequence[int] = ()
+        self,
+        x: Array,
+        rate: float,
+        starts: Array,
+        likely: Sequence[int] = (),
+        floor: float = np.inf,
     ) -> Candidate | None:
         """Return d, the ball of J and the best weights, for the logarithm of d and the reach.
 
@@ -240,10 +300,13 @@ class Search:
         level = ((d - tilted.shift) ** 2 - tilted.factor * limits.reach.force**2) / 2
         if d <= tilted.shift or level <= 0:
             return None
-        found = solve(limits, ball, rate, level, starts, likely)
+        factor = 1 + tilted.factor * limits.reach.force**2 / (2 * level)
+        most = max(self.settled_offset - tilted.shift, 0) ** 2 / (2 * factor)
+        found = solve(limits, ball, rate, level, starts, likely, min(floor, LOUDEST * most))
         if found is None:
             return None
-        return Candidate(x, d, ball, rate, tilted, found)
+        floor = (found.noise or 0.0) * self.vehicles.noise**2 / rate
+        return Candidate(x, d, ball, rate, tilted, found, floor)
 
     def slow(self, d: float) -> float:
         """Return a slow rate, 1/s.
@@ -253,10 +316,19 @@ class Search:
         d : float
         """
         low, high = self.balls.within(d)
-        return SLOWEST * 2 * max(low, 0.1 * high) / float(self.vehicles.design.slowness)
+        share = SLOWEST_IN_NOISE if self.vehicles.noise else SLOWEST
+        return share * 2 * max(low, 0.1 * high) / float(self.vehicles.design.slowness)
 
-    def deepest(self, starts: Array) -> Candidate | None:
-        """Bring the starts as deep inside as can be, at a slow rate."""
+    def deepest(self, starts: Array, near: Array | None = None) -> Candidate | None:
+        """Bring the starts as deep inside as can be, at a slow rate.
+
+        Parameters
+        ----------
+        starts : (k, 8)
+            See `terms`.
+        near : (2,), optional
+            Where a candidate was found for a question that is much the same.
+        """
         low, high = np.log(self.ends)
         if not low < high:
             return None
@@ -277,6 +349,7 @@ class Search:
             for part in (0.6, 0.85, 0.3)
             for share in (-1.7, -3.0, -0.5)
         ]
+        guesses = guesses if near is None else [near, *guesses]
         begin, least = None, FAILED
         for guess in guesses:
             if (value := cost(guess)) < least:
@@ -302,6 +375,8 @@ class Search:
             return FAILED
         if found.solution.fill > 1 - ROOM:
             return OUTSIDE + float(np.log(found.solution.fill))
+        if not self.sees(found):
+            return OUTSIDE + self.seen(found)
         return float(np.log(found.time(offset)))
 
     def soonest(self, first: Candidate, starts: Array, offset: float) -> Candidate:
@@ -330,6 +405,65 @@ class Search:
         begin = np.array([*best.x, np.log(best.rate)])
         _minimum(cost, np.vstack([begin, begin + np.diag([-0.03, 0.4, 0.2])]), 2 * EVALUATIONS)
         return best
+
+    def quietest(self, found: Candidate, starts: Array) -> Candidate:
+        """Let noise leave as little as can be, at the rate of a candidate.
+
+        Parameters
+        ----------
+        found : Candidate
+        starts : (k, 8)
+            See `terms`.
+        """
+        for share in (0.7,) * MOST_RATES if self.vehicles.noise else ():
+            new = self.at(found.x, found.rate, starts, found.solution.tight, share * found.floor)
+            if new is None or new.solution.fill > 1 - ROOM / 2 or not self.sees(new):
+                break
+            found = new
+        return found
+
+    def narrowest(self, first: Candidate, starts: Array) -> Candidate:
+        """Make the angle to the axis narrow under which all is seen, from a candidate.
+
+        Parameters
+        ----------
+        first : Candidate
+        starts : (k, 8)
+            See `terms`.
+        """
+        best = first
+
+        def cost(x: Array) -> float:
+            nonlocal best
+            found = self.at(x, first.rate, starts)
+            if found is None or found.solution.fill > 1 - ROOM:
+                return FAILED
+            seen = self.seen(found)
+            if seen < self.seen(best):
+                best = found
+            return float(np.log(seen))
+
+        begin = first.x
+        _minimum(cost, np.vstack([begin, begin + np.diag([-0.04, -0.4])]), EVALUATIONS)
+        return best
+
+    def seen(self, found: Candidate) -> float:
+        """Return the angle to the axis under which all is seen, rad.
+
+        Parameters
+        ----------
+        found : Candidate
+        """
+        return found.seen(self.scene, self.vehicles)
+
+    def sees(self, found: Candidate) -> bool:
+        """Tell whether all is seen within the half angle of the camera, where one is said.
+
+        Parameters
+        ----------
+        found : Candidate
+        """
+        return self.half_angle is None or self.seen(found) <= self.half_angle
 
 
 def _minimum(cost: Callable[[Array], float], simplex: Array, evaluations: int) -> Array:

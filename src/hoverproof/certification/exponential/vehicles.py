@@ -43,6 +43,19 @@ def require_turned(mission: Mission) -> None:
         )
 
 
+def why_noisy(mission: Mission) -> str:
+    """Return why a mission with bounded noise is not covered; empty if it has none.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    noise = mission.uncertainty.noise
+    if noise == type(noise)():
+        return ""
+    return "bounded noise is not covered by a region of attraction: the motion ends near the goal"
+
+
 @dataclass(frozen=True)
 class Vehicles:
     """A design, and the tolerances within which the vehicle is.
@@ -62,6 +75,8 @@ class Vehicles:
         w̄, m/s².
     yaw_rate : float
         Bound of |Ω3|, rad/s.
+    noise : float
+        Bound of |ν|: of the noise of the feature less m/k1 times that of V.
     """
 
     law: Law
@@ -73,6 +88,7 @@ class Vehicles:
     rotor_lag: float
     wind: float
     yaw_rate: float
+    noise: float = 0.0
 
     @classmethod
     def of(cls, mission: Mission) -> Vehicles:
@@ -86,7 +102,10 @@ class Vehicles:
         feature = law.goal_feature(mission)
         numbers = np.array([float(x) for x in law.design.values(mission, feature)])
         names = ("thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate")
-        return cls(law, numbers, float(feature[2]), *(float(getattr(covered, x)) for x in names))
+        each = {name: float(getattr(covered, name)) for name in names}
+        slowness = mission.vehicle.mass / mission.gains.k1
+        noise = covered.noise.feature + slowness * covered.noise.velocity
+        return cls(law, numbers, float(feature[2]), **each, noise=float(noise))
 
     def allowing(self, name: str, size: float) -> Vehicles:
         """Return them with another tolerance.
@@ -135,7 +154,7 @@ class Vehicles:
     @property
     def gyroscopic(self) -> float:
         """How much of Ω3 e3 × Ω the gyroscopic torque is at most, by the mission's inertia."""
-        i1, i2, i3 = self.design.inertia  # type: ignore[misc]
+        i1, i2, i3 = self.design.inertia
         return float(max(abs(i3 - i2) / i1, abs(i3 - i1) / i2))
 
 
@@ -228,10 +247,10 @@ class Limits:
 
     @cached_property
     def ahead(self) -> float:
-        """Bound of |n|."""
+        """Bound of |n + ν|: what is used of the feature and of V, less what is now."""
         v = self.vehicles
         speed = self.reach.speed / float(v.design.slowness)
-        return v.latency * self.largest * speed
+        return v.latency * self.largest * speed + v.noise
 
     @cached_property
     def gust(self) -> float:
@@ -255,7 +274,7 @@ class Limits:
 
     @cached_property
     def stretching(self) -> float:
-        """Bound of |D_c'/D_c| with rotors that lag, 1/s: a torque that stays turns δ4 more or less."""
+        """Bound of |D_c'/D_c| with rotors that lag, 1/s."""
         return (1 + self.vehicles.thrust) * self.sinking + self.crosswind
 
     def vertices(self) -> Iterator[tuple[float, ...]]:
@@ -284,7 +303,7 @@ class Limits:
             each = [
                 ("d4", "applied", v.torque),
                 ("d4", "zeta", late + v.yaw_rate * v.torque),
-                ("d4", "ahead", v.yaw_rate if v.latency else 0.0),
+                ("d4", "ahead", v.yaw_rate if v.latency or v.noise else 0.0),
                 ("d4", "missed", v.torque * v.yaw_rate),
             ]
         else:

@@ -11,11 +11,14 @@ from hoverproof.certification.verdict import Proved
 
 NOT_COVERED = (
     "goals whose centroid is not straight below",
-    "noise of measurements, gusts, and a controller that runs in steps",
-    "frames that bend, ground effect, drag",
+    "noise of the force and of the body rates, gusts, and a controller that runs in steps",
+    "frames that bend, ground effect, drag, limits of the rotors",
     "a camera that loses the target: every point is taken to be seen at all times",
 )
 """What no theorem about vehicles within tolerance says, in words."""
+
+HIDDEN = "target points that are hidden, or were out of view before the start"
+"""What is left of the last of them where all points are proved to be in view."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,12 @@ class Exponential(Proved):
     thrust : (low, high)
         Bounds of the thrust over the true mass, times m, on the way, N.
     field_of_view : Fraction or None
-        Every target point is seen within that angle of the optical axis on the way, rad.
+        Every target point is seen within that angle of the optical axis on the way, rad; not said
+        where it is not shown to be below a right angle.
+    ultimate_radius : Fraction or None
+        In the end the vehicle is within that of the hover point, m; without noise it comes to it.
+    rotor_thrust : (low, high)
+        Bounds of what each rotor makes, and is set to make, on the way, N; see `rotors`.
     starts : tuple of Start
     """
 
@@ -77,4 +85,6 @@ class Exponential(Proved):
     tilt: Fraction
     thrust: tuple[Fraction, Fraction]
     field_of_view: Fraction | None
+    ultimate_radius: Fraction | None
+    rotor_thrust: tuple[Fraction, Fraction]
     starts: tuple[Start, ...]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -22,6 +22,11 @@ class Answer(ABC):
         """The exit status."""
         return 0
 
+    @property
+    def considered(self) -> list[str]:
+        """What it considers of what `[uncertainty]` and `[camera]` ask to be covered, in words."""
+        return []
+
     @abstractmethod
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""
@@ -34,28 +39,33 @@ class Answer(ABC):
 def tell(answer: Answer, json_: bool, mission: Mission | None = None) -> int:
     """Print an answer about a mission, with its law, and return its status.
 
-    No answer considers what `[uncertainty]` and `[camera]` ask to be covered, and each says so.
+    What `[uncertainty]` and `[camera]` ask to be covered and it does not consider, it says.
     """
+    asked = [] if mission is None else mission.asks_to_cover()
+    left = [words for words in asked if words not in answer.considered]
     if json_:
-        print_json(answer.as_json(), mission)
+        print_json(answer.as_json(), mission, left)
     else:
         for number, line in enumerate(answer.text()):
             print(line)
             if number == 0 and mission is not None:
                 if not mission.law.is_papers:
                     print(f"  law                     {mission.law.name}")
-                if mission.asks_to_cover():
-                    print(f"  not considered          {', '.join(mission.asks_to_cover())}")
+                if left:
+                    print(f"  not considered          {', '.join(left)}")
     return answer.status
 
 
-def print_json(value: dict[str, Any], mission: Mission | None = None) -> None:
-    """Print one JSON object, with the law of the mission that it tells of, and warnings."""
+def print_json(
+    value: dict[str, Any], mission: Mission | None = None, left: Sequence[str] | None = None
+) -> None:
+    """Print one JSON object, with the law of the mission, and warnings, of what is left out too."""
     if mission is not None:
+        left = mission.asks_to_cover() if left is None else left
         from hoverproof.plausibility import warnings
 
         found = [str(finding) for finding in warnings(mission)]
-        found += [f"not considered: {words}" for words in mission.asks_to_cover()]
+        found += [f"not considered: {words}" for words in left]
         law = mission.law.model_dump()
         value = {**value, "law": law, "warnings": [*found, *value.get("warnings", [])]}
     plain = "utf" not in (sys.stdout.encoding or "utf").lower()

@@ -13,10 +13,12 @@ from hoverproof.certification.attraction.verdict import Attraction, Sinks
 from hoverproof.certification.certificate import exact
 from hoverproof.certification.convergence import Converges, not_covered
 from hoverproof.certification.exponential.verdict import Exponential
+from hoverproof.certification.largest import UNITS, Largest
 from hoverproof.certification.verdict import Undecided
 from hoverproof.cli.answers import exponential
 from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import interval, number, numbers
+from hoverproof.mission.uncertainty import Uncertainty
 
 OF_A_PROOF = (
     "theorem",
@@ -27,6 +29,7 @@ OF_A_PROOF = (
     "heights",
     "slope",
     "field_of_view",
+    "rotor_thrust",
     "level",
     "weights",
     "rate",
@@ -45,16 +48,25 @@ class AttractionAnswer(Answer):
     verdict: Converges
     path: Path | None
     picture: Path | None
+    largest: Largest | None = None
+    search: Path | None = None
 
     @property
     def status(self) -> int:
         """The exit status."""
         return EXIT[self.verdict.status]
 
+    @property
+    def considered(self) -> list[str]:
+        """What it considers of what the mission asks to be covered."""
+        return considered(self.verdict)
+
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""
         verdict = self.verdict
         yield f"{verdict.mission.name}: {verdict.status}"
+        if self.largest is not None:
+            yield from _largest(self.largest)
         if isinstance(verdict, Undecided):
             for words in (
                 *verdict.reason.split("; "),
@@ -62,10 +74,15 @@ class AttractionAnswer(Answer):
             ):
                 yield textwrap.fill(words, 80, initial_indent="  ", subsequent_indent="    ")
             return
-        yield from _proved(verdict.proved) if verdict.proved else _motion(verdict)
+        if isinstance(verdict, Sinks):
+            yield from _motion(verdict)
+        else:
+            yield from _proved(verdict)
         yield f"  certificate             {self.path}"
         if self.picture is not None:
             yield f"  figure                  {self.picture}"
+        if self.search is not None:
+            yield f"  figure of the search    {self.search}"
         yield "Not covered:"
         for line in not_covered(verdict):
             yield f"  {line}"
@@ -86,28 +103,85 @@ class AttractionAnswer(Answer):
             "motion": verdict.refuted and verdict.refuted.certificate.content["motion"],
             "reason": verdict.reason,
             "covers": [],
-            **(_proved_as_json(verdict.proved) if verdict.proved else {}),
+            "largest": self.largest and _largest_as_json(self.largest),
+            "search_figure": None if self.search is None else str(self.search),
+            **(proved_as_json(verdict.proved) if verdict.proved else {}),
             "figure": None if self.picture is None else str(self.picture),
         }
 
 
+def _largest(found: Largest) -> Iterator[str]:
+    unit = f" {UNITS[found.name]}".rstrip()
+    if found.verdict.proved is None:
+        yield f"  largest {found.name:15} none: not even zero is proved"
+        return
+    beyond = "no larger one may be asked for"
+    if found.beyond is not None:
+        beyond = f"nothing was found for {number(found.beyond)}{unit}"
+    yield f"  largest {found.name:15} {number(found.value)}{unit}; {beyond}"
+
+
+def _largest_as_json(found: Largest) -> dict[str, Any]:
+    proved = found.verdict.proved is not None
+    return {
+        "tolerance": found.name,
+        "value": float(found.value) if proved else None,
+        "unit": UNITS[found.name] or "1",
+        "not_found_at": None if found.beyond is None else float(found.beyond),
+    }
+
+
+def considered(verdict: Converges) -> list[str]:
+    """Return what a verdict considers of what its mission asks to be covered, in words.
+
+    Parameters
+    ----------
+    verdict : Attraction, Exponential, Sinks or Undecided
+    """
+    mission, proved = verdict.mission, verdict.proved
+    seen = isinstance(proved, Exponential) and proved.field_of_view is not None
+    views = mission.camera.covers() if seen else []
+    return [*([] if verdict.refuted else mission.uncertainty.covers()), *views]
+
+
 def _proved(verdict: Attraction | Exponential) -> Iterator[str]:
+    may = verdict.mission.uncertainty
+    who = f"every vehicle with {', '.join(may.covers())}" if may.covers() else "the vehicle"
+    theorem, where = "theorem 5, exponential", "from"
+    if isinstance(verdict, Attraction):
+        theorem, where = f"theorem {6 if verdict.tolerant else 3}, potential", _states(verdict)
+    yield from textwrap.wrap(
+        f"{who} converges to the goal ({theorem}): the controller may be switched on, "
+        f"{_turning(may)}, {where}",
+        80,
+        initial_indent="  ",
+        subsequent_indent="  ",
+    )
     if isinstance(verdict, Exponential):
         yield from exponential.lines(verdict, [describe(start) for start in verdict.starts])
     else:
         yield from _region(verdict)
 
 
+def _states(verdict: Attraction) -> str:
+    inside = f"{'Ψ' if verdict.tolerant else 'Λ'} <= {number(verdict.level)}"
+    if verdict.barrier_height is None:
+        return f"in every state with {inside} and T > 0; from hover, about the goal:"
+    above = f"at least {number(verdict.barrier_height)} m above the target"
+    return f"in every level hover with {inside} {above}, so about the goal"
+
+
+def _turning(may: Uncertainty) -> str:
+    """Say how it may turn about its vertical axis."""
+    if may.yaw_rate:
+        return "with any heading"
+    depends = may.torque or may.latency or may.rotor_lag
+    return "with any heading and yaw rate zero" if depends else "with any heading and yaw rate"
+
+
 def _region(verdict: Attraction) -> Iterator[str]:
     reach, height = verdict.reach, verdict.barrier_height
-    yield "  the motion converges to the goal: the controller may be switched on, with any"
-    yield "  heading and yaw rate, in every"
-    level = number(verdict.level)
-    if height is None:
-        yield f"  state with Λ <= {level} and T > 0; from hover, about the goal:"
-    else:
-        yield f"  level hover with Λ <= {level} at least {number(height)} m above the target,"
-        yield "  so about the goal"
+    symbol = "Ψ" if verdict.tolerant else "Λ"
     yield f"  sideways, all round     {number(reach.sideways)} m"
     yield f"  up                      {number(reach.up)} m"
     yield f"  down                    {number(reach.down)} m"
@@ -115,7 +189,7 @@ def _region(verdict: Attraction) -> Iterator[str]:
         yield f"  and from                {describe(start)}"
     yield "  On the way:"
     yield f"  weights a2, a3, a4      {', '.join(map(number, verdict.weights))}"
-    yield f"  Λ' <= -(k1/m) ε |Y|²    ε = {number(verdict.rate)}"
+    yield f"  {symbol}' <= -(k1/m) ε |Y|²    ε = {number(verdict.rate)}"
     yield f"  tilt                    {number(verdict.tilt)} rad or less"
     yield f"  thrust                  in {interval(verdict.thrust)} N"
     yield f"  eigenvalues of Q        {number(verdict.largest_eigenvalue)} 1/m or less"
@@ -162,7 +236,13 @@ def describe(start: Start) -> str:
     return ", ".join([f"({sides}) m", *(sizes or ["level hover"])])
 
 
-def _proved_as_json(verdict: Attraction | Exponential) -> dict[str, Any]:
+def proved_as_json(verdict: Attraction | Exponential) -> dict[str, Any]:
+    """Return what is proved, for machines.
+
+    Parameters
+    ----------
+    verdict : Attraction or Exponential
+    """
     covers = {"covers": verdict.mission.uncertainty.covers()}
     if isinstance(verdict, Exponential):
         return {"theorem": "exponential", **covers, **exponential.as_json(verdict)}
@@ -182,7 +262,7 @@ def _region_as_json(verdict: Attraction) -> dict[str, Any]:
         "reach": {way: float(getattr(reach, way)) for way in ("sideways", "up", "down")},
         "starts": [exact(start.content()) for start in verdict.starts],
         "units": {
-            "rate": "1, of Λ' <= -(k1/m) rate |Y|²",
+            "rate": f"1, of {'Ψ' if verdict.tolerant else 'Λ'}' <= -(k1/m) rate |Y|²",
             "tilt": "rad",
             "thrust": "N",
             "largest_eigenvalue": "1/m",

@@ -15,8 +15,9 @@ from fractions import Fraction
 import casadi as ca
 
 from hoverproof.mission.sections import Mission
-from hoverproof.plant import rigid_body
-from hoverproof.servo.law import Design, Heading, Law, Measurement
+from hoverproof.plant import camera, rigid_body
+from hoverproof.servo.heading import Heading
+from hoverproof.servo.law import Design, Law, Measurement
 from hoverproof.servo.laws.choices import WithAccelerometer
 from hoverproof.servo.laws.hamel_mahony import LAWS, law_of
 from hoverproof.servo.layout import column, scalar
@@ -54,7 +55,7 @@ class DesignWithHeading(Design):
 
 @dataclass(frozen=True)
 class WithHeading(Measurement):
-    """What a compass tells, besides.
+    """What a compass or the image tells, besides.
 
     Attributes
     ----------
@@ -67,7 +68,7 @@ class WithHeading(Measurement):
 
 @dataclass(frozen=True)
 class WithAccelerometerAndHeading(WithAccelerometer):
-    """What an accelerometer and a compass tell, besides.
+    """What an accelerometer, and a compass or the image tell, besides.
 
     Attributes
     ----------
@@ -94,6 +95,11 @@ def _nose(rotation: ca.SX, gravity_direction: ca.SX, directions: ca.SX, points: 
     return rigid_body.heading(rotation)
 
 
+def _seen(rotation: ca.SX, gravity_direction: ca.SX, directions: ca.SX, points: ca.SX) -> ca.SX:
+    north = camera.north(directions, gravity_direction, points)
+    return rigid_body.heading_of_north(north, gravity_direction)
+
+
 def _rate(z: WithHeading) -> ca.SX:
     return rigid_body.heading_rate(z.heading, z.gravity_direction, z.rate)
 
@@ -101,11 +107,14 @@ def _rate(z: WithHeading) -> ca.SX:
 COMPASS = Heading("compass", _LAYOUTS.__getitem__, _nose, _turning, _rate)
 """The yaw that an autopilot estimates, with a compass."""
 
+FROM_IMAGE = Heading("image", _LAYOUTS.__getitem__, _seen, _turning, _rate, of_image=True)
+"""The yaw that the image tells of a target that is flat and level, its points in their order."""
+
 HEADED = {
     choices: replace(law, design=DesignWithHeading, heading=COMPASS)
     for choices, law in LAWS.items()
 }
-"""The eight laws, turning to a heading."""
+"""The eight laws, turning to a heading by a compass."""
 
 
 def flown_law(mission: Mission) -> Law:
@@ -118,4 +127,5 @@ def flown_law(mission: Mission) -> Law:
     law = law_of(mission)
     if mission.goal.heading is None:
         return law
-    return HEADED[law.feature.name, law.goal.name, law.force.name]
+    headed = HEADED[law.feature.name, law.goal.name, law.force.name]
+    return replace(headed, heading=FROM_IMAGE) if mission.goal.heading_from == "image" else headed
