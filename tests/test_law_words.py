@@ -207,7 +207,7 @@ def test_an_axis_of_a_ball_is_no_eigenvalue():
 )
 def test_a_report_of_another_law_says_what_it_is_about_and_leaves_out_the_rest(law, capsys):
     arguments = ("report", "small.toml", *options(law), "--without", "firmware", "-o", "r.html")
-    status, out, _ = run(capsys, *arguments)
+    status, *_ = run(capsys, *arguments)
     assert status == 0
     page = Path("r.html").read_text("utf-8")
     words = re.sub(r"(?s)<(style|script).*?</\1>|<[^>]*>", " ", page)

@@ -19,6 +19,7 @@ from hoverproof.certification.attraction.potential import sphere
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.candidate import Tilted
 from hoverproof.certification.exponential.positions import DIRECTIONS, Scene
+from hoverproof.certification.exponential.program import MEMORY, THRUST, TORQUE, W2, W3, W4
 from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 from hoverproof.certification.exponential.verdict import Exponential
@@ -121,9 +122,11 @@ class View:
         away, level = (np.linalg.norm(offset[:, :k], axis=1) for k in (3, 2))
         terms = search.terms_at(away, level, Start(v.starts[0].position))
         lag = v.certificate.content["lag"] or {"torque": 0, "thrust": 0}
-        slope, memory = 0, v.certificate.content["memory"] or 0
-        weights = (1, *v.weights, lag["torque"], lag["thrust"], slope, memory)
-        return np.asarray(terms @ [float(Fraction(w)) for w in weights])
+        weights = np.zeros(terms.shape[1])
+        weights[[0, W2, W3, W4]] = 1, *map(float, v.weights)
+        weights[[TORQUE, THRUST]] = [float(Fraction(lag[name])) for name in ("torque", "thrust")]
+        weights[MEMORY] = float(Fraction(v.certificate.content["memory"] or 0))
+        return np.asarray(terms @ weights)
 
     def distances(self, offsets: Array) -> Array:
         """Return how far from the goal |σ - σ*| may be an offset, m, (k,).

@@ -5,13 +5,15 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cache
 from typing import Any
 
 import numpy as np
 
-from hoverproof.algebra.decimals import decimal_above
+from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.graph import fingerprint
+from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.attraction.draft import NotShown, draft, force_within
 from hoverproof.certification.attraction.form import derive_form
 from hoverproof.certification.attraction.inequality import Loop
@@ -333,7 +335,7 @@ def _verdict(
         weights=tuple(parts["weights"]),
         rate=claim["rate"],
         tilt=decimal_above(2 * hints["tilt"], 6),
-        thrust=(weight - force, weight + force),
+        thrust=(_least_thrust(mission, weight - force), weight + force),
         largest_eigenvalue=hints["largest_eigenvalue"],
         barrier_height=claim["barrier_height"],
         reach=Reach(**claim["reach"]),
@@ -350,6 +352,15 @@ def tolerant_model(law: Law) -> str:
     law : Law
     """
     return fingerprint(of_vehicles.derive_form(law, True, True))
+
+
+def _least_thrust(mission: Mission, least: Fraction) -> Fraction:
+    """Return the least thrust, N, where m times the specific force is at least so large.
+
+    Wind pushes across it by m w at most.
+    """
+    push = mission.vehicle.mass * mission.uncertainty.wind
+    return decimal_below(sqrt_enclosure(least**2 - push**2)[0], 6) if push else least
 
 
 @cache
