@@ -52,7 +52,7 @@ def grow_tree(
     most : int
         Largest number of cells at the end.
     scale : (d,), optional
-        What the sides are multiplied by when they are compared.
+        What the sides are multiplied by when they are compared, bare numbers.
 
     Returns
     -------

@@ -305,7 +305,7 @@ def in_ball(J: list[Three], count: int, low: float, high: float) -> Told:
     J : (3, 3) of Tangent
         Of k cells.
     count : int
-        k.
+        k, a bare number.
     low, high : float
         1/m.
     """

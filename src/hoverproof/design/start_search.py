@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.exponential.candidate import Candidate
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.search import FAILED, OUTSIDE, ROOM, Candidate, Search
+from hoverproof.certification.exponential.search import FAILED, OUTSIDE, ROOM, Search
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.descent import Ends, descend
 from hoverproof.design.limits import FirstCommand, Limits
@@ -58,7 +59,7 @@ class Point(NamedTuple):
     Attributes
     ----------
     cost : float
-        See `Search.cost`.
+        See `Search.cost`, a bare number.
     z : (7,)
         The logarithms of k1 to k4 and of d, the odds' of the share of the force, and that of r.
     """
@@ -231,6 +232,7 @@ class StartSearch:
         Parameters
         ----------
         cost : float
+            A bare number, dimensionless.
         """
         if cost >= OUTSIDE:
             return f"Ψ at the start {math.exp(cost - OUTSIDE):.3g} times the level"

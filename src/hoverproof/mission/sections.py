@@ -119,7 +119,7 @@ class Goal(_Section):
     """Where to hover: height m above the target, or the wanted image centroid; and the heading.
 
     The heading is the yaw to turn to, rad; by default yaw is damped alone, at whatever heading.
-    It is known from a compass, or from the image: points in their order, flat and level.
+    It is known from a compass, or from the image (heading_from): points in order, flat and level.
     """
 
     height: _PositiveLength | None = None

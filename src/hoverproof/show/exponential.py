@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.potential import sphere
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.exponential.candidate import Tilted
 from hoverproof.certification.exponential.positions import DIRECTIONS, Scene
-from hoverproof.certification.exponential.search import Search, Tilted
+from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.show.style import COLOURS, save_figure

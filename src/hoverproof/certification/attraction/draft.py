@@ -111,7 +111,7 @@ class Numbers:
     ----------
     weights : (3,)
         a2, a3, a4, m.
-    weighed : (..,)
+    weighed : (..., k)
         What the terms of a start are multiplied by beside W, rounded.
     level, rate : Fraction
         ℓ, m, and ε.

@@ -219,7 +219,7 @@ class Solution:
     fill : float
         Largest Λ/ℓ of the hovers, dimensionless; they are inside if it is below 1.
     multipliers : (j,)
-        Of a tolerant loop.
+        Of a tolerant loop, bare numbers.
     """
 
     weights: Array
@@ -266,7 +266,7 @@ def barrier_pencil(loop: Loop, bounds: Bounds, unit: float, size: int) -> Array 
     bounds : Bounds
         Of a barrier.
     unit : float
-        Of b.
+        Of b, 1/m.
     size : int
         Of (1, μ, b2, b3, b4, …).
     """

@@ -52,7 +52,7 @@ class Rounded:
     memory : Fraction or None
         M, m s.
     multipliers : (1 + k,)
-        Of the bound of Q, and of the terms.
+        Of the bound of Q, and of the terms, bare numbers.
     level : Fraction
         ℓ, m.
     """
@@ -82,7 +82,7 @@ class TolerantLoop(Loop):
     Attributes
     ----------
     design, weight, stiffness, q3
-        See `Loop`; q3 is 0 for an inertial goal.
+        See `Loop`: numbers; q3 is 0 for an inertial goal.
     vehicles : Vehicles
     farthest : float
         Bound of |δ1|, dimensionless.
@@ -133,7 +133,7 @@ class TolerantLoop(Loop):
         largest : float
             Bound of the eigenvalues of Q, 1/m.
         d3 : float
-            Bound of |δ3| as a share of that of |δ3 - δ2|.
+            Bound of |δ3|, dimensionless, as a share of that of |δ3 - δ2|.
         """
         apart = force / self.stiffness
         reach = Reach(apart, d3 * apart, TURN * apart, self.farthest + apart)
@@ -165,7 +165,7 @@ class TolerantLoop(Loop):
         Parameters
         ----------
         mission, start, whole, level, force
-            See `Loop.at_start`.
+            See `Loop.at_start`, bare numbers and N.
         """
         v = self.vehicles
         speed, tilt, rate, thrust = map(float, (start.speed, start.tilt, start.rate, start.thrust))
@@ -302,7 +302,7 @@ class TolerantPotential(Potential):
     Attributes
     ----------
     points, goal, q3
-        See `Potential`.
+        See `Potential`, m and numbers.
     mission : Mission
     loop : TolerantLoop
     """

@@ -46,7 +46,7 @@ def mirrored(points: list[tuple[Fraction, ...]], axis: int) -> bool:
     points : sequence of (3,)
         World frame, m.
     axis : int
-        Across which axis.
+        Across which axis, a bare number.
     """
     twice = 2 * sum(p[axis] for p in points) / len(points)
     images = {(*p[:axis], twice - p[axis], *p[axis + 1 :]) for p in points}
@@ -77,7 +77,7 @@ class Domain:
     swapped : bool
         Whether the part with y > x is left out.
     offset : float
-        d.
+        d, dimensionless.
     bounds : (low, high)
         j - ϱ and j + ϱ, 1/m.
     """
@@ -104,7 +104,7 @@ class Domain:
         points : sequence of (3,)
             The exact target, world frame, m.
         offset : float
-            d.
+            d, dimensionless.
         bounds : (low, high)
             j - ϱ and j + ϱ, 1/m.
         """
@@ -174,7 +174,7 @@ class Domain:
         Parameters
         ----------
         cosine : float or None
-            Of the angle to the vertical under which all target points are to be seen.
+            Dimensionless, of the angle to the vertical in which all target points are to be.
         """
         whole = self._sides
 
@@ -206,6 +206,7 @@ class Domain:
         Parameters
         ----------
         offset : float
+            A bare number, dimensionless.
         radius : float
             m.
         """

@@ -12,9 +12,10 @@ import numpy as np
 
 from hoverproof.algebra.decimals import binary_above, binary_below, decimal_above, decimal_below
 from hoverproof.certification.attraction.draft import NotShown
+from hoverproof.certification.exponential.candidate import Candidate, Tilted
 from hoverproof.certification.exponential.domain import Domain
 from hoverproof.certification.exponential.rotors import thrusts
-from hoverproof.certification.exponential.search import Candidate, Search, Tilted
+from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.vehicles import Limits, Reach
 from hoverproof.certification.problem import scaled_centroid
 from hoverproof.mission.sections import Mission
@@ -46,7 +47,7 @@ class Rounded:
     memory : Fraction or None
         M.
     slope : Fraction
-        The multiplier of the ball of J.
+        The multiplier of the ball of J, a bare number.
     multipliers : (k,)
         Of the terms.
     ball : (low, high)
@@ -56,9 +57,9 @@ class Rounded:
     tilted : Tilted
         Of the rounded numbers.
     noise : Fraction or None
-        σν, what |ν|² adds to the rate of Ψ.
-    factor : float
-        A.
+        σν, what |ν|² adds to the rate of Ψ, 1/s.
+    limits : Limits
+        Of the rounded numbers.
     """
 
     weights: tuple[Fraction, ...]
@@ -121,7 +122,7 @@ class Rounded:
         Parameters
         ----------
         cosine : Fraction
-            Of the angle to the vertical.
+            Of the angle to the vertical, dimensionless.
         """
         angle = math.acos(cosine) + math.asin(self.limits.tilt)
         return decimal_below(math.cos(angle) - SPARE, DIGITS) if angle < WIDEST else None
@@ -132,8 +133,9 @@ class Rounded:
         Parameters
         ----------
         start_level : Fraction
-            Bound of Ψ at the start.
+            Bound of Ψ at the start, dimensionless.
         offset : Fraction
+            A bare number, dimensionless.
         """
         w2, w3, _ = map(float, self.weights)
         factor = 1 + self.tilted.factor * (1 / w2 + 1 / w3)

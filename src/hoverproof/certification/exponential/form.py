@@ -65,7 +65,7 @@ class Vertex(Packed):
     swing : SX
         π = 2 (p1 - p2) + p3, 1/s.
     lean : SX
-        The first of θ, the other is 0: with the potential it matters how the vehicle leans.
+        The first of θ, (1, 1), the other is 0: with the potential it matters how the vehicle leans.
     """
 
     lever_ratio: ca.SX = scalar("1")

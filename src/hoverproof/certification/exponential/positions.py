@@ -86,6 +86,7 @@ class Scene:
         Parameters
         ----------
         offset : float
+            A bare number, dimensionless.
         """
         places = self.goal + self.ends(offset)[:, None] * np.linspace(0, 1, 40)[None, :, None]
         ray = self.points.mean(axis=0) - places.reshape(-1, 3)
@@ -98,6 +99,7 @@ class Scene:
         Parameters
         ----------
         offset : float
+            A bare number, dimensionless.
         """
         height = float(self.points[:, 2].mean() - self.goal[2])
         radii = height * np.geomspace(0.01, FARTHEST, 400)
@@ -134,6 +136,7 @@ class Scene:
         Parameters
         ----------
         offset : float
+            A bare number, dimensionless.
         """
         return float(self.angles(self.goal + self.ends(offset)).max())
 
@@ -189,6 +192,7 @@ class Balls:
         Parameters
         ----------
         d : float
+            A bare number, dimensionless.
         """
         row = self.farthest[max(int(np.searchsorted(self.offsets, d)) - 1, 0)]
         k = int((row / self.middles).argmin())

@@ -198,17 +198,17 @@ class Solution:
     memory : float or None
         M.
     slope : float
-        The multiplier of the ball of J.
+        The multiplier of the ball of J, a bare number.
     multipliers : (k,)
         Of the terms.
     level : float
-        ℓ.
+        ℓ, dimensionless.
     start : float
-        Bound of Ψ at the starts.
+        Bound of Ψ at the starts, dimensionless.
     noise : float or None
-        σν, what |ν|² adds to the rate of Ψ.
+        σν, what |ν|² adds to the rate of Ψ, 1/s.
     tight : tuple of int
-        The vertices that keep it from being lower.
+        The numbers of the vertices that keep it from being lower.
     """
 
     weights: Array
@@ -252,13 +252,13 @@ def solve(
     rate : float
         r, 1/s.
     level : float
-        ℓ.
+        ℓ, dimensionless.
     starts : (k, 8)
         What (1, parameters) are multiplied by in Ψ of each start; see `starts.terms`.
     likely : sequence of int
-        The vertices that were tight in a program like this.
+        The numbers of the vertices that were tight in a program like this.
     floor : float
-        What ℓ∞ is at most, where there is noise.
+        What ℓ∞ is at most, where there is noise, dimensionless.
 
     Returns
     -------

@@ -15,10 +15,11 @@ from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.attraction.draft import NotShown
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.certificate import Certificate, rejection, seal
+from hoverproof.certification.exponential.candidate import Candidate
 from hoverproof.certification.exponential.draft import Parts, draft
 from hoverproof.certification.exponential.form import derive_form
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.search import SETTLED, Candidate, Search
+from hoverproof.certification.exponential.search import SETTLED, Search
 from hoverproof.certification.exponential.vehicles import Vehicles, require_turned
 from hoverproof.certification.exponential.verdict import Exponential, Settling
 from hoverproof.certification.region import holds_target_point
@@ -53,7 +54,7 @@ def converge(
     progress : callable, optional
         Is told what is being done.
     near : (x, rate), optional
-        Where to set out; see `Candidate`.
+        Where to set out, bare numbers and 1/s; see `Candidate`.
 
     Raises
     ------

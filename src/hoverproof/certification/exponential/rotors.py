@@ -30,7 +30,7 @@ def thrusts(limits: Limits, weights: Array, level: float, mission: Mission) -> t
     weights : (3,)
         w2, w3, w4.
     level : float
-        ℓ.
+        ℓ, dimensionless.
     mission : Mission
     """
     v, d, h = limits.vehicles, limits.vehicles.design, limits.quickness[1]

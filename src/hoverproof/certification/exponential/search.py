@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.certification.attraction.potential import sphere
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.exponential.candidate import Candidate, Tilted
 from hoverproof.certification.exponential.positions import Balls, Scene
 from hoverproof.certification.exponential.program import (
     MEMORY,
@@ -23,7 +23,6 @@ from hoverproof.certification.exponential.program import (
     W2,
     W3,
     W4,
-    Solution,
     solve,
 )
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
@@ -49,104 +48,6 @@ NEAR = 0.1
 DIRECTIONS = 300
 LOUDEST = 0.5
 """Share of Ψ where a vehicle has settled that noise may leave."""
-VIEW_ROOM = 0.012
-"""Of the angle under which points are seen: a share that is spared for the proof, and rad."""
-
-
-@dataclass(frozen=True)
-class Tilted:
-    """What a fixed goal in the image adds to |σ - σ*|: at most √(2 Ψ A) + b.
-
-    Attributes
-    ----------
-    factor, shift : float
-        A and b; 1 and 0 for an inertial goal.
-    """
-
-    factor: float
-    shift: float
-
-    @classmethod
-    def of(cls, limits: Limits) -> Tilted:
-        """Bound it by the tilt.
-
-        Parameters
-        ----------
-        limits : Limits
-        """
-        v = limits.vehicles
-        lean = v.in_image / np.sqrt((1 + np.sqrt(1 - limits.tilt**2)) / 2)
-        by_force = (lean * v.stiffness / v.weight) ** 2
-        return cls(by_force, float(lean * v.wind / v.design.gravity))
-
-    def offset(self, weights: Sequence[Any] | Array, level: float | Array) -> Array:
-        """Return what |σ - σ*| is at most where Ψ is at most a level.
-
-        Parameters
-        ----------
-        weights : (3,)
-            w2, w3, w4.
-        level : float or array
-            Dimensionless.
-        """
-        w2, w3, _ = map(float, weights)
-        return np.asarray(np.sqrt(2 * level * (1 + self.factor * (1 / w2 + 1 / w3))) + self.shift)
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A set that is to be rounded and proved.
-
-    Attributes
-    ----------
-    x : (2,)
-        Where it was found: the logarithm of d, and of the odds of the share of the largest force.
-    offset : float
-        d: |σ - σ*| is at most that on the set.
-    ball : (low, high)
-        j - ϱ and j + ϱ, 1/m.
-    rate : float
-        r, 1/s.
-    tilted : Tilted
-    solution : Solution
-    floor : float
-        ℓ∞: what noise leaves of Ψ.
-    """
-
-    x: Array
-    offset: float
-    ball: tuple[float, float]
-    rate: float
-    tilted: Tilted
-    solution: Solution
-    floor: float
-
-    def time(self, offset: float) -> float:
-        """Return when |σ - σ*| is at most an offset for good, s.
-
-        Parameters
-        ----------
-        offset : float
-        """
-        factor = 1 + self.tilted.factor * (self.solution.reach.force**2 / (2 * self.solution.level))
-        if offset <= self.tilted.shift:
-            return float("inf")
-        level = (offset - self.tilted.shift) ** 2 / (2 * factor) - self.floor
-        return float(np.log(max(self.solution.start / level, 1.0)) / self.rate)
-
-    def seen(self, scene: Scene, vehicles: Vehicles) -> float:
-        """Return the angle to the axis under which all is seen from the starts on, rad.
-
-        Parameters
-        ----------
-        scene : Scene
-        vehicles : Vehicles
-        """
-        s = self.solution
-        reach = Reach.of(s.weights, s.start)
-        limits = Limits(vehicles, reach, self.ball[1])
-        offset = float(Tilted.of(limits).offset(s.weights, s.start))
-        return float((1 + VIEW_ROOM) * scene.cone(offset) + np.arcsin(limits.tilt) + VIEW_ROOM)
 
 
 @dataclass(frozen=True)
@@ -161,13 +62,13 @@ class Search:
     balls : Balls
         Of J by d.
     wider : float
-        By which share the narrowest ball of J, as sampled, is widened.
+        By which share, a bare number, the narrowest ball of J, as sampled, is widened.
     half_angle : float or None
         Of the cone about the axis that the camera sees, rad, if it is said.
     highest : float
-        Share of s3* that d is at most.
+        Share of s3*, dimensionless, that d is at most.
     settled : float
-        One of `SETTLED`.
+        One of `SETTLED`, dimensionless.
     """
 
     vehicles: Vehicles
@@ -258,7 +159,15 @@ class Search:
         return result
 
     def limits(self, x: Array, ball: tuple[float, float]) -> Limits:
-        """Return the limits of a reach, of which the last parameter is the share of the largest."""
+        """Return the limits of a reach, of which the last parameter is the share of the largest.
+
+        Parameters
+        ----------
+        x : (2,)
+            See `Candidate`.
+        ball : (low, high)
+            j - ϱ and j + ϱ, 1/m.
+        """
         v = self.vehicles
         low = v.weight - v.stiffness * v.in_image
         force = 0.95 * low / v.stiffness / (1 + np.exp(-x[1]))
@@ -283,7 +192,9 @@ class Search:
         starts : (k, 8)
             See `terms`.
         likely : sequence of int
-            See `program.solve`.
+            See `program.solve`, bare numbers.
+        floor : float
+            What ℓ∞ is at most, dimensionless.
         """
         d = float(np.exp(x[0]))
         if d > self.highest * self.scene.wanted:
@@ -314,6 +225,7 @@ class Search:
         Parameters
         ----------
         d : float
+            A bare number, dimensionless.
         """
         low, high = self.balls.within(d)
         share = SLOWEST_IN_NOISE if self.vehicles.noise else SLOWEST
@@ -370,6 +282,7 @@ class Search:
         ----------
         found : Candidate or None
         offset : float
+            A bare number, dimensionless.
         """
         if found is None:
             return FAILED
@@ -388,6 +301,7 @@ class Search:
         starts : (k, 8)
             See `terms`.
         offset : float
+            A bare number, dimensionless.
         """
         best = first
 

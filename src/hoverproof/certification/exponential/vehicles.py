@@ -68,7 +68,7 @@ class Vehicles:
     goal : float
         s3*, of the law's feature at the goal.
     thrust, torque : float
-        θ and γ̄, shares.
+        θ and γ̄, shares, dimensionless.
     latency, rotor_lag : float
         τ̄ and τr, s.
     wind : float
@@ -115,7 +115,7 @@ class Vehicles:
         name : str
             thrust, torque, latency, rotor_lag, wind or yaw_rate.
         size : float
-            In its unit.
+            In its unit, a bare number.
         """
         return replace(self, **{name: size})  # type: ignore[arg-type]
 
@@ -165,13 +165,13 @@ class Reach:
     Attributes
     ----------
     force : float
-        Bound of |δ3 - δ2|.
+        Bound of |δ3 - δ2|, dimensionless.
     d3 : float
-        Of |δ3|.
+        Of |δ3|, dimensionless.
     turn : float
-        Of |ζ|, ζ = δ4 - P δ3.
+        Of |ζ|, ζ = δ4 - P δ3, dimensionless.
     speed : float
-        Of |δ1 + δ2|.
+        Of |δ1 + δ2|, dimensionless.
     """
 
     force: float
@@ -188,7 +188,7 @@ class Reach:
         weights : (3,)
             w2, w3, w4.
         level : float
-            ℓ.
+            ℓ, dimensionless.
         """
         w2, w3, w4 = weights
         parts = 1 / w2 + 1 / w3, 1 / w3, 1 / w3 + 1 / w4, 1 + 1 / w2

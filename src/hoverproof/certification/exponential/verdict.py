@@ -48,7 +48,7 @@ class Exponential(Proved):
     level : Fraction
         ℓ: the set is {Ψ <= ℓ}, dimensionless.
     start_level : Fraction
-        Bound of Ψ at the starts.
+        Bound of Ψ at the starts, dimensionless.
     weights : (3,) Fractions
         w2, w3, w4 of Ψ; w1 = 1.
     rate : Fraction
@@ -59,7 +59,7 @@ class Exponential(Proved):
     slope : (low, high)
         Bounds of J, or Q, on the way: j - ϱ and j + ϱ, 1/m.
     offset : Fraction
-        |σ - σ*| on the way is at most that.
+        |σ - σ*| on the way is at most that, dimensionless.
     tilt : Fraction
         Bound of the tilt on the way, rad.
     thrust : (low, high)

@@ -1,0 +1,115 @@
+"""A set that was found for starts, in floating point."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.certification.exponential.positions import Scene
+from hoverproof.certification.exponential.program import Solution
+from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
+
+Array = NDArray[np.float64]
+VIEW_ROOM = 0.012
+"""Of the angle under which points are seen: a share that is spared for the proof, and rad."""
+
+
+@dataclass(frozen=True)
+class Tilted:
+    """What a fixed goal in the image adds to |σ - σ*|: at most √(2 Ψ A) + b.
+
+    Attributes
+    ----------
+    factor, shift : float
+        A and b, dimensionless; 1 and 0 for an inertial goal.
+    """
+
+    factor: float
+    shift: float
+
+    @classmethod
+    def of(cls, limits: Limits) -> Tilted:
+        """Bound it by the tilt.
+
+        Parameters
+        ----------
+        limits : Limits
+        """
+        v = limits.vehicles
+        lean = v.in_image / np.sqrt((1 + np.sqrt(1 - limits.tilt**2)) / 2)
+        by_force = (lean * v.stiffness / v.weight) ** 2
+        return cls(by_force, float(lean * v.wind / v.design.gravity))
+
+    def offset(self, weights: Sequence[Any] | Array, level: float | Array) -> Array:
+        """Return what |σ - σ*| is at most where Ψ is at most a level.
+
+        Parameters
+        ----------
+        weights : (3,)
+            w2, w3, w4.
+        level : float or array
+            Dimensionless.
+        """
+        w2, w3, _ = map(float, weights)
+        return np.asarray(np.sqrt(2 * level * (1 + self.factor * (1 / w2 + 1 / w3))) + self.shift)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A set that is to be rounded and proved.
+
+    Attributes
+    ----------
+    x : (2,)
+        Where it was found: the logarithm of d, and of the odds of the share of the largest force.
+    offset : float
+        d, dimensionless: |σ - σ*| is at most that on the set.
+    ball : (low, high)
+        j - ϱ and j + ϱ, 1/m.
+    rate : float
+        r, 1/s.
+    tilted : Tilted
+    solution : Solution
+    floor : float
+        ℓ∞, dimensionless: what noise leaves of Ψ.
+    """
+
+    x: Array
+    offset: float
+    ball: tuple[float, float]
+    rate: float
+    tilted: Tilted
+    solution: Solution
+    floor: float
+
+    def time(self, offset: float) -> float:
+        """Return when |σ - σ*| is at most an offset for good, s.
+
+        Parameters
+        ----------
+        offset : float
+            A bare number, dimensionless.
+        """
+        factor = 1 + self.tilted.factor * (self.solution.reach.force**2 / (2 * self.solution.level))
+        if offset <= self.tilted.shift:
+            return float("inf")
+        level = (offset - self.tilted.shift) ** 2 / (2 * factor) - self.floor
+        return float(np.log(max(self.solution.start / level, 1.0)) / self.rate)
+
+    def seen(self, scene: Scene, vehicles: Vehicles) -> float:
+        """Return the angle to the axis under which all is seen from the starts on, rad.
+
+        Parameters
+        ----------
+        scene : Scene
+        vehicles : Vehicles
+        """
+        s = self.solution
+        reach = Reach.of(s.weights, s.start)
+        limits = Limits(vehicles, reach, self.ball[1])
+        offset = float(Tilted.of(limits).offset(s.weights, s.start))
+        return float((1 + VIEW_ROOM) * scene.cone(offset) + np.arcsin(limits.tilt) + VIEW_ROOM)
