@@ -1,4 +1,4 @@
-"""Make the certificates of all presets anew: ``python proofs/make.py [FOLDER]``."""
+"""Make all certificates here anew, of presets and an example: ``python proofs/make.py [FOLDER]``."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 
 from hoverproof.certification.attraction.lemmas import LEMMAS, Lemma
 from hoverproof.certification.attraction.proof import start_or_ball
+from hoverproof.certification.convergence import attraction
 from hoverproof.certification.exponential.lemmas import LEMMAS as TOLERANCES
 from hoverproof.certification.gains import Proved, certify
 from hoverproof.certification.over_box import certify_region
@@ -14,6 +15,7 @@ from hoverproof.certification.region import default_box
 from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
 
+EXAMPLE = Path(__file__).parents[1] / "examples" / "half-kilo.toml"
 LEDGERS = {
     "attraction-lemmas.md": ("The lemmas behind a region of attraction", LEMMAS),
     "exponential-lemmas.md": ("The lemmas behind every vehicle within tolerances", TOLERANCES),
@@ -46,6 +48,15 @@ def make(folder: Path) -> None:
         attracted.certificate.save(folder / f"{name}.attraction.cert.json")
 
 
+def every_vehicle(folder: Path) -> None:
+    """Write the certificate of the example whose proof is about every vehicle within tolerances."""
+    mission = load(EXAMPLE)
+    verdict = attraction(mission)
+    if verdict.proved is None:
+        raise SystemExit(f"{mission.name}: {verdict.status}, {verdict.reason}")
+    verdict.proved.certificate.save(folder / f"{mission.name}.attraction.cert.json")
+
+
 def lemmas(title: str, proved: tuple[Lemma, ...]) -> str:
     """Return a ledger of lemmas as Markdown; each identity is proved now."""
     parts = [f"# {title}\n\nMade by `make proofs`.\n"]
@@ -66,4 +77,6 @@ def _plain(words: str) -> str:
 
 
 if __name__ == "__main__":
-    make(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent)
+    FOLDER = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent
+    make(FOLDER)
+    every_vehicle(FOLDER)
