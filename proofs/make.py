@@ -1,4 +1,4 @@
-"""Make all certificates here anew, of presets and an example: ``python proofs/make.py [FOLDER]``."""
+"""Make all certificates here anew: ``python proofs/make.py [FOLDER]``."""
 
 from __future__ import annotations
 
