@@ -28,7 +28,9 @@ quick: .venv/installed-dev
 # Random trials that `make test` runs in part, whole: 3,000 missions against brute force, 1,500 flights.
 trials: .venv/installed-dev
 	$(BIN)/pytest -n auto --whole tests/test_brute_force.py tests/test_brute_force_laws.py \
-		tests/test_attraction.py tests/test_region_gains.py tests/test_uncertain_flights.py
+		tests/test_attraction.py tests/test_region_gains.py tests/test_uncertain_flights.py \
+		tests/test_exponential.py tests/test_exponential_checker.py \
+		tests/test_hostile_exponential.py
 
 lint: .venv/installed-dev
 	$(BIN)/ruff check .

@@ -103,13 +103,13 @@ MORE = {
     "time": (("claim", "settling", "time"), larger(F(4, 5))),
     "radius": (("claim", "settling", "radius"), larger(F(1, 3))),
     "settled offset": (("claim", "settling", "offset"), larger(2)),
-    "cone": (("claim", "cone"), "9/10"),
-    "cone of the domain": (("domain", "cone"), "99/100"),
+    "cone": (("claim", "cone"), "999/1000"),
+    "cone of the domain": (("domain", "cone"), "9999/10000"),
     "offset": (("domain", "offset"), larger(3)),
     "near offset": (("domain", "offset"), larger(F(4, 5))),
     "narrow ball": (
         ("domain", "bounds"),
-        lambda x: [str(F(x[0]) * F(12, 11)), str(F(x[1]) * F(11, 12))],
+        lambda x: [str(F(x[0]) * F(5, 4)), str(F(x[1]) * F(4, 5))],
     ),
     "wide ball": (("domain", "bounds"), lambda x: [str(F(x[0]) / 3), str(F(x[1]) * 3)]),
     "narrow wedge": (("domain", "wedge", 0, 1), larger(F(1, 3))),
@@ -140,7 +140,7 @@ MORE = {
     "a mass": (("mission", "vehicle", "mass"), larger(F(3, 2))),
     "a gain": (("mission", "gains", "k2"), larger(2)),
     "noise": (("mission", "uncertainty", "noise", "rate"), "1/100"),
-    "camera": (("mission", "camera"), {"half_angle": "1"}),
+    "camera": (("mission", "camera"), {"half_angle": "1/4"}),
     **{f"kind {kind}": (("kind",), kind) for kind in checker.KINDS if kind != "exponential"},
 }
 

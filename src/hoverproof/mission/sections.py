@@ -5,7 +5,7 @@ Numbers are exact (`fractions.Fraction`); a float is made of them only where one
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Annotated, Any, Literal, Self
 
@@ -162,6 +162,10 @@ class Gains(_Section):
     k_heading: (
         Annotated[Fraction, _quantity("kg m²/s²", "0", "1e9", open_low=True, least="1e-15")] | None
     ) = None
+
+    def __iter__(self) -> Iterator[tuple[str, Any]]:  # type: ignore[override]
+        """Yield name and value of each gain that there is."""
+        return ((name, value) for name, value in super().__iter__() if value is not None)
 
 
 _ends = BeforeValidator(_array("lowest", "highest"))
