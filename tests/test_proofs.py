@@ -18,12 +18,13 @@ from hoverproof.simulation.flight import simulate
 
 PROOFS = Path(__file__).parents[1] / "proofs"
 ENDINGS = ("cert", "region.cert", "over-box.cert", "attraction.cert")
+EXAMPLE = "half-kilo.attraction.cert.json"
 FILES = sorted(PROOFS.glob("*.json"))
 
 
-def test_every_preset_has_its_proofs():
+def test_every_preset_has_its_proofs_and_the_example_its_own():
     names = {f.name for f in FILES}
-    assert names == {f"{n}.{e}.json" for n in presets() for e in ENDINGS}
+    assert names == {*(f"{n}.{e}.json" for n in presets() for e in ENDINGS), EXAMPLE}
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
