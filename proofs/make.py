@@ -6,8 +6,7 @@ import sys
 from pathlib import Path
 
 from hoverproof.certification.attraction.lemmas import LEMMAS, Lemma
-from hoverproof.certification.attraction.proof import start_or_ball
-from hoverproof.certification.convergence import attraction
+from hoverproof.certification.convergence import attraction, start_or_ball
 from hoverproof.certification.exponential.lemmas import LEMMAS as TOLERANCES
 from hoverproof.certification.gains import Proved, certify
 from hoverproof.certification.over_box import certify_region

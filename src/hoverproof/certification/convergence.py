@@ -107,6 +107,6 @@ def start_or_ball(mission: Mission) -> tuple[Converges, Attraction | Exponential
         See `attraction`.
     """
     verdict = attraction(mission)
-    if not isinstance(verdict, Undecided | Sinks) or mission.law.feature == "scaled":
+    if verdict.proved or mission.law.feature == "scaled":
         return verdict, verdict.proved
     return verdict, potential.attraction(mission, objective="radius").proved

@@ -108,15 +108,13 @@ def largest(
     asked = _Trials(mission, name, wanted, tell)
     with_tolerance(mission, name, two_digits(LOWEST))  # which the law may not allow at all
     place = asked.highest()
-    for back in range(MOST_PROOFS if place is not None else 0):
-        assert place is not None
-        value = two_digits(place)
+    places = [] if place is None else [place + 1 - 2**back for back in range(MOST_PROOFS)]
+    for value in map(two_digits, places):
         tell(f"{name} = {float(value):g}")
         changed = with_tolerance(mission, name, value)
         verdict = attraction(changed, starts=starts, progress=progress)
         if verdict.proved:
             return Largest(name, value, verdict, asked.fills)
-        place -= 2**back
     zero = attraction(with_tolerance(mission, name, Fraction(0)), starts=starts, progress=progress)
     return Largest(name, Fraction(0), zero, asked.fills)
 

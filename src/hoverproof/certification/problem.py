@@ -226,6 +226,18 @@ def fixed(mission: Mission, goal: HoverGoal) -> list[Interval]:
     """
     if mission.law.goal == "inertial":
         return [(Fraction(0), Fraction(0))] * 3
+    return wanted(mission, goal)
+
+
+def wanted(mission: Mission, goal: HoverGoal) -> list[Interval]:
+    """Enclose the wanted feature, (3,): q* or s*.
+
+    Parameters
+    ----------
+    mission : Mission
+    goal : HoverGoal
+        Its hover.
+    """
     if mission.law.feature == "centroid":
         return list(goal.centroid)
     return scaled_centroid(goal.centroid, len(mission.target.points))

@@ -188,17 +188,20 @@ class Sight:
         return _sum(part for *_, part in self._pairs)
 
     @cached_property
+    def _length(self) -> Tangent:
+        """The length a of q."""
+        return (-1 * (self.t * self.t * self._spread) + len(self.apart) ** 2).root()
+
+    @cached_property
     def _sizes(self) -> tuple[Tangent, Tangent, Tangent]:
         """1/a, 1/(n + a) and 1/S."""
-        n = len(self.apart)
-        a = (-1 * (self.t * self.t * self._spread) + n * n).root()
-        return a.inverse(), (a + n).inverse(), self._spread.inverse()
+        a = self._length
+        return a.inverse(), (a + len(self.apart)).inverse(), self._spread.inverse()
 
     @cached_property
     def _gain(self) -> Tangent:
         n, (short, _, less) = len(self.apart), self._sizes
-        a = (-1 * (self.t * self.t * self._spread) + n * n).root()
-        return float(n**1.5) * ((0.5 * ((a + n) * less)).root() * short)
+        return float(n**1.5) * ((0.5 * ((self._length + n) * less)).root() * short)
 
     @cached_property
     def _mean(self) -> Three:

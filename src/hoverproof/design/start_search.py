@@ -24,6 +24,7 @@ from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.candidate import Candidate
 from hoverproof.certification.exponential.positions import Scene
+from hoverproof.certification.exponential.proof import ROOMS
 from hoverproof.certification.exponential.search import FAILED, OUTSIDE, ROOM, Search
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.descent import Ends, descend
@@ -49,8 +50,6 @@ STEEP = 20.0
 """What the logarithm of Ψ at the start over the level weighs more than that of the time."""
 LOSS = 0.01
 """Part of the time by which rounding may make it longer."""
-WIDER, HIGHEST = 0.35, 0.838
-"""See `Search`: so that the domain takes few cells."""
 
 
 class Point(NamedTuple):
@@ -102,7 +101,8 @@ class StartSearch:
         limits : Limits
         """
         whole = Search.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
-        whole = replace(whole, wider=WIDER, highest=HIGHEST)
+        wider, highest = ROOMS[0]
+        whole = replace(whole, wider=wider, highest=highest)
         return cls(mission, limits, FirstCommand.of(mission), whole)
 
     def with_gains(self, four: Array) -> Search:

@@ -28,21 +28,19 @@ from hoverproof.certification.attraction.search import (
     find,
 )
 from hoverproof.certification.attraction.sinking import Sinking
-from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.attraction.starts import Start, require_starts
 from hoverproof.certification.attraction.tolerant import is_plain, posed
 from hoverproof.certification.attraction.trees import start_terms
 from hoverproof.certification.attraction.verdict import Attraction, AttractionVerdict, Reach
 from hoverproof.certification.certificate import Certificate, rejection, seal
 from hoverproof.certification.exponential import form as of_vehicles
-from hoverproof.certification.exponential.vehicles import require_turned, why_noisy
-from hoverproof.certification.region import holds_target_point
+from hoverproof.certification.exponential.vehicles import require_turned
 from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import law_of
 
-MOST_STARTS = 16
 Progress = Callable[[str], None]
 
 
@@ -87,29 +85,6 @@ def attraction(
         tell("following the motion from the start")
         return refute(mission, starts or None, verdict)
     return verdict
-
-
-def start_or_ball(mission: Mission) -> tuple[AttractionVerdict, Attraction | None]:
-    """Decide about the start of a mission, and find a region whatever becomes of it.
-
-    Parameters
-    ----------
-    mission : Mission
-
-    Returns
-    -------
-    verdict
-        Of `attraction`, about the start of the mission.
-    region : Attraction or None
-        The region that holds that start; where none is proved to, the one with the largest ball.
-
-    Raises
-    ------
-    InputError
-        See `attraction`.
-    """
-    start = attraction(mission)
-    return start, start.proved or attraction(mission, objective="radius").proved
 
 
 @dataclass(frozen=True)
@@ -159,10 +134,7 @@ def _search_and_prove(
     asked = _Question.of(mission, starts or own)
     if asked.loop.largest_force <= 0:
         raise InputError(mission.source, "gains", "the hover is beyond the singularity T = c q3*")
-    if len(asked.starts) > MOST_STARTS:
-        raise InputError("--start", "", f"at most {MOST_STARTS} starts go into one certificate")
-    if any(holds_target_point(mission, start.position) for start in asked.starts):
-        raise InputError(mission.source, "--start", "holds a target point")
+    require_starts(mission, asked.starts)
     refused, without = why_not_covered(mission), why_no_barrier(mission)
     if refused or (barrier and without):
         return Undecided(mission=mission, reason=refused or without)
@@ -185,6 +157,14 @@ def _search_and_prove(
     return Undecided(mission=mission, reason="; ".join(reasons), advice=advice)
 
 
+def _why_noisy(mission: Mission) -> str:
+    """Return why a mission with bounded noise is not covered; empty if it has none."""
+    noise = mission.uncertainty.noise
+    if noise == type(noise)():
+        return ""
+    return "bounded noise is not covered by a region of attraction: the motion ends near the goal"
+
+
 def why_not_covered(mission: Mission) -> str:
     """Return why the natural potential proves nothing of what is asked for; empty if it may.
 
@@ -194,7 +174,7 @@ def why_not_covered(mission: Mission) -> str:
     """
     if is_plain(mission):
         return ""
-    if refused := why_noisy(mission):
+    if refused := _why_noisy(mission):
         return refused
     if mission.uncertainty.wind and mission.law.goal == "image":
         return (

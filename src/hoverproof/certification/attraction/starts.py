@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_above
 from hoverproof.algebra.surd import sqrt_enclosure
-from hoverproof.certification.region import Box
+from hoverproof.certification.region import Box, holds_target_point
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import rotation_rows
 
 Interval = tuple[Fraction, Fraction]
+MOST_STARTS = 16
 BITS = 256
 GRID = 1 << 204
 """Enclosures end at multiples of 1/GRID."""
@@ -91,6 +92,25 @@ class Start:
     def content(self) -> dict[str, Any]:
         """Return what a certificate holds of it."""
         return asdict(self)
+
+
+def require_starts(mission: Mission, starts: Sequence[Start]) -> None:
+    """Refuse starts that no certificate holds.
+
+    Parameters
+    ----------
+    mission : Mission
+    starts : sequence of Start
+
+    Raises
+    ------
+    InputError
+        If there are too many, or one holds a target point.
+    """
+    if len(starts) > MOST_STARTS:
+        raise InputError("--start", "", f"at most {MOST_STARTS} starts go into one certificate")
+    if any(holds_target_point(mission, start.position) for start in starts):
+        raise InputError(mission.source, "--start", "holds a target point")
 
 
 @dataclass(frozen=True)

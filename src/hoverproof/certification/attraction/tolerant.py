@@ -106,7 +106,7 @@ class TolerantLoop(Loop):
     @property
     def gust(self) -> float:
         """The largest force of the wind, N."""
-        return float(self.vehicles.design.mass) * self.vehicles.wind
+        return self.vehicles.gust
 
     @property
     def largest_force(self) -> float:
@@ -179,7 +179,7 @@ class TolerantLoop(Loop):
         d4 = flat + moved + pushed + lever * rate / (self.stiffness * v.pace)
         columns = [d2**2 / 2, d3**2 / 2, d4**2 / 2]
         if v.rotor_lag:
-            asked = (v.pace + float(v.design.k4 / v.design.mass)) * d4 + v.pull * pushed
+            asked = v.stiff * d4 + v.pull * pushed
             columns += [v.rotor_lag / 2 * asked**2, v.rotor_lag / 2 * (v.pace * d3) ** 2]
         if v.latency:
             columns.append(np.full(len(d1), (v.latency * speed) ** 2 / 2))

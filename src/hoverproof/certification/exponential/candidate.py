@@ -25,7 +25,7 @@ class Tilted:
     Attributes
     ----------
     factor, shift : float
-        A and b, dimensionless; 1 and 0 for an inertial goal.
+        A is 1 + factor (1/w2 + 1/w3), and shift is b, dimensionless; 0 for an inertial goal.
     """
 
     factor: float
@@ -44,6 +44,17 @@ class Tilted:
         by_force = (lean * v.stiffness / v.weight) ** 2
         return cls(by_force, float(lean * v.wind / v.design.gravity))
 
+    def stretch(self, weights: Sequence[Any] | Array) -> float:
+        """Return A.
+
+        Parameters
+        ----------
+        weights : (3,)
+            w2, w3, w4.
+        """
+        w2, w3, _ = map(float, weights)
+        return 1 + self.factor * (1 / w2 + 1 / w3)
+
     def offset(self, weights: Sequence[Any] | Array, level: float | Array) -> Array:
         """Return what |σ - σ*| is at most where Ψ is at most a level.
 
@@ -54,8 +65,7 @@ class Tilted:
         level : float or array
             Dimensionless.
         """
-        w2, w3, _ = map(float, weights)
-        return np.asarray(np.sqrt(2 * level * (1 + self.factor * (1 / w2 + 1 / w3))) + self.shift)
+        return np.asarray(np.sqrt(2 * level * self.stretch(weights)) + self.shift)
 
 
 @dataclass(frozen=True)

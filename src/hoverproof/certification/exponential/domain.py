@@ -18,15 +18,7 @@ from numpy.typing import NDArray
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification import scaled
 from hoverproof.certification.attraction.starts import Start
-from hoverproof.certification.cells import (
-    ROOM,
-    Told,
-    View,
-    grow_tree,
-    largest_below,
-    most_cells,
-    smallest_above,
-)
+from hoverproof.certification.cells import ROOM, Told, grow_tree, most_cells
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.flow import OfJ
 from hoverproof.certification.region import Box
@@ -144,9 +136,7 @@ class Domain:
     def _held(self, cells: Array, sight: scaled.Sight) -> Told:
         if isinstance(self.scene.flow, OfJ):
             return scaled.in_ball(sight.slope(), len(cells), *self.bounds)
-        view = View.of(self.scene.points, self._boxes(cells))
-        low, high = self.bounds
-        return np.asarray(largest_below(view, high) & smallest_above(view, low))
+        return self.scene.flow.hold(self.scene.points, self._boxes(cells), *self.bounds)
 
     def _corners(self, cells: Array) -> Array:
         """Return the positions of the corners of wedges, (k, 8, 3), m."""

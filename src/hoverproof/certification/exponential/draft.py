@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -17,7 +16,7 @@ from hoverproof.certification.exponential.domain import Domain
 from hoverproof.certification.exponential.rotors import thrusts
 from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.vehicles import Limits, Reach
-from hoverproof.certification.problem import scaled_centroid
+from hoverproof.certification.problem import wanted
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 
@@ -137,9 +136,8 @@ class Rounded:
         offset : Fraction
             A bare number, dimensionless.
         """
-        w2, w3, _ = map(float, self.weights)
-        factor = 1 + self.tilted.factor * (1 / w2 + 1 / w3)
-        level = (float(offset) - self.tilted.shift) ** 2 / (2 * factor) - self.floor
+        stretch = self.tilted.stretch(self.weights)
+        level = (float(offset) - self.tilted.shift) ** 2 / (2 * stretch) - self.floor
         time = math.log(max(float(start_level) / level, 1.0)) / float(self.rate)
         return decimal_above(time * (1 + SPARE) + 1e-6, 4)
 
@@ -199,9 +197,8 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
         If the checker would not be shown what it asks for.
     """
     r, hover = Rounded.of(search, found), hover_goal(mission)
-    seen: Sequence[tuple[Fraction, Fraction]] = hover.centroid
-    if mission.law.feature == "scaled":
-        seen = tuple(scaled_centroid(seen, len(mission.target.points)))
+    below, above = wanted(mission, hover)[2]
+    goal = [binary_below(below, BITS), binary_above(above, BITS)]
     offset = decimal_below(search.settled_offset, DIGITS)
     points = [tuple(point) for point in mission.target.points]
     bounds = float(r.ball[0]), float(r.ball[1])
@@ -226,7 +223,7 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
             "cone": cosine,
             "tree": trees["domain"],
         },
-        "enclosures": {"goal": [binary_below(seen[2][0], BITS), binary_above(seen[2][1], BITS)]},
+        "enclosures": {"goal": goal},
         "hover": list(hover.position),
         "claim": {
             "level": r.level,

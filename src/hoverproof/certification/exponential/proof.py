@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.attraction.draft import NotShown
-from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.attraction.starts import Start, require_starts
 from hoverproof.certification.certificate import Certificate, rejection, seal
 from hoverproof.certification.exponential.candidate import Candidate
 from hoverproof.certification.exponential.draft import Parts, draft
@@ -22,7 +22,6 @@ from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.search import SETTLED, Search
 from hoverproof.certification.exponential.vehicles import Vehicles, require_turned
 from hoverproof.certification.exponential.verdict import Exponential, Settling
-from hoverproof.certification.region import holds_target_point
 from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
@@ -31,7 +30,6 @@ from hoverproof.servo.law import Law
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
-MOST_STARTS = 16
 ROOMS = (0.35, 0.838), (0.6, 0.835), (0.6, 0.7), (1.0, 0.55)
 """By which share the ball of J is widened for the proof, and the share of s3* that d is at most,
 one after the other: the trees are shorter."""
@@ -120,10 +118,7 @@ def _require(mission: Mission, starts: Sequence[Start]) -> None:
         raise InputError(
             mission.source, key, "is not axial: this theorem needs q1* = q2* = 0 exactly"
         )
-    if len(starts) > MOST_STARTS:
-        raise InputError("--start", "", f"at most {MOST_STARTS} starts go into one certificate")
-    if any(holds_target_point(mission, start.position) for start in starts):
-        raise InputError(mission.source, "--start", "holds a target point")
+    require_starts(mission, starts)
     require_turned(mission)
 
 

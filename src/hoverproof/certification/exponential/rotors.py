@@ -33,16 +33,15 @@ def thrusts(limits: Limits, weights: Array, level: float, mission: Mission) -> t
         ℓ, dimensionless.
     mission : Mission
     """
-    v, d, h = limits.vehicles, limits.vehicles.design, limits.quickness[1]
+    v, h = limits.vehicles, limits.quickness[1]
     i1, i2, _ = map(float, mission.vehicle.inertia)
     turn = limits.reach.turn
-    least = v.weight - limits.force - float(d.mass) * v.wind
-    most = v.weight + limits.force + float(d.mass) * v.wind
+    least = v.weight - limits.force - v.gust
+    most = v.weight + limits.force + v.gust
     ahead = v.rotor_lag * (1 + v.thrust) * v.stiffness * v.pace * (limits.reach.d3 + limits.ahead)
-    stiff = v.pace + float(d.k4 / d.mass)
     w2, w3, w4 = weights
-    asked = np.sqrt(2 * level * (stiff**2 / w4 + v.pull**2 * (1 / w2 + 1 / w3)))
-    asked += stiff * limits.ahead + (2 * limits.sinking + limits.crosswind) * turn
+    asked = np.sqrt(2 * level * (v.stiff**2 / w4 + v.pull**2 * (1 / w2 + 1 / w3)))
+    asked += v.stiff * limits.ahead + (2 * limits.sinking + limits.crosswind) * turn
     asked += v.yaw_rate * (limits.reach.d3 + limits.ahead)
     own = (1 + v.torque) * v.gyroscopic + v.torque
     turned = h * ((1 + v.torque) * asked + v.yaw_rate * own * turn)

@@ -102,10 +102,9 @@ class Search:
     @cached_property
     def radius(self) -> Fraction:
         """Where a vehicle has settled: that near to its goal, m."""
-        ends = [np.array(start.position, float) for start in self.starts]
-        corners = [np.stack(np.meshgrid(*side, indexing="ij"), axis=-1) for side in ends]
         far = max(
-            float(np.linalg.norm(c.reshape(-1, 3) - self.scene.goal, axis=1).max()) for c in corners
+            float(np.linalg.norm(_corners(start) - self.scene.goal, axis=1).max())
+            for start in self.starts
         )
         return decimal_below(max(self.settled * far, 1e-3), 4)
 
@@ -121,9 +120,7 @@ class Search:
         return np.array([self._terms(start) for start in self.starts])
 
     def _terms(self, start: Start) -> Array:
-        sides = np.array(start.position, float)
-        corners = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3)
-        off = self.scene.offset(np.unique(corners, axis=0))
+        off = self.scene.offset(np.unique(_corners(start), axis=0))
         away, level = np.linalg.norm(off, axis=1).max(), np.linalg.norm(off[:, :2], axis=1).max()
         return np.asarray(self.terms_at(np.array([away]), np.array([level]), start)[0])
 
@@ -150,7 +147,7 @@ class Search:
         turned = lever * rate / (v.stiffness * v.pace)
         d2, d3 = whole + moved, whole + moved + pushed
         d4 = flat + moved + pushed + turned
-        asked = (v.pace + float(d.k4 / d.mass)) * d4 + v.pull * pushed
+        asked = v.stiff * d4 + v.pull * pushed
         result = np.zeros((len(whole), 1 + PARAMETERS))
         result[:, [0, W2, W3, W4]] = np.stack([whole, d2, d3, d4], axis=1) ** 2 / 2
         result[:, TORQUE] = v.rotor_lag / 2 * asked**2
@@ -378,6 +375,11 @@ class Search:
         found : Candidate
         """
         return self.half_angle is None or self.seen(found) <= self.half_angle
+
+
+def _corners(start: Start) -> Array:
+    sides = np.array(start.position, float)
+    return np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
 def _minimum(cost: Callable[[Array], float], simplex: Array, evaluations: int) -> Array:

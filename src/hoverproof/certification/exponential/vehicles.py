@@ -43,19 +43,6 @@ def require_turned(mission: Mission) -> None:
         )
 
 
-def why_noisy(mission: Mission) -> str:
-    """Return why a mission with bounded noise is not covered; empty if it has none.
-
-    Parameters
-    ----------
-    mission : Mission
-    """
-    noise = mission.uncertainty.noise
-    if noise == type(noise)():
-        return ""
-    return "bounded noise is not covered by a region of attraction: the motion ends near the goal"
-
-
 @dataclass(frozen=True)
 class Vehicles:
     """A design, and the tolerances within which the vehicle is.
@@ -152,6 +139,16 @@ class Vehicles:
         return 0.0 if self.law.goal.name == "inertial" else self.goal
 
     @property
+    def gust(self) -> float:
+        """m w̄, the largest force of the wind, N."""
+        return float(self.design.mass) * self.wind
+
+    @property
+    def stiff(self) -> float:
+        """κ + k4/m, 1/s."""
+        return self.pace + float(self.design.k4 / self.design.mass)
+
+    @property
     def gyroscopic(self) -> float:
         """How much of Ω3 e3 × Ω the gyroscopic torque is at most, by the mission's inertia."""
         i1, i2, i3 = self.design.inertia
@@ -220,8 +217,7 @@ class Limits:
     def thrust(self) -> tuple[float, float]:
         """Ends of the thrust that is measured, N; not a number if it may vanish."""
         v = self.vehicles
-        gust = float(v.design.mass) * v.wind
-        low = v.weight - self.force
+        gust, low = v.gust, v.weight - self.force
         lowest = np.sqrt(low**2 - gust**2) if low > gust else np.nan
         return float(lowest), v.weight + self.force
 
@@ -243,7 +239,7 @@ class Limits:
     def tilt(self) -> float:
         """Bound of the sine of the tilt."""
         v = self.vehicles
-        return (self.force + float(v.design.mass) * v.wind) / v.weight
+        return (self.force + v.gust) / v.weight
 
     @cached_property
     def ahead(self) -> float:
@@ -255,7 +251,7 @@ class Limits:
     @cached_property
     def gust(self) -> float:
         """m w̄ over the least lever: bound of |χ - 1|."""
-        return float(self.vehicles.design.mass) * self.vehicles.wind / self.lever[0]
+        return self.vehicles.gust / self.lever[0]
 
     @cached_property
     def crosswind(self) -> float:

@@ -20,6 +20,7 @@ from hoverproof.cli.answers.words import (
     limits_text,
     number,
     numbers,
+    written_text,
 )
 from hoverproof.design.outcome import RegionTuned
 
@@ -45,12 +46,7 @@ class RegionTunedAnswer(Answer):
         yield from _rates(found)
         yield from hover_error_text(found.hover_error, found.mission)
         yield from limits_text(found.uses)
-        if self.written is None:
-            yield "Next: the same with --out FILE.toml writes a mission file and its certificate"
-        else:
-            yield f"  written to              {self.written}"
-            yield f"  certificate             {self.certificate}"
-            yield f"Next: hoverproof check {self.certificate}"
+        yield from written_text(self.written, self.certificate)
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""

@@ -8,6 +8,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from hoverproof.certification.problem import GainProblem
     from hoverproof.design.limits import Use
     from hoverproof.mission.sections import Mission
@@ -100,3 +102,13 @@ def hover_error_text(error: HoverError | None, mission: Mission) -> Iterator[str
 def hover_error_as_json(error: HoverError | None) -> dict[str, Any] | None:
     """Return the same by name; null where it is not known of the law."""
     return None if error is None else asdict(error)
+
+
+def written_text(written: str | None, certificate: Path | None) -> Iterator[str]:
+    """Yield where gains and their certificate were written, and what to do next."""
+    if written is None:
+        yield "Next: the same with --out FILE.toml writes a mission file and its certificate"
+    else:
+        yield f"  written to              {written}"
+        yield f"  certificate             {certificate}"
+        yield f"Next: hoverproof check {certificate}"
