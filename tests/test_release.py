@@ -36,8 +36,10 @@ if verdict.status == "proved":
     manifest = hp.export_c(mission, Path("firmware"), precision="float64")
     print(sorted(manifest), hp.atlas(mission).attrs["mission"])
 region = hp.attraction(mission, starts=())
-if region.status == "proved":
+if isinstance(region, hp.Attraction):
     print(float(region.reach.sideways))
+elif isinstance(region, hp.Exponential):
+    print(float(region.settling.time))
 tuned = hp.tune(mission, bandwidth=20.0)
 print(hp.simulate_batch(mission, Path("flights.nc"), runs=2).runs_complete)
 names: list[str] = hp.presets()

@@ -15,7 +15,9 @@ from hoverproof.version import __version__
 
 if TYPE_CHECKING:
     from hoverproof.certification.attraction.starts import Start as Start
+    from hoverproof.certification.attraction.verdict import Attraction as Attraction
     from hoverproof.certification.convergence import attraction as attraction
+    from hoverproof.certification.exponential.verdict import Exponential as Exponential
     from hoverproof.certification.gains import certify as certify
     from hoverproof.checker import check_file as check
     from hoverproof.design.atlas import atlas as atlas
@@ -35,6 +37,8 @@ if TYPE_CHECKING:
     from hoverproof.simulation.runs import simulate_batch as simulate_batch
 
 _HOMES = {
+    "Attraction": ("hoverproof.certification.attraction.verdict", "Attraction"),
+    "Exponential": ("hoverproof.certification.exponential.verdict", "Exponential"),
     "Firmware": ("hoverproof.export.binding", "Firmware"),
     "InputError": ("hoverproof.errors", "InputError"),
     "LAWS": ("hoverproof.servo.laws.hamel_mahony", "LAWS"),
@@ -58,6 +62,8 @@ _HOMES = {
 
 __all__ = [
     "LAWS",
+    "Attraction",
+    "Exponential",
     "Firmware",
     "InputError",
     "Law",
