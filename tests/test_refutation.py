@@ -71,7 +71,7 @@ def test_the_checker_has_the_motion_of_the_derived_loop(name):
     parts = {"motion": {**vars(state), "time": F(1), "steps": [F(1)]}}
     p = checker.claim_of(content(mission, parts))
     series = p.taylor(p.unknowns(), F(1), 1)
-    mine = np.array([line[1].mid / 2**checker.BITS for line in series])
+    mine = np.array([line[1].mid / 2**checker.FINE for line in series])
     design, points = numbers(mission)
     x = state.packed()
     rate = np.array(flight_rate(len(points))(x, design, points.T))[:, 0]
@@ -80,7 +80,7 @@ def test_the_checker_has_the_motion_of_the_derived_loop(name):
     wanted = [rate[:3], spin @ x[3:6] + R @ rate[3:6], spin[:, 2], spin @ turn + R @ turned]
     assert mine[:12] == pytest.approx(np.concatenate(wanted), rel=1e-9, abs=1e-9)
     assert mine[12] == pytest.approx(rate[18], rel=1e-9)
-    assert max(line[1].rad for line in series) < 2 ** (checker.BITS - 100)
+    assert max(line[1].rad for line in series) < 2 ** (checker.FINE - 100)
 
 
 def content(mission, parts):
@@ -110,7 +110,7 @@ def test_the_enclosure_holds_the_motion(name, monkeypatch):
     boxes = enclosures(p, step, 12)
     flown = fly(mission, state.packed(), 12 / 256, t_eval=np.arange(1, 13) / 256)
     for box, x in zip(boxes, flown.y.T, strict=False):
-        middle = [ball.mid / 2**checker.BITS for ball in box]
+        middle = [ball.mid / 2**checker.FINE for ball in box]
         assert middle[:3] == pytest.approx(x[:3], abs=1e-8)
         assert middle[6:9] == pytest.approx(x[12:15], abs=1e-7)
         assert middle[12] == pytest.approx(x[18], abs=1e-7)
@@ -118,7 +118,7 @@ def test_the_enclosure_holds_the_motion(name, monkeypatch):
     others = enclosures(p, step / 2, 24)
     for ball, other in zip(boxes[-1], others[-1], strict=True):
         assert abs(ball.mid - other.mid) <= ball.rad + other.rad
-        assert 0 < ball.rad < 2 ** (checker.BITS - 40)
+        assert 0 < ball.rad < 2 ** (checker.FINE - 40)
 
 
 @settings(max_examples=60, deadline=None)
@@ -130,8 +130,8 @@ def test_a_product_of_series_is_enclosed(pairs):
     exact = sum(a[0] * b[1] for a, b in zip(pairs, reversed(pairs), strict=True))
     found = (x * y)[len(pairs) - 1]
     first = (x * y)[0]
-    assert abs(F(first.mid, 2**checker.BITS) - pairs[0][0] * pairs[0][1]) < F(1, 2**180)
-    assert abs(F(found.mid, 2**checker.BITS) - exact) <= F(found.rad, 2**checker.BITS)
+    assert abs(F(first.mid, 2**checker.FINE) - pairs[0][0] * pairs[0][1]) < F(1, 2**180)
+    assert abs(F(found.mid, 2**checker.FINE) - exact) <= F(found.rad, 2**checker.FINE)
 
 
 # --- which starts are refuted -------------------------------------------------------------------

@@ -169,7 +169,7 @@ def test_j_at_a_single_place_is_enclosed_to_fifty_digits():
         size = 10 ** rng.uniform(-4, 3)
         points = [[x * F(size) for x in point] for point in target(rng, 1.0)]
         place = [side[0] for side in cell_before(rng, points, size)]
-        with mpmath.workdps(160):
+        with mpmath.workdps(160), with_bits(192):
             J = checker.scaled_slope(
                 checker.Target(points), [checker.Tangent.constant(x) for x in place]
             )
@@ -316,7 +316,9 @@ def holds(tangent, x, value):
 
 
 def with_bits(count):
-    return patch.multiple(checker, BITS=count, ONE_OF_THEM=1 << count)
+    one = 1 << count
+    whole = checker.Tangent(one, (0, 0, 0), 0)
+    return patch.multiple(checker, BITS=count, ONE_OF_THEM=one, ONE_TANGENT=whole)
 
 
 @given(bits, tangents(), tangents(), place, share, share)

@@ -622,7 +622,7 @@ def smallest_above(view: View, low: Fraction) -> bool:
 #
 # A cell is a box of positions, or a wedge: a box of x, y, u, where (x, y, 1)/u = C - ξ.
 
-BITS = 192  # numbers are multiples of 2^-BITS
+BITS = 84  # numbers are multiples of 2^-BITS
 ONE_OF_THEM = 1 << BITS
 
 
@@ -652,12 +652,12 @@ class Tangent(NamedTuple):
         return Tangent(self.mid - other.mid, (a - x, b - y, c - z), self.rest + other.rest)
 
     def __mul__(self, other: "Tangent") -> "Tangent":  # type: ignore[override]
-        (m, (a, b, c), r), (k, (x, y, z), t) = self, other
-        far = (abs(a) + abs(b) + abs(c) + r) * (abs(x) + abs(y) + abs(z) + t)
+        (m, (p, q, r), e), (k, (s, t, u), f) = self, other
+        far = (abs(p) + abs(q) + abs(r) + e) * (abs(s) + abs(t) + abs(u) + f)
         return Tangent(
             m * k >> BITS,
-            ((m * x + k * a) >> BITS, (m * y + k * b) >> BITS, (m * z + k * c) >> BITS),
-            (abs(m) * t + abs(k) * r + far >> BITS) + 5,
+            (m * s + k * p >> BITS, m * t + k * q >> BITS, m * u + k * r >> BITS),
+            (abs(m) * f + abs(k) * e + far >> BITS) + 5,
         )
 
     def times(self, n: int, d: int = 1) -> "Tangent":
@@ -704,7 +704,15 @@ ONE_TANGENT = Tangent(ONE_OF_THEM, (0, 0, 0), 0)
 
 def along(x: Iterable[Tangent], y: Iterable[Tangent]) -> Tangent:
     """Return xᵀy."""
-    return add_up(a * b for a, b in zip(x, y, strict=True))
+    mid = a = b = c = rest = 0
+    for (m, (p, q, r), e), (k, (s, t, u), f) in zip(x, y, strict=True):
+        mid += m * k
+        a += m * s + k * p
+        b += m * t + k * q
+        c += m * u + k * r
+        far = (abs(p) + abs(q) + abs(r) + e) * (abs(s) + abs(t) + abs(u) + f)
+        rest += abs(m) * f + abs(k) * e + far
+    return Tangent(mid >> BITS, (a >> BITS, b >> BITS, c >> BITS), (rest >> BITS) + 5)
 
 
 def add_up(values: Iterable[Tangent]) -> Tangent:
@@ -746,7 +754,8 @@ class Sight:
         n, axes = target.n, range(3)
         self.n, self.target, self.p0, self.t, self.square = n, target, p0, t, t * t
         self.rays = [self.ray(i) for i in range(n)]
-        self.mean = [add_up(ray.v[k] for ray in self.rays).times(1, n) for k in axes]
+        self.sum = [add_up(ray.v[k] for ray in self.rays) for k in axes]
+        self.mean = [x.times(1, n) for x in self.sum]
         self.lead = [p0[k] + self.square * self.mean[k] for k in axes]  # q/n
 
     @classmethod
@@ -772,10 +781,10 @@ class Sight:
         far = (t * d + ONE_TANGENT).root()
         near, short = far.inverse(), (far + ONE_TANGENT).inverse()
         scale = near * short
-        bend = NOTHING - d * scale
+        bend, back = NOTHING - d * scale, NOTHING - b
         eta = (b * d * (short + ONE_TANGENT) - exact_square) * scale
-        v = [eta * p0[k] + bend.scaled(e[k]) if e[k] else eta * p0[k] for k in range(3)]
-        w = [t * v[k] - b * p0[k] + exact[k] for k in range(3)]
+        v = [along((eta, bend), both) for both in zip(p0, exact, strict=True)]
+        w = [along((t, back), (v[k], p0[k])) + exact[k] for k in range(3)]
         return Object(far=far, near=near, bend=bend, eta=eta, v=v, w=w)
 
     def look(self) -> None:
@@ -809,32 +818,29 @@ class Sight:
         for (i, j, *_), (twice, part) in zip(self.target.pairs, self.pairs, strict=True):
             weights[i], weights[j] = weights[i] + part, weights[j] + part
             turns[i], turns[j] = turns[i] + twice, turns[j] - twice
-        bent = add_up(ray.bend * weight for ray, weight in zip(self.rays, weights, strict=True))
-        falling = [(t * bent) * x for x in p0]  # -S'
+        bends = [ray.bend for ray in self.rays]
         near = [[ray.near * x for x in ray.w] for ray in self.rays]
-        for ray, scaled, weight, turn in zip(self.rays, near, weights, turns, strict=True):
-            thin = t * weight
-            falling = [
-                x + thin * scaled[k] + turn * ray.w[k] for k, x in zip(axes, falling, strict=True)
-            ]
+        thin = [t * weight for weight in weights]
+        factors = [t * along(bends, weights), *thin, *turns]
+        w_of, near_of = (list(zip(*x, strict=True)) for x in ([r.w for r in self.rays], near))
+        falling = [along(factors, (p0[k], *near_of[k], *w_of[k])) for k in axes]  # -S'
         scale = (self.whole.times(1, 2) - self.short) * self.short * self.square
+        half = [x.times(1, 2) for x in falling]
         ahead = [
-            scale * (self.spread * p0[k] + falling[k].times(1, 2))
-            + (falling[k] * self.less).times(1, 2)
-            for k in axes
-        ]
-        side = [add_up(ray.bend * ray.w[k] + ray.v[k] for ray in self.rays) for k in axes]
-        eta = add_up(ray.eta for ray in self.rays)
-        turned = [side[k] + (eta * p0[k]).times(1, 2) for k in axes]
-        R = [[NOTHING] * 3 for _ in axes]
-        for i in axes:
-            for j in range(i + 1):
-                both = add_up(x[i] * ray.w[j] for x, ray in zip(near, self.rays, strict=True))
-                R[i][j] = NOTHING - both - turned[i] * p0[j] - turned[j] * p0[i]
-            R[i][i] += eta
-        J = [[R[max(i, j)][min(i, j)].times(1, n) for j in axes] for i in axes]
+            along((scale, self.less), (self.spread * p0[k] + half[k], half[k])) for k in axes
+        ]  # h
+        eta = add_up(ray.eta for ray in self.rays).times(1, 2)
+        turned = [along((*bends, eta), (*w_of[k], p0[k])) + self.sum[k] for k in axes]
+        J = [[NOTHING] * 3 for _ in axes]
         for i, j in itertools.product(axes, axes):
-            bent = self.square * (J[i][j] + self.mean[i] * p0[j]) + self.lead[i] * ahead[j]
+            if j <= i:  # of R̄
+                less = along((*near_of[i], turned[i], turned[j]), (*w_of[j], p0[j], p0[i]))
+                J[i][j] = J[j][i] = NOTHING - less
+        for i in axes:
+            J[i][i] += add_up(ray.eta for ray in self.rays)
+        for i, j in itertools.product(axes, axes):
+            bent = J[i][j].times(1, n) + self.mean[i] * p0[j]
+            bent = along((self.square, self.lead[i]), (bent, ahead[j]))
             J[i][j] = self.gain * (bent + (ONE_TANGENT if i == j else NOTHING))
         return J
 
@@ -2338,10 +2344,11 @@ class Potential(Tolerant, Attraction):
 # not leave within the step, hence exists, and ends in c0 + ... + c(p-1) + d.
 
 ORDER, ACCURACY = 20, 50  # |d| <= 2^-ACCURACY
+FINE = 192  # numbers are multiples of 2^-FINE
 
 
 class Ball(NamedTuple):
-    """The numbers within `rad` of `mid`, both whole multiples of 2^-BITS."""
+    """The numbers within `rad` of `mid`, both whole multiples of 2^-FINE."""
 
     mid: int
     rad: int
@@ -2349,8 +2356,8 @@ class Ball(NamedTuple):
     @classmethod
     def over(cls, low: Fraction, high: Fraction | None = None) -> "Ball":
         """Enclose an interval, or a number."""
-        bottom = math.floor(low * (1 << BITS))
-        top = math.ceil((low if high is None else high) * (1 << BITS))
+        bottom = math.floor(low * (1 << FINE))
+        top = math.ceil((low if high is None else high) * (1 << FINE))
         return cls((bottom + top) // 2, (top - bottom + 1) // 2)
 
     def __add__(self, other: "Ball") -> "Ball":  # type: ignore[override]
@@ -2361,7 +2368,7 @@ class Ball(NamedTuple):
 
     def __mul__(self, other: "Ball") -> "Ball":  # type: ignore[override]
         rad = self.size() * other.rad + self.rad * other.size()
-        return Ball(self.mid * other.mid >> BITS, (rad >> BITS) + 2)
+        return Ball(self.mid * other.mid >> FINE, (rad >> FINE) + 2)
 
     def size(self) -> int:
         """Bound the absolute value."""
@@ -2416,7 +2423,7 @@ class Series:
                 a[i], b[i]  # now they are there
                 mid += dot(a.mid, b.mid[i::-1])
                 rad += dot(a.size, b.rad[i::-1]) + dot(a.rad, b.size[i::-1])
-            return Ball(mid >> BITS, (rad >> BITS) + 2)
+            return Ball(mid >> FINE, (rad >> FINE) + 2)
 
         return Series(rule)
 
@@ -2463,7 +2470,7 @@ class Sinking(Axial):
         m, c, (k1, k2, k3, k4) = self.m, self.stiffness, self.k
         kappa, slowing, constant = (k1 * k2 + k3) / m, k4 / m, Series.constant
         reach = max(x.size() for x in z)
-        require(reach < 10**12 << BITS, "the motion is not followed to its end")
+        require(reach < 10**12 << FINE, "the motion is not followed to its end")
         parts = [Ball.over(step / i) for i in range(1, order + 1)]
         slopes: list[Series] = []  # the right sides, of each unknown
 
@@ -2497,7 +2504,7 @@ class Sinking(Axial):
 
     def advance(self, z: Sequence[Ball], step: Fraction) -> list[Ball]:
         """Enclose where all motions from a box are after a step."""
-        series, most = self.taylor(z, step, ORDER - 1), 1 << (BITS - ACCURACY)
+        series, most = self.taylor(z, step, ORDER - 1), 1 << (FINE - ACCURACY)
         reach = [sum(line.size[1:]) + most for line in series]
         hull = [Ball(x.mid, x.rad + 2 * r + 1) for x, r in zip(z, reach, strict=True)]
         rest = [line[ORDER] for line in self.taylor(hull, step, ORDER)]
@@ -2510,7 +2517,7 @@ class Sinking(Axial):
         z = self.unknowns()
         for step in self.steps:
             z = self.advance(z, step)
-        sunk = z[2].mid - z[2].rad >= self.depth * (1 << BITS)
+        sunk = z[2].mid - z[2].rad >= self.depth * (1 << FINE)
         require(sunk, "the motion is not shown to sink to the lowest target point")
 
     def words(self) -> str:

@@ -172,15 +172,13 @@ class Domain:
             with np.errstate(all="ignore"):
                 sight = self._sight(cells)
                 told = self._left_out(cells) | self._beyond(sight, len(cells), self.offset)
-                rest = ~told
-                part = cells[rest]
-                inner = self._held(part, self._sight(part))
+                inner = self._held(cells, sight)
             for k in range(3):
-                inner &= part[:, k, 1] < whole[k, 1]
-                inner &= (part[:, k, 0] > whole[k, 0]) | (k < 2 and whole[k, 0] == 0)
+                inner &= cells[:, k, 1] < whole[k, 1]
+                inner &= (cells[:, k, 0] > whole[k, 0]) | (k < 2 and whole[k, 0] == 0)
             if cosine is not None:
-                inner &= self._steep(part) >= cosine * (1 + ROOM)
-            told[rest] = inner
+                inner &= self._steep(cells) >= cosine * (1 + ROOM)
+            told |= inner
             return told
 
         return grow_tree(whole, hold, most_cells(len(self.scene.points), COST), self._scale)
