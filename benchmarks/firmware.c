@@ -92,7 +92,7 @@ uint32_t hand_step(const params_t *params, state_t *state, const input_t *in, ou
   const float torque_y = HAND_I2 * ay + (HAND_I1 - HAND_I3) * wx * wz;
   const float torque_z = (HAND_I2 - HAND_I1) * wx * wy - HAND_KYAW * wz;
 
-  /* Rotors: rear right, rear left, front right, front left. */
+  /* Rotors: rear right, front right, rear left, front left. */
   const float thrust = WEIGHT + excess;
   const float share = 0.25f * thrust;
   const float roll = 0.25f / HAND_ARM * torque_x, pitch = 0.25f / HAND_ARM * torque_y;

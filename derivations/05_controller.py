@@ -177,16 +177,23 @@ print("δ3' and δ4' of the closed loop: proved")
 # %% [markdown]
 # ## Four rotors
 #
-# The rotors sit on a cross; each pushes with a thrust $t$ in N, at a distance in m from the
-# centre. Their sum is $T$, their differences are $\Gamma_1$ and $\Gamma_2$, and the drag of their
-# turning gives $\Gamma_3$. For every $T$ and $\Gamma$ there is one set of four thrusts (not
-# always positive ones: limits of the rotors are not part of this model).
+# The rotors sit at the corners of a square, $(\pm d, \pm d, 0)$ in body axes: $x$ forward, $y$
+# right, $z$ down. Each pushes along $-z$ with a thrust $t$ in N, so its torque is
+# $r \times (-t\,e_3) = (-y t,\; x t,\; 0)$, and the drag of its turning adds one about $z$.
+# Pushed up on the right a vehicle rolls to the left. The paper prints roll and pitch exchanged:
+# its eqs. 37 and 38 fit axes to the left and to the rear, whose $z$ is up. For every $T$ and
+# $\Gamma$ there is one set of four thrusts (not always positive ones: limits of the rotors are
+# not part of this model).
 
 # %%
 arm, drag_ratio = ca.SX.sym("d"), ca.SX.sym("kappa")
 thrusts = rotors.rotor_thrusts(T, law.torque, arm, drag_ratio)
 assert prove_equal(rotors.wrench(thrusts, arm, drag_ratio), ca.vertcat(T, law.torque))
 print("four rotor thrusts make T and Γ: proved")
+each = ca.SX.sym("t", 4)
+made = ca.jacobian(rotors.wrench(each, arm, drag_ratio), each)
+for i, name in enumerate(rotors.ROTORS):
+    print(f"T, Γ1, Γ2, Γ3 of 1 N of {name}: {made[:, i]}")
 
 # %% [markdown]
 # ## What to remember

@@ -52,7 +52,7 @@ from hoverproof.simulation.flight import simulate
 FALSE = {"conditions", "theorem", "gains"}
 CORRECTED = {
     *("6", "|δ1|²", "J", "29", "31", "k1", "33", "L̇ with A", "Σ"),
-    *("T by errors", "T by L", "T0", "units of gains"),
+    *("T by errors", "T by L", "T0", "37", "38", "units of gains"),
 }
 
 
@@ -430,3 +430,18 @@ def test_what_is_kept_of_the_judgement_is_what_is_judged(tmp_path, monkeypatch):
             assert one.printed.latex() == other.printed.latex()
             assert one.derived.latex() == other.derived.latex()
             assert (one.derived is one.printed) == (other.derived is other.printed)
+
+
+@pytest.mark.parametrize(("form", "down"), [("printed", -1), ("derived", 1)])
+def test_the_torques_as_printed_fit_axes_whose_z_is_up(form, down):
+    """With -T e3 at (x, y, 0) the torque is (-y T, x T, 0): that tells where each name is."""
+    roll, pitch = (getattr(j, form).right for j in derive(["37", "38"]))
+    names = ("Trr", "Tfr", "Trl", "Tfl")
+
+    def place(name):
+        world = {other: ca.SX(float(other == name)) for other in names} | {"d": ca.SX(1)}
+        x, y = (float(ca.evalf(side.value(world))) for side in (pitch, -roll))
+        return np.array([x, y, 0])
+
+    right, front = place("Trr") + place("Tfr"), place("Tfr") + place("Tfl")
+    assert np.cross(front, right).tolist() == [0, 0, 4 * down]

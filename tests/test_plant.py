@@ -39,6 +39,18 @@ def test_rotors_make_the_wrench_that_was_asked_for():
     assert np.allclose(np.array(ca.DM(made)).ravel(), wanted, rtol=1e-13, atol=1e-13)
 
 
+def test_each_rotor_turns_the_body_about_its_place_and_against_its_sense():
+    """Pushed up on the right a vehicle rolls to the left, pushed up in front it noses up."""
+    for i, name in enumerate(rotors.ROTORS):
+        push = [float(k == i) for k in range(4)]
+        made = rotors.wrench(ca.SX(push), ca.SX(0.25), ca.SX(0.01))
+        thrust, roll, pitch, yaw = np.array(ca.DM(made)).ravel()
+        assert thrust == 1
+        assert roll == (-0.25 if "right" in name else 0.25)
+        assert pitch == (0.25 if "front" in name else -0.25)
+        assert yaw == (0.01 if name in ("front right", "rear left") else -0.01)
+
+
 def test_the_body_turns_as_euler_says():
     inertia, rate, torque = np.array([0.4, 0.56, 0.22]), rng.normal(size=3), rng.normal(size=3)
     state = rigid_body.RigidBodyState(*map(ca.SX, (np.zeros(3), np.zeros(3), np.eye(3), rate, 1.0)))

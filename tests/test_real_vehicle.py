@@ -407,7 +407,7 @@ def test_what_is_stronger_than_the_controller_knows_is_stepped_through_faster(ve
     [
         ({"sensors.gyro_turned": "1"}, "sensors.gyro_turned: must be true or false, not 1"),
         ({"sensors.accelerometer_noise": "-1"}, "accelerometer_noise: must be from 0 to"),
-        ({"model_error.rotors": "[0.1]"}, "rotors: must be a list .rear right, rear left, front"),
+        ({"model_error.rotors": "[0.1]"}, "rotors: must be a list .rear right, front right, rear"),
         ({"model_error.thrust": "-1"}, "model_error.thrust: must be from -0.9 to 10"),
     ],
 )

@@ -208,6 +208,18 @@ def test_halving_the_step_divides_the_error_by_sixteen():
     assert 15 < ratio < 17
 
 
+@pytest.mark.parametrize(("angle", "stronger"), [(0, "right"), (1, "front")])
+def test_a_vehicle_that_leans_to_a_side_is_pushed_up_there(angle, stronger):
+    """Rolled to the right, or with its nose down; above the goal's place and at rest."""
+    lean = ["0", "0", "0"]
+    lean[angle] = "0.1" if stronger == "right" else "-0.1"
+    start = {"start.position": "[0, 0, -2]", "start.rotation": f"[{', '.join(lean)}]"}
+    flight = simulate(load("research-1.5kg", start), duration=0.02)
+    first = flight["rotor_thrust"].isel(time=0).to_series()
+    there = [name for name in first.index if stronger in name]
+    assert first[there].min() > first.drop(there).max()
+
+
 def test_the_rotation_stays_a_rotation(x4):
     mission = load("x4-flyer", {"start.rotation": "[0.3, -0.2, 1]", "start.rates": "[0.5, 0.2, 1]"})
     R = simulate(mission, duration=60)["rotation"].values

@@ -21,7 +21,7 @@ from hoverproof.export.precision import FLOAT32
 from hoverproof.export.vectors import InputBox, Vector, test_vectors
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
-from hoverproof.plant.rotors import ROTORS
+from hoverproof.plant.rotors import PLACES
 from hoverproof.servo.hover_error import hover_error, rests_as_modelled
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
@@ -102,15 +102,15 @@ class Design:
         Their names with their units.
     goal_centroid : sequence of Fraction
         q*, (3,), dimensionless.
-    rotors : tuple of str
-        Names of the rotors, in their order.
+    rotors : tuple of (str, (2,))
+        Names of the rotors and where they are, (x, y) in levers, in their order.
     """
 
     weight: Fraction
     gains: tuple[Fraction, ...]
     gains_text: str
     goal_centroid: Sequence[Fraction]
-    rotors: tuple[str, ...]
+    rotors: tuple[tuple[str, tuple[int, int]], ...]
 
 
 @dataclass(frozen=True)
@@ -304,7 +304,7 @@ def _design(mission: Mission, law: Law) -> Design:
         gains=tuple(numbers[gain][0] for gain in units),
         gains_text=words.replace("²", "^2"),
         goal_centroid=law.goal_feature(mission),
-        rotors=tuple(ROTORS),
+        rotors=tuple(PLACES.items()),
     )
 
 

@@ -43,7 +43,7 @@ _Relatives = Annotated[
 ]
 _OfRotors = Annotated[
     tuple[_Relative, _Relative, _Relative, _Relative],
-    BeforeValidator(array("rear right", "rear left", "front right", "front left")),
+    BeforeValidator(array("rear right", "front right", "rear left", "front left")),
 ]
 _Lengths = Annotated[tuple[_Length, _Length, _Length], BeforeValidator(array("x", "y", "z"))]
 _Speeds = Annotated[tuple[_Speed, _Speed, _Speed], BeforeValidator(array("v1", "v2", "v3"))]

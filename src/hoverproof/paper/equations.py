@@ -11,7 +11,6 @@ from hoverproof.algebra.linear import lie_derivative
 from hoverproof.paper.judge import Claim, Setting, definition, identity, setting
 from hoverproof.paper.notation import Equation, Symbol, World
 from hoverproof.paper.symbols import (
-    NEWTON,
     ONE,
     A,
     F,
@@ -65,7 +64,7 @@ from hoverproof.paper.symbols import (
     sk,
     sq,
 )
-from hoverproof.plant import camera, rigid_body, rotors
+from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.rigid_body import RigidBodyState
 
 E = Equation
@@ -402,31 +401,4 @@ CONTROLLER = [
     ),
 ]
 
-# --- the rotors ---------------------------------------------------------------------------------
-
-Trr, Trl = Symbol("Trr", "T_{rr}", NEWTON), Symbol("Trl", "T_{rl}", NEWTON)
-Tfr, Tfl = Symbol("Tfr", "T_{fr}", NEWTON), Symbol("Tfl", "T_{fl}", NEWTON)
-d_arm, kappa = Symbol("d", "d", M), Symbol("κ", r"\kappa", M)
-Gamma1 = Symbol("Γ1", r"\Gamma_1", NEWTON * M)
-Gamma2 = Symbol("Γ2", r"\Gamma_2", NEWTON * M)
-
-
-def four_rotors() -> tuple[World, Mapping[ca.SX, ca.SX]]:
-    """Return the thrust and torque that four rotors make."""
-    t, d, k = ca.SX.sym("thrusts", 4), ca.SX.sym("d"), ca.SX.sym("kappa")
-    made = rotors.wrench(t, d, k)
-    names = ("Trr", "Trl", "Tfr", "Tfl")
-    return {
-        **{name: t[i] for i, name in enumerate(names)},
-        **{"d": d, "κ": k, "T": made[0], "Γ1": made[1], "Γ2": made[2], "Γ3": made[3]},
-    }, {}
-
-
-ROTORS = [
-    definition("36", "thrust of the rotors", E(T, Trr + Trl + Tfr + Tfl), four_rotors),
-    definition("37", "roll torque", E(Gamma1, d_arm * (Tfr + Tfl - Trr - Trl)), four_rotors),
-    definition("38", "pitch torque", E(Gamma2, d_arm * (Trl + Tfl - Trr - Tfr)), four_rotors),
-    definition("39", "yaw torque", E(Gamma3, kappa * (Tfr + Trl - Tfl - Trr)), four_rotors),
-]
-
-EQUATIONS: list[Claim] = [*RIGID_BODY_AND_IMAGE, *ERROR_CHAIN, *CONTROLLER, *ROTORS]
+EQUATIONS: list[Claim] = [*RIGID_BODY_AND_IMAGE, *ERROR_CHAIN, *CONTROLLER]

@@ -10,6 +10,7 @@ from hoverproof.errors import InputError
 from hoverproof.paper.claims import CLAIMS
 from hoverproof.paper.equations import EQUATIONS
 from hoverproof.paper.judge import Claim, Judgement, Verdict, Words
+from hoverproof.paper.rotors import ROTORS
 from hoverproof.paper.theorem import THEOREM
 
 ORDER = (
@@ -25,7 +26,7 @@ ORDER = (
 
 def ledger() -> list[Claim]:
     """Return every claim of the paper, in its order."""
-    claims = {claim.id: claim for claim in [*EQUATIONS, *CLAIMS, *THEOREM]}
+    claims = {claim.id: claim for claim in [*EQUATIONS, *CLAIMS, *THEOREM, *ROTORS]}
     return [claims[id] for id in ORDER]
 
 

@@ -1,4 +1,8 @@
-"""Four rotors: their thrusts, and the thrust and torque they make (eqs. 36-39)."""
+"""Four rotors: where they are, and the thrust and torque they make.
+
+The body axes are x forward, y right, z down. A rotor at r makes the force f = -T e3, hence the
+torque r × f, and by its drag a torque about z against the sense in which it turns.
+"""
 
 from __future__ import annotations
 
@@ -6,28 +10,38 @@ import casadi as ca
 
 from hoverproof.algebra.linear import solve_affine
 
-ROTORS = ("rear right", "rear left", "front right", "front left")
+PLACES = {
+    "rear right": (-1, 1),
+    "front right": (1, 1),
+    "rear left": (-1, -1),
+    "front left": (1, -1),
+}
+"""Where each rotor is, (x, y) in levers, body frame."""
+SENSES = {"rear right": -1, "front right": 1, "rear left": 1, "front left": -1}
+"""The sign of its drag torque about z, + for a rotor that turns to the left, seen from above."""
+ROTORS = tuple(PLACES)
+"""Their names, in their order."""
 
 
 def wrench(rotor_thrusts: ca.SX, arm: ca.SX, drag_ratio: ca.SX) -> ca.SX:
-    """Return (T, Γ₁, Γ₂, Γ₃), (4, 1), N and N m (eqs. 36-39).
+    """Return (T, Γ₁, Γ₂, Γ₃), (4, 1), N and N m (eqs. 36-39, with 37 and 38 put right).
 
     Parameters
     ----------
     rotor_thrusts : SX
         (4, 1), N, in the order of `ROTORS`.
     arm : SX
-        d, distance of each rotor from the centre of mass, m.
+        d, lever of each rotor about the roll and the pitch axis, m.
     drag_ratio : SX
         κ, drag torque over thrust of a rotor, m.
     """
-    rr, rl, fr, fl = (rotor_thrusts[i] for i in range(4))
-    return ca.vertcat(
-        rr + rl + fr + fl,
-        arm * (fr + fl - rr - rl),
-        arm * (rl + fl - rr - fr),
-        drag_ratio * (fr + rl - fl - rr),
-    )
+    torque = ca.SX(3, 1)
+    for i, name in enumerate(ROTORS):
+        x, y = PLACES[name]
+        force = ca.vertcat(0, 0, -rotor_thrusts[i])
+        torque += arm * ca.cross(ca.vertcat(x, y, 0), force)
+        torque[2] += drag_ratio * SENSES[name] * rotor_thrusts[i]
+    return ca.vertcat(ca.sum1(rotor_thrusts), torque)
 
 
 def rotor_thrusts(thrust: ca.SX, torque: ca.SX, arm: ca.SX, drag_ratio: ca.SX) -> ca.SX:

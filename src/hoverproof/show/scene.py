@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hoverproof.mission.sections import LawChoice
 from hoverproof.plant.camera import body_points, pinhole
 from hoverproof.plant.rigid_body import rotation_matrix
-from hoverproof.plant.rotors import ROTORS, wrench
+from hoverproof.plant.rotors import PLACES, ROTORS
 from hoverproof.simulation.record import Recorded
 
 Array = NDArray[np.float64]
@@ -102,15 +102,8 @@ class Scene:
         return np.array(ca.evalf(pinhole(seen))).T
 
     def rotor_places(self) -> Array:
-        """Return where the rotors are in the body frame, (4, 3), m, in the order of `ROTORS`.
-
-        Read off the torques that they make: a rotor at (x, y) with thrust t up, along -z, makes
-        the torque (-y t, x t).
-        """
-        thrusts = ca.SX.sym("t", len(ROTORS))
-        lever = ca.jacobian(wrench(thrusts, ca.SX(self.arm), ca.SX(0)), thrusts)
-        _, roll, pitch, _ = np.array(ca.evalf(lever))
-        return np.stack([pitch, -roll, np.zeros(len(ROTORS))], axis=1)
+        """Return where the rotors are in the body frame, (4, 3), m, in the order of `ROTORS`."""
+        return self.arm * np.array([(*PLACES[name], 0) for name in ROTORS], float)
 
 
 def view_angle(flight: Flight) -> Array:
