@@ -14,7 +14,7 @@ from hoverproof import cli
 from hoverproof.certification import convergence, largest
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.mission.reading import load, with_tolerance
-from hoverproof.reporting import parts
+from hoverproof.reporting import glance, parts
 from hoverproof.show.exponential import View, fly, save_exponential_figure
 from hoverproof.show.largest import largest_figure
 
@@ -131,6 +131,31 @@ def test_the_report_shows_it(proved, monkeypatch, tmp_path):
         'aria-label="The proved bound of the distance',
     ):
         assert words in page
+
+
+def test_at_one_glance_a_report_says_for_whom_from_where_and_how_soon(
+    proved, monkeypatch, tmp_path, capsys
+):
+    monkeypatch.setattr(parts, "start_or_ball", lambda mission: (proved, proved))
+    path = str(guide_mission(tmp_path))
+    without = ("atlas", "region", "firmware", "ledger", "flight")
+    with pytest.raises(SystemExit):
+        cli.main(["report", path, *[f"--without={part}" for part in without]])
+    out = capsys.readouterr().out
+    said = " ".join(out.split())
+    assert f"for whom every vehicle with {', '.join(COVERED)} comes to the hover" in said
+    assert "from where its start, (0.3, 0, −1.5) m" in said
+    assert f"from {float(proved.settling.time):.4g} s on" in said
+    assert "not covered goals whose centroid" in said
+    assert "not considered" not in said
+    head = Path("half-kilo.report.html").read_text(encoding="utf-8").split("<nav")[0]
+    assert head.index("For whom") < head.index("How soon") < head.index("Not covered")
+
+
+def test_at_one_glance_a_start_that_is_not_proved_is_said_not_to_be(proved):
+    undecided = hp.certification.verdict.Undecided(mission=proved.mission, reason="too far")
+    rows = glance.rows(parts.Attracted(undecided, None), "The gains work.")
+    assert rows == [("Gains", "The gains work."), ("From its start", "undecided: too far")]
 
 
 def test_a_scaled_mission_that_is_not_proved_has_no_ball_to_fall_back_on(monkeypatch, tmp_path):

@@ -5,17 +5,20 @@ from __future__ import annotations
 import hashlib
 import os
 import shlex
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
 
+from hoverproof.certification.convergence import Converges
 from hoverproof.certification.gains import GainsVerdict
 from hoverproof.errors import InputError, suggestion
 from hoverproof.files import replacing
 from hoverproof.mission.sections import Mission
+from hoverproof.reporting import glance
 from hoverproof.reporting.page import Origin, render
-from hoverproof.reporting.parts import PARTS, Missing, Parts, Show, gather
+from hoverproof.reporting.parts import PARTS, Attracted, Missing, Parts, Show, gather
+from hoverproof.reporting.wording import headline
 from hoverproof.simulation.plan import check_runs_differ
 
 
@@ -33,6 +36,10 @@ class Report:
         Of it.
     verdict
         What `hoverproof.certify` returned.
+    start : Attraction, Exponential, Sinks, Undecided or None
+        What `hoverproof.attraction` returned for the start of the mission, if it was asked.
+    glance : sequence of (str, str)
+        Questions and answers at its head: what is proved, for whom, from where, how soon.
     missing : dict of str to str
         Parts that are not in it, and why.
     """
@@ -41,6 +48,8 @@ class Report:
     size: int
     sha256: str
     verdict: GainsVerdict
+    start: Converges | None
+    glance: Sequence[glance.Row]
     missing: Mapping[str, str]
 
 
@@ -98,7 +107,9 @@ def report(
         written = render(parts, Origin(how, mission.source, made_at)).encode()
         beside.write_bytes(written)
     digest = hashlib.sha256(written).hexdigest()
-    return Report(Path(path), len(written), digest, parts.verdict, _missing(parts))
+    start = parts.attraction.start if isinstance(parts.attraction, Attracted) else None
+    rows = glance.rows(parts.attraction, headline(parts))
+    return Report(Path(path), len(written), digest, parts.verdict, start, rows, _missing(parts))
 
 
 def _missing(parts: Parts) -> dict[str, str]:

@@ -20,7 +20,7 @@ from hoverproof.certification.convergence import not_covered
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.export.cost import STEPS
 from hoverproof.paper.judge import Verdict
-from hoverproof.reporting import mathematics, pictures, tables, wording
+from hoverproof.reporting import glance, mathematics, pictures, tables, wording
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts, sentence
 from hoverproof.reporting.player import player_data
 from hoverproof.reporting.tables import short
@@ -114,6 +114,7 @@ def context(parts: Parts, origin: Origin) -> dict[str, Any]:
         "css": _asset("report.css"),
         "js": _asset("player.js"),
         "headline": wording.headline(parts),
+        "glance": glance.rows(parts.attraction, wording.headline(parts)),
         "merits": list(wording.merits(parts)),
         "certificate": files.get("gains"),
         "region_file": files.get("region"),

@@ -156,7 +156,7 @@ def supposed(parts: Parts) -> str:
 
 
 def headline(parts: Parts) -> str:
-    """Say in one sentence what the verdict is.
+    """Say in one sentence what the verdict about the gains is.
 
     Parameters
     ----------

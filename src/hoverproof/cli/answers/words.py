@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 from fractions import Fraction
@@ -24,6 +25,12 @@ def number(value: Any) -> str:
 def numbers(values: Iterable[Any]) -> list[float]:
     """Return numbers as JSON has them."""
     return [float(x) for x in values]
+
+
+def wrapped(name: str, words: str) -> Iterator[str]:
+    """Yield a name, and beside it words in lines that fit."""
+    for k, line in enumerate(textwrap.wrap(words, 54)):
+        yield f"  {'' if k else name:22}  {line}"
 
 
 def interval(ends: Sequence[float | Fraction]) -> str:

@@ -1,0 +1,90 @@
+"""What a report says at one glance: what is proved, for whom, from where, how soon; what is not."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from fractions import Fraction
+
+from hoverproof.certification.attraction.verdict import Attraction
+from hoverproof.certification.convergence import Converges, not_covered
+from hoverproof.certification.exponential.verdict import Exponential
+from hoverproof.reporting.parts import Attracted, Missing
+from hoverproof.reporting.tables import at_least, at_most, place, short
+
+Row = tuple[str, str]
+
+
+def rows(attracted: Attracted | Missing, gains: str) -> list[Row]:
+    """Return questions and their answers.
+
+    Parameters
+    ----------
+    attracted : Attracted or Missing
+        From where the vehicle comes to its goal.
+    gains : str
+        What was said of the gains.
+    """
+    if isinstance(attracted, Missing):
+        return [("Gains", gains)]
+    start, region = attracted.start, attracted.region
+    if region is None:
+        return [("Gains", gains), ("From its start", _unproved(start))]
+    found = [
+        ("For whom", f"{_whom(region)} comes to the hover at its goal"),
+        ("From where", _where(region)),
+        ("How soon", _how_soon(region)),
+        ("On the way", "; ".join(_on_the_way(region))),
+    ]
+    if start.status == "proved":
+        found.append(("Gains", gains))
+    else:
+        found = [("Gains", gains), ("From its start", _unproved(start)), *found]
+    return [*found, ("Not covered", "; ".join(not_covered(region)))]
+
+
+def _whom(region: Attraction | Exponential) -> str:
+    covers = ", ".join(region.mission.uncertainty.covers())
+    return f"every vehicle with {covers}" if covers else "the vehicle, exactly as modelled,"
+
+
+def _where(region: Attraction | Exponential) -> str:
+    starts = ", ".join(
+        place([(low + high) / 2 for low, high in start.position]) for start in region.starts
+    )
+    if isinstance(region, Exponential):
+        return f"its start, {starts}"
+    reach = region.reach
+    hovers = (
+        f"hovers up to {at_least(reach.sideways)} m sideways, {at_least(reach.up)} m up and "
+        f"{at_least(reach.down)} m down of the goal"
+    )
+    return f"its start, {starts}, and {hovers}" if starts else hovers
+
+
+def _how_soon(region: Attraction | Exponential) -> str:
+    if isinstance(region, Attraction):
+        return "in the end; no time is proved"
+    settling, last = region.settling, region.ultimate_radius
+    words = f"within {at_most(settling.radius)} m of its goal from {at_most(settling.time)} s on"
+    return words if last is None else f"{words}, in the end within {at_most(last)} m"
+
+
+def _on_the_way(region: Attraction | Exponential) -> Iterator[str]:
+    yield f"tilt up to {_degrees(region.tilt)}"
+    if isinstance(region, Attraction):
+        low, high = region.thrust
+        yield f"thrust from {at_least(low, 4)} to {at_most(high, 4)} N"
+        return
+    if region.field_of_view is not None:
+        yield f"every target point within {_degrees(region.field_of_view)} of the optical axis"
+    low, high = region.rotor_thrust
+    yield f"each rotor from {at_least(low)} to {at_most(high)} N"
+
+
+def _degrees(angle: Fraction) -> str:
+    return f"{short(math.ceil(math.degrees(angle) * 10) / 10)}°"
+
+
+def _unproved(start: Converges) -> str:
+    return f"{start.status}: {start.reason}"
