@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import shlex
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
@@ -38,7 +38,7 @@ class Report:
         What `hoverproof.certify` returned.
     start : Attraction, Exponential, Sinks, Undecided or None
         What `hoverproof.attraction` returned for the start of the mission, if it was asked.
-    glance : sequence of (str, str)
+    glance : list of Row
         Questions and answers at its head: what is proved, for whom, from where, how soon.
     missing : dict of str to str
         Parts that are not in it, and why.
@@ -49,7 +49,7 @@ class Report:
     sha256: str
     verdict: GainsVerdict
     start: Converges | None
-    glance: Sequence[glance.Row]
+    glance: list[glance.Row]
     missing: Mapping[str, str]
 
 
