@@ -38,7 +38,7 @@ class Report:
         What `hoverproof.certify` returned.
     start : Attraction, Exponential, Sinks, Undecided or None
         What `hoverproof.attraction` returned for the start of the mission, if it was asked.
-    glance : list of Row
+    glance : list of Line
         Questions and answers at its head: what is proved, for whom, from where, how soon.
     missing : dict of str to str
         Parts that are not in it, and why.
@@ -49,7 +49,7 @@ class Report:
     sha256: str
     verdict: GainsVerdict
     start: Converges | None
-    glance: list[glance.Row]
+    glance: list[glance.Line]
     missing: Mapping[str, str]
 
 

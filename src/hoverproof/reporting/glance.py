@@ -12,10 +12,10 @@ from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.reporting.parts import Attracted, Missing
 from hoverproof.reporting.tables import at_least, at_most, place, short
 
-Row = tuple[str, str]
+Line = tuple[str, str]
 
 
-def rows(attracted: Attracted | Missing, gains: str) -> list[Row]:
+def rows(attracted: Attracted | Missing, gains: str) -> list[Line]:
     """Return questions and their answers.
 
     Parameters
