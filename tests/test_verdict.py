@@ -48,7 +48,27 @@ def test_every_verdict_is_read_without_looking_at_the_kind():
         assert verdict.statement is None or verdict.statement == verdict.certificate.statement
         assert (verdict.reason is None) <= (verdict.status != "undecided")
         assert verdict.ending == ("refutation" if verdict.refuted else "cert")
+        shown = repr(verdict)
+        assert shown.startswith(f"<{type(verdict).__name__}, x4-flyer: {verdict.status}: ")
+        assert len(shown) < 200
+        assert "Fraction" not in shown
     assert {status for status, _ in seen} == {"proved", "refuted", "undecided"}
+
+
+def test_a_mission_and_a_certificate_show_themselves_in_a_line():
+    x4 = load("x4-flyer")
+    shown = "<Mission x4-flyer: 9.6 kg, law centroid/image/modelled, 4 points, 3 m above them>"
+    assert repr(x4) == str(x4) == shown
+    seen = load("x4-flyer", {"goal": "{centroid = [0.1, 0, 3]}"})
+    assert repr(seen).endswith("4 points, centroid (0.1, 0.0, 3.0)>")
+    certificate = certify(x4).certificate
+    assert repr(certificate).startswith("<Certificate, x4-flyer: gains, SHA-256 ")
+    assert certificate.content["sha256"].startswith(repr(certificate)[-14:-2])
+
+
+def test_bounds_are_asked_about_around_start_and_goal_by_default():
+    x4 = load("x4-flyer")
+    assert certify_region(x4) == certify_region(x4, default_box(x4))
 
 
 def test_a_claim_is_added_by_its_dataclass_alone():

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from hoverproof.certification.convergence import attraction as attraction
     from hoverproof.certification.exponential.verdict import Exponential as Exponential
     from hoverproof.certification.gains import certify as certify
+    from hoverproof.certification.over_box import certify_region as region
     from hoverproof.checker import check_file as check
     from hoverproof.design.atlas import atlas as atlas
     from hoverproof.design.tuning import pareto as pareto
@@ -53,6 +54,7 @@ _HOMES = {
     "fly_firmware": ("hoverproof.firmware", "fly_firmware"),
     "load": ("hoverproof.mission.reading", "load"),
     "pareto": ("hoverproof.design.tuning", "pareto"),
+    "region": ("hoverproof.certification.over_box", "certify_region"),
     "presets": ("hoverproof.mission.presets", "presets"),
     "report": ("hoverproof.reporting.document", "report"),
     "simulate": ("hoverproof.simulation.flight", "simulate"),
@@ -79,6 +81,7 @@ __all__ = [
     "load",
     "pareto",
     "presets",
+    "region",
     "report",
     "simulate",
     "simulate_batch",

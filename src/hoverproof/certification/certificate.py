@@ -18,7 +18,7 @@ from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Certificate:
     """A certificate or a counterexample, ready to be checked.
 
@@ -34,6 +34,10 @@ class Certificate:
     def statement(self) -> str:
         """The theorem in words."""
         return str(self.content["statement"])
+
+    def __repr__(self) -> str:
+        kind, mission = self.content["kind"], self.content["mission"]["name"]
+        return f"<Certificate, {mission}: {kind}, SHA-256 {self.content['sha256'][:12]}…>"
 
     def text(self) -> str:
         """Return what is written to the file."""

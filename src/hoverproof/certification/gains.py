@@ -41,7 +41,7 @@ MOST_ROUNDS = 40
 NO_BETTER = 1e-7
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class ProvedGains(Proved):
     """Σ is positive definite over the whole region.
 
@@ -64,8 +64,14 @@ class ProvedGains(Proved):
     margin_above: Fraction
     decay_rate: Fraction
 
+    @property
+    def gist(self) -> str:
+        """Margin and decay rate."""
+        margin, rate = float(self.margin), float(self.decay_rate)
+        return f"margin of Σ {margin:.6g} kg/s, decay rate of L {rate:.6g} 1/s"
 
-@dataclass(frozen=True, kw_only=True)
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class RefutedGains(Refuted):
     """Σ has a negative direction at some point of the region.
 
@@ -94,8 +100,13 @@ class RefutedGains(Refuted):
     value: Fraction
     margin_above: Fraction
 
+    @property
+    def gist(self) -> str:
+        """The worst eigenvalue."""
+        return f"Σ has an eigenvalue of {float(self.margin_above):.6g} kg/s or less"
 
-@dataclass(frozen=True, kw_only=True)
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class UndecidedGains(Undecided):
     """Whether Σ is positive definite over the whole region is not known.
 

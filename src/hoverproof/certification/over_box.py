@@ -11,6 +11,7 @@ from hoverproof.certification.region import (
     Box,
     Enclosure,
     Outside,
+    default_box,
     enclosures,
     halved,
     outside,
@@ -25,14 +26,20 @@ from hoverproof.servo.loop import level_slope
 TOO_MANY = "the bounds were neither proved nor broken over the box within the limit of boxes"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class _OverBox:
     box: Box
     bounds: Interval
     enclosure: Enclosure | None
 
+    @property
+    def gist(self) -> str:
+        """The bounds that were asked about."""
+        low, high = map(float, self.bounds)
+        return f"bounds [{low:.6g}, {high:.6g}] 1/m over a box"
 
-@dataclass(frozen=True, kw_only=True)
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class ProvedBounds(_OverBox, Proved):
     """The bounds of the eigenvalues of Q hold at every position in a box.
 
@@ -50,7 +57,7 @@ class ProvedBounds(_OverBox, Proved):
     """
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class RefutedBounds(_OverBox, Refuted):
     """The bounds of the eigenvalues of Q do not hold somewhere in a box.
 
@@ -67,7 +74,7 @@ class RefutedBounds(_OverBox, Refuted):
     outside: Outside
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class UndecidedBounds(_OverBox, Undecided):
     """Whether the bounds of the eigenvalues of Q hold all over a box is not known.
 
@@ -85,7 +92,9 @@ class UndecidedBounds(_OverBox, Undecided):
 BoundsVerdict = ProvedBounds | RefutedBounds | UndecidedBounds
 
 
-def certify_region(mission: Mission, box: Box, most: int | None = None) -> BoundsVerdict:
+def certify_region(
+    mission: Mission, box: Box | None = None, most: int | None = None
+) -> BoundsVerdict:
     """Prove or refute that the mission's eigenvalue bounds hold over a box.
 
     Bounds that are "auto" are those that hold over the box.
@@ -93,7 +102,8 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Bound
     Parameters
     ----------
     mission : Mission
-    box : (3,) of (low, high), world frame, m
+    box : (3,) of (low, high), optional
+        World frame, m; by default one around start and goal, see `default_box`.
     most : int, optional
         Largest number of cells of the box; see `enclose`.
 
@@ -107,6 +117,7 @@ def certify_region(mission: Mission, box: Box, most: int | None = None) -> Bound
         If the box holds a target point, where Q is infinite, or if the bounds are "auto" and none
         are proved.
     """
+    box = default_box(mission) if box is None else box
     proved = _enclose(mission, box, most)
     wanted = mission.bounds.eigenvalues
     if not isinstance(wanted, tuple):

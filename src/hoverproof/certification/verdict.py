@@ -6,6 +6,7 @@ A theorem adds what it claims as dataclasses under these, such as `ProvedGains` 
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, Self
 
@@ -13,8 +14,25 @@ from hoverproof.certification.certificate import Certificate
 from hoverproof.mission.sections import Mission
 
 
-@dataclass(frozen=True, kw_only=True)
-class Proved:
+class _OfMission:
+    """What all verdicts have: a short word of themselves."""
+
+    mission: Mission
+    status: ClassVar[str]
+
+    @property
+    def gist(self) -> str:
+        """The answer in a few words."""
+        return ""
+
+    def __repr__(self) -> str:
+        gist = textwrap.shorten(self.gist, 100, placeholder=" …")
+        words = f"{self.status}: {gist}" if gist else self.status
+        return f"<{type(self).__name__}, {self.mission.name}: {words}>"
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Proved(_OfMission):
     """What was asked holds, and the checker accepts the certificate.
 
     Attributes
@@ -44,8 +62,8 @@ class Proved:
         return self.certificate.statement
 
 
-@dataclass(frozen=True, kw_only=True)
-class Refuted:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Refuted(_OfMission):
     """What was asked does not hold: the checker accepts the counterexample in the certificate.
 
     Attributes
@@ -74,13 +92,18 @@ class Refuted:
         return None
 
     @property
+    def gist(self) -> str:
+        """What happens, if it is said in words."""
+        return self.reason or ""
+
+    @property
     def statement(self) -> str:
         """What the counterexample shows, in words."""
         return self.certificate.statement
 
 
-@dataclass(frozen=True, kw_only=True)
-class Undecided:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Undecided(_OfMission):
     """Neither a proof nor a counterexample was found.
 
     Attributes
@@ -105,6 +128,11 @@ class Undecided:
     reason: str
     advice: tuple[str, ...] = ()
     certificate: Certificate | None = None
+
+    @property
+    def gist(self) -> str:
+        """What stood in the way."""
+        return self.reason
 
     def because(self, more: str) -> Self:
         """Return it with more to the reason.

@@ -263,6 +263,18 @@ class Mission(_Section):
     scatter: Annotated[Scatter, Field(exclude=True)] = Scatter()
     source: Annotated[str, Field(exclude=True)] = "mission"
 
+    def __repr__(self) -> str:
+        goal, points = self.goal, len(self.target.points)
+        where = (
+            f"centroid {tuple(map(float, goal.centroid))}"
+            if goal.centroid is not None
+            else f"{float(goal.height or 0):g} m above them"
+        )
+        mass = f"{float(self.vehicle.mass):g} kg"
+        return f"<Mission {self.name}: {mass}, law {self.law.name}, {points} points, {where}>"
+
+    __str__ = __repr__
+
     @model_validator(mode="after")
     def _hangs_together(self) -> Self:
         points, weight = self.target.points, self.vehicle.weight

@@ -55,7 +55,7 @@ class Reach:
     down: Fraction
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Attraction(Proved):
     """A region of attraction.
 
@@ -93,12 +93,18 @@ class Attraction(Proved):
     starts: tuple[Start, ...]
 
     @property
+    def gist(self) -> str:
+        """How far the hovers inside reach from the goal."""
+        sides = ("sideways", "up", "down")
+        return ", ".join(f"{float(getattr(self.reach, side)):.4g} m {side}" for side in sides)
+
+    @property
     def tolerant(self) -> bool:
         """Whether it is about every vehicle within tolerance: of Ψ in place of Λ."""
         return bool(self.certificate.content["kind"] == "potential")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Sinks(Refuted):
     """A start that was asked for sinks: from above the lowest target point to its height.
 

@@ -37,7 +37,7 @@ class Settling:
     time: Fraction
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Exponential(Proved):
     """From all starts every vehicle within tolerance converges, Ψ(t) <= Ψ(0) exp(-r t).
 
@@ -88,3 +88,9 @@ class Exponential(Proved):
     ultimate_radius: Fraction | None
     rotor_thrust: tuple[Fraction, Fraction]
     starts: tuple[Start, ...]
+
+    @property
+    def gist(self) -> str:
+        """How soon it is how near."""
+        radius, time = float(self.settling.radius), float(self.settling.time)
+        return f"within {radius:.4g} m of the goal from {time:.4g} s on"
