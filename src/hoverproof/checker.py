@@ -1521,7 +1521,7 @@ def state_of(start: Object) -> str:
 #   e3×Ω' = (I + γ) b - Ω3 Gt e3×Ω, b the lag of a + Ω3 Gc e3×Ω, where Gc is the controller's own,
 #   |Gc| <= ρ' = max(|I3 - I2|/I1, |I3 - I1|/I2), and G = (I + γ) Gc - Gt.
 #
-# The controller has V, Ω, ρ, F and Tc = T - e3·w, if without noise; its feature is that of t - τ(t), 0 <= τ(t) <= τ',
+# The controller has V, Ω, ρ, F and Tc = T - e3·w; its feature is that of t - τ(t), 0 <= τ(t) <= τ',
 # turned to now, and n what is used less what is now: n = ∫ y over that time. c = k1² k2/m,
 # κ = (k1 k2 + k3)/m, K = κ + k4/m, k12 = k1 k2/m, Dc = Tc - c s3, h = cκ/Dc, ζ = δ4 - Pδ3,
 # e3×Ω = h ζ, χ = 1 + e3·w/Dc, u = Ua/c, p1 = h δ3z, p2 = h nz, p3 = e3·(Ω×w)/Dc, U = Dc (p1 - p2),
@@ -1545,16 +1545,19 @@ def state_of(start: Object) -> str:
 #
 # A feature that is not turned to now is used in the axes that the camera had then. It moves by
 # s' = -Ω×s - y, so n = ∫ (y + Ω×s), and y + Ω×s stands in the memory in the place of y, where
-# |Ω×s| <= h|s||ζ| + Ω3'|Ps|, |s| <= s3* + |δ1|; Ps = Pδ1 for a goal in the image, else Pδ1 + s3* Pρ,
-# m g Pρ = c P(δ3 - δ2) - Pw. What w adds to n, at most τ' Ω3' s3* w'/g, is counted as noise.
+# |Ω×s| <= h|s||ζ| + Ω3'|Ps|, |s| <= s3* + |δ1|; Ps = Pδ1 for a goal in the image, else
+# Ps = Pδ1 + s3* Pρ, m g Pρ = c P(δ3 - δ2) - Pw. What w adds to n, at most τ' Ω3' s3* w'/g, is
+# counted as noise.
 #
 # Let feature, V, Ω, ρ and m a be measured wrong by b, v, (ω turned by e3×, ω3), d and f, each with
 # the bound of the mission, and let a gust g, an acceleration, be beside the wind. F, Tc and all δ
-# are those without it. With G = (m/k1) g, α = f + m g and φ = (α + m |gravity| d)/c for a measured
-# force, where α = 0 else, and B = b - (m/k1) v - φ - [inertial] s3* d: n + B stands where n does, but
-# for the memory; G is added to δ2', δ3' and P of it to δ4'; and to σ (with lag to τ μ') is added
+# are those without it. With G = (m/k1) g, α = f + m g for a measured force, else 0, and φ = (α +
+# weight d)/c, B = b - (m/k1) v - φ, for an inertial goal less s3* d: n + B stands where n does, but
+# for the memory. A gyroscope that is wrong turns a late image by at most τ'|Ω error|, so that B is
+# larger by |s| times that. G is added to δ2', δ3' and P of it to δ4', and to σ (with lag to τ μ')
 #
-#   C - (πc - π)ζ + ω3 Gc ζ + (1 + ι) ω3 e3×q - ι (K q - Ω3 e3×q) - ι k12 P(δ3 - δ2), q = P(δ3 - n - B),
+#   C - (πc - π)ζ + ω3 Gc ζ + (1 + ι) ω3 e3×q - ι (K q - Ω3 e3×q) - ι k12 P(δ3 - δ2),
+#   q = P(δ3 - n - B),
 #   C = -(1 + ι) k12 Pφ - (K + πc) ω/h + (Ω3 + ω3) Gc ω/h,   ι = Dc/(Dc - αz) - 1,
 #   πc = 2h (1 + ι)(δ3 - n - B)z + e3·((Ω + (ω, ω3))×(w + α))/(Dc - αz).
 #
@@ -1838,6 +1841,8 @@ class Tolerant(Claim):
         self.tipped = upward(self.push / lever)
         self.reach = self.seen()  # bounds |s|
         self.sweep = upward(self.quick * self.reach)  # |Ω×s| <= sweep |ζ| + Ω3' |Ps|
+        if not self.late_axes:
+            self.noise += upward(may.latency * self.spun * self.reach)
         past = self.high * speed
         if self.late_axes:
             past += self.sweep * self.turn + may.yaw_rate * self.reach

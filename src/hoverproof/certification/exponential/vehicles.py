@@ -280,7 +280,13 @@ class Limits:
         v = self.vehicles
         speed = self.reach.speed / float(v.design.slowness)
         swept = v.swept * (self.sweep * self.reach.turn + v.yaw_rate * self.seen)
-        return v.latency * self.largest * speed + swept + v.missed
+        return v.latency * self.largest * speed + swept + self.missed
+
+    @property
+    def missed(self) -> float:
+        """Bound of |ν|: of that what is there without y and errors; a wrong gyroscope turns too."""
+        v = self.vehicles
+        return v.missed + (v.latency - v.swept) * v.gyro * self.seen
 
     @property
     def seen(self) -> float:
@@ -345,7 +351,7 @@ class Limits:
         v = self.vehicles
         shaken = 1.0 if v.rotor_lag else 1 + v.torque
         each = [
-            ("noise", v.missed),
+            ("noise", self.missed),
             ("command", shaken * self.struck),
             ("gust", float(v.design.slowness) * v.gusts),
         ]
