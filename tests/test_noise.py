@@ -25,7 +25,13 @@ NOISES = {
         **{"noise.feature": "0.02", "noise.velocity": "0.0005", "noise.force": "0.001"},
         **{"noise.rate": "0.0005", "noise.vertical": "0.0001", "gust": "0.001"},
     },
-    "no lag": {"rotor_lag": "0", "noise.force": "0.002", "noise.rate": "0.001", "gust": "0.001"},
+    "late": {
+        "rotor_lag": "0",
+        "latency": "0.03",
+        "noise.force": "0.002",
+        "noise.rate": "0.001",
+        "gust": "0.001",
+    },
 }
 
 
@@ -34,6 +40,7 @@ def proved(tmp_path_factory, request):
     path = tmp_path_factory.mktemp("missions") / "tag.toml"
     path.write_text(MISSION, encoding="utf-8")
     keys = {f"uncertainty.{key}": value for key, value in NOISES[request.param].items()}
+    keys["sensors.gyro_turned"] = "true"
     found = converge(load(path, keys))
     assert found.status == "proved", found.reason
     return found
@@ -303,7 +310,7 @@ def test_noise_needs_its_multiplier(name, proved):
         checker.claim_of(made)
 
 
-@pytest.mark.parametrize("name", ["stray", "wobble", "twist", "struck", "jolt", "shock"])
+@pytest.mark.parametrize("name", ["noise", "stray", "wobble", "twist", "struck", "jolt", "shock"])
 def test_search_and_checker_bound_what_noise_does_alike(name, proved):
     """Search and checker have the same bound of each."""
     claim = checker.claim_of(proved.certificate.content)
@@ -311,7 +318,7 @@ def test_search_and_checker_bound_what_noise_does_alike(name, proved):
     limits = Limits(vehicles, Reach.of(case.w[1:], case.level), case.slope)
     own = {
         **{"stray": limits.stray, "wobble": limits.misled[0], "twist": limits.misled[1]},
-        **{"struck": limits.struck, "shock": vehicles.shock},
+        **{"noise": limits.missed, "struck": limits.struck, "shock": vehicles.shock},
         "jolt": float(vehicles.design.slowness) * vehicles.gusts,
     }
     assert float(getattr(claim, name)) == pytest.approx(own[name], rel=1e-6)

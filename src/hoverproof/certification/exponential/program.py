@@ -192,8 +192,8 @@ def _flow_and_ahead(kept: Sequence[int]) -> Iterator[Array]:
 
 def _symmetric(left: Array, right: Array) -> Array:
     """Return the matrix of the form (left X)ᵀ(right X)."""
-    product = np.swapaxes(left, -1, -2) @ right
-    return np.asarray((product + np.swapaxes(product, -1, -2)) / 2)
+    product: Array = np.asarray(np.swapaxes(left, -1, -2) @ right)
+    return np.asarray(product + np.swapaxes(product, -1, -2)) / 2.0
 
 
 def _aside(at: dict[str, Array], v: Vehicles, potential: bool) -> Array:
