@@ -76,7 +76,8 @@ def vehicles_of(case):
     """Return what the graph's form takes of a case."""
     law = LAWS[tuple((PAPERS | case.content["mission"].get("law", {})).values())]
     numbers = np.array(case.design, float)
-    return Vehicles(law, numbers, case.s3, *(getattr(case, name) for name in kit.TOLERANCES))
+    tolerances = (getattr(case, name) for name in kit.TOLERANCES)
+    return Vehicles(law, numbers, case.s3, *tolerances, turned=not case.late_axes)
 
 
 def least(matrix):
@@ -250,7 +251,7 @@ class Truth:
         """Return what the latency remembers of a start that moved as it moves, (k,)."""
         case = self.case
         fading = np.exp(-case.r * case.latency)
-        flow = kit.dot(view.level_flow, view.level_flow)
+        flow = kit.dot(view.kept_flow(), view.kept_flow())
         return case.M * case.latency**2 / 2 * fading * flow
 
     def begins(self, start):
@@ -285,7 +286,8 @@ class OfPotential(Truth):
     def limits(self):
         case = self.case
         far = len(case.points) + case.s3 + np.sqrt(2 * case.level / case.w[1])
-        reach = replace(Reach.of(case.w[1:], case.level), speed=far)
+        seen = len(case.points) - case.s3
+        reach = replace(Reach.of(case.w[1:], case.level), speed=far, image=seen)
         limits = Limits(self.vehicles, reach, case.slope)
         assert np.isfinite(limits.lever).all()
         assert limits.tilt < 1

@@ -18,7 +18,6 @@ from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.tolerant import posed
 from hoverproof.certification.exponential.program import Sector, falls
 from hoverproof.certification.exponential.vehicles import Limits, Reach
-from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from uncertain_flights import fly
 
@@ -269,12 +268,6 @@ def test_wind_with_a_goal_in_the_image_says_why_not():
     verdict = attraction(crazyflie(**{"uncertainty.wind": "0.2"}))
     assert verdict.status == "undecided"
     assert "wind moves the hover" in verdict.reason
-
-
-def test_latency_without_the_gyroscope_is_one_clear_error():
-    mission = load("crazyflie-2.1", {**GAINS, **LATE})
-    with pytest.raises(InputError, match="gyro_turned"):
-        attraction(mission)
 
 
 @pytest.mark.parametrize("name", ["thrust", "latency", "rotor_lag", "wind"])

@@ -164,6 +164,7 @@ class Case:
         asked = mission.get("uncertainty", {})
         for name in TOLERANCES:
             setattr(self, name, float(Fraction(asked.get(name, "0"))))
+        self.late_axes = asked.get("gyro_turned") == "false"
         first, second, third = self.inertia
         self.compensated = np.array([[0, (third - first) / second], [(second - third) / first, 0]])
         self.turn_radius = (1 + self.torque) * np.abs(self.compensated).max() + self.torque
@@ -197,7 +198,10 @@ class Case:
         bz, v = np.sqrt(two * (1 / w4 + 1 / w3)), self.k[0] / self.m * np.sqrt(two * (1 + 1 / w2))
         force, lever = self.c * b32, self.c * self.fixed
         low = np.sqrt((weight - force) ** 2 - gust**2) - lever
-        h, n = self.c * self.kappa / low, self.latency * self.slope * v
+        h, past = self.c * self.kappa / low, self.slope * v
+        if self.late_axes:
+            past += (self.s3 + np.sqrt(two / w1)) * (h * bz + self.yaw_rate)
+        n = self.latency * past
         p3 = h * bz * gust / low
         return {
             "b1": np.sqrt(two / w1),
@@ -288,6 +292,24 @@ class View:
     def feature(self, level):
         """Return what the camera has of a level image: turned by the attitude of now."""
         return back(self.R, level)
+
+    def kept(self):
+        """Return what is kept of an image until it is used: level, or as the camera has it."""
+        return self.feature(self.level_image) if self.case.late_axes else self.level_image
+
+    def kept_flow(self):
+        """Return minus the rate of that, but for what the wind leans and the yaw turns."""
+        if not self.case.late_axes:
+            return self.level_flow
+        turned = cross(self.Omega, self.feature(self.level_image))
+        if not self.case.fixed:
+            aside = self.Omega[2] * self.case.s3 / self.case.g * quarter(self.wind)
+            turned = turned + np.stack([*aside, 0 * aside[0]])
+        return self.feature(self.level_flow) + turned
+
+    def as_level(self, kept):
+        """Return the level image that the controller takes what was kept for."""
+        return times(self.R, kept) if self.case.late_axes else kept
 
     def commanded(self, level):
         """Return U, N/s, and e₃ × Γ/I, rad/s², of the controller with this level image."""

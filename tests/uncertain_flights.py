@@ -168,7 +168,8 @@ class Nature:
         late = np.where(self.delay == 3, swing, late)
         if k and (self.delay == 4).any():
             tried = [0, k // 2, k]
-            value = np.stack([worst.delay(ring.level(np.full(self.count, j))) for j in tried])
+            kept = (ring.level(np.full(self.count, j)) for j in tried)
+            value = np.stack([worst.delay(view.as_level(each)) for each in kept])
             late = np.where(self.delay == 4, np.array(tried)[value.argmax(0)], late)
         self.late = late
         earlier = np.maximum(late - 1, 0)
@@ -183,7 +184,7 @@ class Nature:
         """
         held = self.delay == 2
         aged = {0: self.first, 0.5: self.middle, 1: self.second}[part]
-        late = np.where(held, self.first, aged)
+        late = view.as_level(np.where(held, self.first, aged))
         return np.where((self.late == 0) & ~held, view.level_image, late)
 
 
@@ -244,6 +245,9 @@ class Ring:
         position = view.x[POSITION] + past * view.x[VELOCITY]
         both = [case.image(p, view.x[VELOCITY]) for p in position]
         self.levels, self.flows = (np.stack(v) for v in zip(*both, strict=True))
+        if case.late_axes:  # of a vehicle that has not turned
+            self.levels = np.stack([view.feature(x) for x in self.levels])
+            self.flows = np.broadcast_to(view.kept_flow(), self.levels.shape).copy()
         self.squares = (self.flows**2).sum(1)
         self.at, self.length = 0, frames + 1
         u = step * np.arange(frames + 1)
@@ -263,8 +267,8 @@ class Ring:
 
     def push(self, view):
         self.at = (self.at - 1) % self.length
-        self.levels[self.at], self.flows[self.at] = view.level_image, view.level_flow
-        self.squares[self.at] = dot(view.level_flow, view.level_flow)
+        self.levels[self.at], self.flows[self.at] = view.kept(), view.kept_flow()
+        self.squares[self.at] = dot(self.flows[self.at], self.flows[self.at])
 
     def memory(self):
         """Return M ∫ (τ̄ - u) e^{-ru} |y(t - u)|² du, by Simpson's rule."""
@@ -511,7 +515,7 @@ def _excess(case, numbers):
     doubt.turn = Nature._turn(nature, doubt.torque, way)
     doubt.gain = 1 + case.thrust * np.where(worst.gain() > 0, 1, -1)
     rate = _energy_rate(view, level)
-    cost = case.M * (late * dot(view.level_flow, view.level_flow)) if late else 0
+    cost = case.M * (late * dot(view.kept_flow(), view.kept_flow())) if late else 0
     cost = cost - (case.M * r / growth * dot(n, n) if late else 0)
     energy = view.energy()
     psi = energy + (memory * dot(n, n) if late else 0)

@@ -328,11 +328,24 @@ LAW = {  # the choices of a law; without them it is the paper's
     "force": word("modelled|measured", "no such force"),
 }
 PAPERS = ("centroid", "image", "modelled")
-UNCERTAINTY = {  # what a proof is asked to cover; without it, nothing
-    **dict.fromkeys(("thrust", "torque"), share),
-    **dict.fromkeys(("latency", "rotor_lag", "wind", "yaw_rate"), size),  # s, s, m/s², rad/s
-    "noise": dict.fromkeys(("feature", "velocity", "force", "rate"), size),  # 1, m/s, N, rad/s
-}
+
+
+def also(shape: dict[str, Any], **more: Any) -> tuple[dict[str, Any], ...]:
+    """Return the shapes of objects that have any of some more keys besides."""
+    names = itertools.product(*((None, name) for name in more))
+    return tuple(shape | {name: more[name] for name in some if name} for some in names)
+
+
+NOISE = dict.fromkeys(("feature", "velocity", "force", "rate"), size)  # 1, m/s, N, rad/s
+UNCERTAINTY = also(  # what a proof is asked to cover; without it, nothing
+    {
+        **dict.fromkeys(("thrust", "torque"), share),
+        **dict.fromkeys(("latency", "rotor_lag", "wind", "yaw_rate"), size),  # s, s, m/s², rad/s
+        "noise": also(NOISE, vertical=positive),  # 1
+    },
+    gust=positive,  # m/s²
+    gyro_turned=word("false", "a late image is turned by the gyroscope unless this is false"),
+)
 CAMERA = {"half_angle": positive}  # rad
 WHERE = {"height": number}, {"centroid": VECTOR}  # m; q*
 IMAGE = word("image", "a heading that is not from a compass is from the image")
@@ -1536,10 +1549,26 @@ def state_of(start: Object) -> str:
 #
 #   Ψ = E + M ∫_{-τ'}^0 ∫_{t+x}^t exp(r(z - t)) |y(z)|² dz dx.
 #
-# Where the feature and V are measured with noise b and v, what is used less what is now is
-# n + ν, ν = b - (m/k1) v: so n + ν stands where n does, but for the memory, and with a
-# term -σν|ν|² the same gives Ψ' <= -r Ψ + σν|ν|², so that {Ψ <= ℓ} is not left while ℓ∞ =
-# σν max|ν|²/r < ℓ, and Ψ(t) <= Ψ(0) exp(-r t) + ℓ∞.
+# A feature that is not turned to now is used in the axes that the camera had then. It moves by
+# s' = -Ω×s - y, so n = ∫ (y + Ω×s), and y + Ω×s stands in the memory in the place of y, where
+# |Ω×s| <= h|s||ζ| + Ω3'|Ps|, |s| <= s3* + |δ1|; Ps = Pδ1 for a goal in the image, else
+# Ps = Pδ1 + s3* Pρ, m g Pρ = c P(δ3 - δ2) - Pw. What w adds to n, at most τ' Ω3' s3* w'/g, is
+# counted as noise.
+#
+# Let feature, V, Ω, ρ and m a be measured wrong by b, v, (ω turned by e3×, ω3), d and f, each with
+# the bound of the mission, and let a gust g, an acceleration, be beside the wind. F, Tc and all δ
+# are those without it. With G = (m/k1) g, α = f + m g for a measured force, else 0, and φ = (α +
+# weight d)/c, B = b - (m/k1) v - φ, for an inertial goal less s3* d: n + B stands where n does, but
+# for the memory. A gyroscope that is wrong turns a late image by at most τ'|Ω error|, so that B is
+# larger by |s| times that. G is added to δ2', δ3' and P of it to δ4', and to σ (with lag to τ μ')
+#
+#   C - (πc - π)ζ + ω3 Gc ζ + (1 + ι) ω3 e3×q - ι (K q - Ω3 e3×q) - ι k12 P(δ3 - δ2),
+#   q = P(δ3 - n - B),
+#   C = -(1 + ι) k12 Pφ - (K + πc) ω/h + (Ω3 + ω3) Gc ω/h,   ι = Dc/(Dc - αz) - 1,
+#   πc = 2h (1 + ι)(δ3 - n - B)z + e3·((Ω + (ω, ω3))×(w + α))/(Dc - αz).
+#
+# With terms -σB|B|² - σC|C|² - σG|G|² the same gives Ψ' <= -r Ψ + r ℓ∞, r ℓ∞ = σB max|B|² + ..., so
+# that {Ψ <= ℓ} is not left while ℓ∞ < ℓ, and Ψ(t) <= Ψ(0) exp(-r t) + ℓ∞.
 #
 # For |J - j I| <= ϱ, ϱ²|V|² >= |y - jV|². As |n|² <= τ' ∫ |y|² over the last τ', Ψ' <= -r Ψ if
 #
@@ -1736,7 +1765,7 @@ class Wedges:
 
 NONE = Object(
     **dict.fromkeys(("thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate"), Fraction(0)),
-    noise=Object(**dict.fromkeys(("feature", "velocity", "force", "rate"), Fraction(0))),
+    noise=Object(**dict.fromkeys(NOISE, Fraction(0))),
 )
 
 
@@ -1756,9 +1785,8 @@ class Tolerant(Claim):
         self.goal = wanted[2]  # holds s3*
         self.inertial = self.law[1] == "inertial"
         self.may = may = getattr(c.mission, "uncertainty", NONE)
-        unsure = may.noise.force or may.noise.rate
-        require(not unsure, "noise of the force and of the body rates is not covered")
-        self.noise = may.noise.feature + self.m / self.k[0] * may.noise.velocity  # |ν|
+        self.late_axes = hasattr(may, "gyro_turned") and may.latency > 0
+        self.disturb(may.noise, getattr(may, "gust", Fraction(0)))
         exact = self.law[2] == "measured" or not (may.thrust or may.rotor_lag or may.wind)
         require(exact, "a modelled force knows nothing of thrust, rotor lag and wind")
         require((c.lag is not None) == (may.rotor_lag > 0), "weights of the lag belong to a lag")
@@ -1766,12 +1794,13 @@ class Tolerant(Claim):
         i1, i2, i3 = c.mission.vehicle.inertia
         self.gyroscopic = max(abs(i3 - i2) / i1, abs(i3 - i1) / i2)  # bounds |Gc|
         self.bound()
-        late, lagged, noisy = may.latency > 0, may.rotor_lag > 0, self.noise > 0
+        late, lagged = may.latency > 0, may.rotor_lag > 0
+        noisy, struck, blown = (self.shaken[name] > 0 for name in ("noise", "command", "gust"))
         held = [*[(True, True)] * 3, (True, False), (True, True)]
-        held += [(late, late), (noisy, noisy), (lagged, lagged)]
+        held += [(late, late), (noisy, noisy), (struck, False), (blown, blown), (lagged, lagged)]
         self.size = sum(map(sum, held))
         count = itertools.count()
-        *self.errors, self.Y, self.N, self.B, lag = (
+        *self.errors, self.Y, self.N, self.B, self.C, self.G, lag = (
             Vector(Form({(next(count),): Fraction(1)} if there else {}) for there in (x, False, z))
             for x, z in held
         )
@@ -1781,6 +1810,21 @@ class Tolerant(Claim):
             len(c.multipliers.terms) == len(self.terms(Fraction(0), Fraction(0))),
             "a multiplier a term",
         )
+
+    def disturb(self, noise: Object, gust: Fraction) -> None:
+        """Bound b, of the image error; the error of the force; that of Ω; and a gust, over k1/m."""
+        tipped, self.spun = getattr(noise, "vertical", Fraction(0)), noise.rate
+        measured = self.law[2] == "measured"
+        self.felt = noise.force + self.m * gust if measured else Fraction(0)  # of m a
+        self.shock = (self.felt + self.weight * tipped) / self.stiffness  # |φ|
+        self.noise = noise.feature + self.m / self.k[0] * noise.velocity + self.shock
+        s3 = self.c.enclosures.goal[1]
+        if self.inertial:
+            self.noise += s3 * tipped
+            if self.late_axes:
+                turned = self.may.latency * self.may.yaw_rate * s3 * self.may.wind
+                self.noise += turned / self.gravity
+        self.jolt = self.m / self.k[0] * gust
 
     def bound(self) -> None:
         """Bound what the set {Ψ <= ℓ} holds."""
@@ -1801,16 +1845,43 @@ class Tolerant(Claim):
         # the ends of s3 h, χ - 1 and π
         self.drag = pull[0] / self.stiffness * gain / longest, pull[1] / self.stiffness * self.quick
         self.tipped = upward(self.push / lever)
-        self.missed = upward(may.latency * self.high * speed + self.noise)  # |n + ν|
+        self.reach = self.seen()  # bounds |s|
+        self.sweep = upward(self.quick * self.reach)  # |Ω×s| <= sweep |ζ| + Ω3' |Ps|
+        if not self.late_axes:
+            self.noise += upward(may.latency * self.spun * self.reach)
+        past = self.high * speed
+        if self.late_axes:
+            past += self.sweep * self.turn + may.yaw_rate * self.reach
+        self.missed = upward(may.latency * past + self.noise)  # |n + ν|
         self.cross = upward(self.quick * self.turn * self.tipped)  # |p3|
         self.sinking = upward(self.quick * (self.sink + self.missed))  # |p1 - p2|, |Ua/Dc|
         self.pace = 2 * self.sinking + self.cross
+        self.mislead(lever, longest / gain)
         self.sine = (self.force + self.push) / self.weight  # bounds sin φ
         self.cosine = square_root(1 - self.sine**2)[0]  # below cos φ
         self.lean = upward(square_root(2 / (1 + self.cosine))[1])  # t
 
+    def mislead(self, lever: Fraction, slow: Fraction) -> None:
+        """Bound ι, πm - π, and what errors of force and of Ω are in the command without others."""
+        require(lever > self.felt, "the error of the force is not shown to be below the lever")
+        self.stray = upward(self.felt / (lever - self.felt))  # |ι|
+        turned = self.quick * self.turn * self.felt + self.spun * (self.push + self.felt)
+        wrong = self.stray * self.pace + (1 + self.stray) * turned / lever
+        self.wobble = upward(wrong + self.spun * self.gyroscopic)  # with that of Ω3 Gc
+        stiff, yaw = self.kappa + self.damping, self.may.yaw_rate
+        self.twist = upward(self.stray * (stiff + yaw) + (1 + self.stray) * self.spun)
+        turning = stiff + self.pace + wrong + (yaw + self.spun) * self.gyroscopic
+        struck = (1 + self.stray) * self.k12 * self.shock + turning * self.spun * slow
+        self.struck = upward(struck) if struck else Fraction(0)
+        gain = Fraction(1) if self.c.lag else 1 + self.may.torque
+        self.shaken = {"noise": self.noise, "command": gain * self.struck, "gust": self.jolt}
+
     def fastest(self) -> Fraction:
         """Bound |δ1 + δ2|."""
+        raise NotImplementedError
+
+    def seen(self) -> Fraction:
+        """Bound |s|."""
         raise NotImplementedError
 
     def vertices(self) -> Any:
@@ -1833,15 +1904,16 @@ class Tolerant(Claim):
         (w2, w3, w4), kappa, stiff = self.c.weights, self.kappa, self.kappa + self.damping
         (D1, D2, D3, D4), Y, N = self.errors, self.Y, self.A
         zeta, pull = D4 - flat(D3), self.k12 * (D3 - D2)
-        dragged = drag * zeta
+        dragged, flow = drag * zeta, Y + self.G
         lift = kappa * upright(D3) + self.lift if self.c.lag else kappa * upright(D3 - N)
-        d1, d2 = dragged - Y, Y + pull - dragged
-        d3 = Y + pull + (kappa * chi) * zeta - gain * lift
+        d1, d2 = dragged - Y, flow + pull - dragged
+        d3 = flow + pull + (kappa * chi) * zeta - gain * lift
         turning = kappa * chi + (gain - 1) * pi / 2 + pi
-        d4 = flat(Y + pull) + turning * zeta + self.command(pi)
+        d4 = flat(flow + pull) + turning * zeta + self.command(pi)
+        d4 = d4 if self.c.lag else d4 + self.C
         total: Form = self.w1 * (D1 @ d1) + w2 * (D2 @ d2) + w3 * (D3 @ d3) + w4 * (D4 @ d4)
         if self.c.lag:
-            steady = stiff * flat(N) - pi * zeta - self.lag
+            steady = stiff * flat(N) - pi * zeta - self.lag + self.C
             late = steady + tau * (stiff * d4 + self.k12 * ((kappa * chi) * zeta + dragged))
             sinks = Fraction(-1) * (kappa * upright(N) + self.lift + (tau * kappa) * upright(d3))
             total += self.c.lag.torque * (self.lag @ late) + self.c.lag.thrust * (self.lift @ sinks)
@@ -1861,30 +1933,48 @@ class Tolerant(Claim):
         may, yaw, zeta = self.may, self.may.yaw_rate, D4 - flat(D3)
         u, missed, sigma = self.c.weights[2] * D4, flat(D3 - self.A), self.command(pi)
         turned = self.quick * self.missed + may.thrust * self.cross / 2
+        pulled, strayed, gain = flat(D3 - D2), self.stray * self.k12, 1 + may.torque
         if self.c.lag is None:
             each = [
                 (u, sigma, may.torque),
-                (u, zeta, turned + yaw * may.torque),
+                (u, zeta, turned + yaw * may.torque + gain * self.wobble),
                 (u, flat(self.A), yaw if may.latency or self.noise else Fraction(0)),
-                (u, missed, may.torque * yaw),
+                (u, missed, may.torque * yaw + gain * self.twist),
+                (u, pulled, gain * strayed),
             ]
         else:
             lag, late = self.c.lag.torque * self.lag, may.rotor_lag
             ahead = (tau * (self.kappa + self.damping)) * lag
             turned += (1 + may.thrust) * 2 * self.sinking
-            turned += yaw * ((1 + may.torque) * self.gyroscopic + may.torque)
+            turned += yaw * (gain * self.gyroscopic + may.torque)
             moving = (1 + may.thrust) * self.sinking + self.cross  # bounds |η|
+            apart = yaw * self.gyroscopic + late * self.k12 * self.quick * self.spread
             each = [
                 (u + ahead, sigma, may.torque),
                 (u + ahead, zeta, turned),
                 (self.c.weights[2] * zeta + ahead, flat(D3), yaw),
-                (lag, zeta, yaw * self.gyroscopic + late * self.k12 * self.quick * self.spread),
-                (lag, missed, yaw),
-                (lag, flat(D3 - D2), late * self.k12 * yaw),
+                (lag, zeta, apart + self.wobble),
+                (lag, missed, yaw + self.twist),
+                (lag, pulled, late * self.k12 * yaw + strayed),
                 (self.c.lag.thrust * self.lift, zeta, late * self.kappa * self.quick * self.sink),
                 (lag, sigma, late * moving),
             ]
+        if self.late_axes:
+            twice, aside = 2 * self.c.memory * may.latency, self.level_part()
+            each += [
+                (twice * self.Y, zeta, self.sweep),
+                (twice * flat(self.Y), aside, yaw),
+                (twice * zeta, aside, self.sweep * yaw),
+            ]
         return [(u, v, upward(radius)) for u, v, radius in each if radius]
+
+    def level_part(self) -> Vector:
+        """Return Ps, but for what steady wind adds: P δ1, or P δ1 + s3* Pρ."""
+        D1, D2, D3, _ = self.errors
+        if self.w1 and not self.inertial:
+            return flat(D1)
+        lean = self.c.enclosures.goal[1] * self.stiffness / self.weight
+        return flat(D1 + lean * (D3 - D2))
 
     def least_fall(self, fading: Fraction, *corner: Fraction) -> Form:
         """Return the lower bound of -Ψ' at a corner, without what is known of J."""
@@ -1894,6 +1984,10 @@ class Tolerant(Claim):
         if c.memory:
             form += (c.memory * fading / latency) * (self.N @ self.N)
             form -= (c.memory * latency) * (self.Y @ self.Y)
+            if self.late_axes:
+                zeta, aside = self.errors[3] - flat(self.errors[2]), self.level_part()
+                form -= (c.memory * latency * self.sweep**2) * (zeta @ zeta)
+                form -= (c.memory * latency * self.may.yaw_rate**2) * (aside @ aside)
         for t, (u, v, radius) in zip(c.multipliers.terms, self.terms(tau, pi), strict=True):
             form -= (radius / 2) * (t * (v @ v) + (1 / t) * (u @ u))
         return form
@@ -1922,7 +2016,11 @@ class Tolerant(Claim):
             rotors = self.c.lag.torque * asked**2 + self.c.lag.thrust * (self.kappa * d3) ** 2
             total += may.rotor_lag * rotors
         if self.c.memory:
-            total += self.c.memory * (may.latency * self.high * start.speed) ** 2
+            flow = self.high * start.speed
+            if self.late_axes:
+                s3 = self.c.enclosures.goal[1]
+                flow += self.reach * start.rate + may.yaw_rate * (level + lean * (offset + s3))
+            total += self.c.memory * (may.latency * flow) ** 2
         return Fraction(total / 2)
 
     def left_out(self) -> str:
@@ -1950,38 +2048,67 @@ class Tolerant(Claim):
             )
         late = "no latency"
         if may.latency:
+            turned = "used in the axes that the camera had then, not turned to now"
+            if not self.late_axes:
+                turned = "turned to now by the body rates"
             late = (
                 f"an image at most {about(may.latency)} s old when it is used, the frame period "
-                "included, in any way that changes, and turned to now by the body rates"
+                f"included, in any way that changes, and {turned}"
             )
-        wind = "no wind"
+        wind, gust = "no wind", getattr(may, "gust", None)
         if may.wind:
             wind = f"a steady wind from anywhere whose force over mass is <= {about(may.wind)} m/s²"
+        if gust:
+            most = f"{about(gust)} m/s²"
+            wind += f", gusts besides that change at will, whose force over mass is <= {most}"
         yaw = f"|Ω3| <= {about(may.yaw_rate)} rad/s" if may.yaw_rate else "Ω3 = 0"
-        if not (may.torque or may.latency or may.rotor_lag):
+        if not (may.torque or may.latency or may.rotor_lag or self.noise or self.spun):
             yaw = "any Ω3"  # nothing but these depends on it
-        known = "V, Ω and the vertical are known exactly"
-        if self.noise:
-            feature, velocity = map(about, (may.noise.feature, may.noise.velocity))
-            known = (
-                f"the feature of that image is wrong by at most {feature} and V by at most "
-                f"{velocity} m/s, in any way that changes, Ω and the vertical are known exactly"
-            )
+        if self.law[2] == "measured" and may.noise.force:
+            law = f"accelerometer is wrong by at most {about(may.noise.force)} N over m"
         return (
             f"a true thrust over mass that changes {gained}, {torque}, {lag}, {late}, {wind} and "
-            f"{yaw} on the way, where {known} and the {law}"
+            f"{yaw} on the way, where {self.known()} and the {law}"
         )
+
+    def known(self) -> str:
+        """Say how well the feature, V, Ω and the vertical are known."""
+        noise = self.may.noise
+        feature, velocity, rate = map(about, (noise.feature, noise.velocity, noise.rate))
+        wrong, right = [], ["Ω", "the vertical"]
+        if noise.feature or noise.velocity:
+            wrong = [
+                f"the feature of that image is wrong by at most {feature} and V by at most "
+                f"{velocity} m/s"
+            ]
+        else:
+            right = ["V", *right]
+        if noise.rate:
+            right.remove("Ω")
+            wrong.append(f"Ω by at most {rate} rad/s")
+        if hasattr(noise, "vertical"):
+            right.remove("the vertical")
+            wrong.append(f"ρ by at most {about(noise.vertical)}")
+        if wrong:
+            wrong[-1] += ", in any way that changes"
+        if right:
+            *others, last = right
+            wrong.append(
+                f"{', '.join(others)} and {last} are known exactly"
+                if others
+                else f"{last} known exactly"
+            )
+        return ", ".join(wrong)
 
     def state(self, start: Object, place: str = "") -> str:
         """Describe a set of states, by another description of its positions if there is one."""
         f0 = start.thrust + self.weight * start.tilt
         sides = ", ".join(about(a, b) for a, b in start.position)
+        before = f"in the {about(self.may.latency)} s before too, " if self.may.latency else ""
         held = f"upright state (T > 0) with {place or f'position in ({sides}) m'}, any heading, "
         if start.speed:
             held += f"|V| <= {about(start.speed)} m/s"
-            held += (
-                f" in the {about(self.may.latency)} s before too, " if self.may.latency else ", "
-            )
+            held += f" {before}" if before else ", "
         else:
             held += "at rest, "
             held += f"for {about(self.may.latency)} s already, " if self.may.latency else ""
@@ -1989,12 +2116,15 @@ class Tolerant(Claim):
         held += (
             f" and √(Ω1² + Ω2²) <= {about(start.rate)} rad/s" if start.rate else " and Ω1 = Ω2 = 0"
         )
+        if self.late_axes:
+            yaw = f" and |Ω3| <= {about(self.may.yaw_rate)} rad/s" if self.may.yaw_rate else ""
+            held += f", these bounds of acceleration and rates{yaw} {before.removesuffix(', ')}"
         if self.may.rotor_lag:
             held += ", with the rotors steady: thrust that does not change, no torque"
         return held
 
 
-TERMS = several(positive, 8)
+TERMS = several(positive, 11)
 CLAIM = {
     **dict.fromkeys(("level", "rate", "start_level"), positive),
     "starts": several(START, MAX_STARTS),
@@ -2012,9 +2142,9 @@ class Exponential(Tolerant):
         "weights": [positive] * 3,  # w2, w3, w4
         "lag": maybe({"torque": positive, "thrust": positive}),  # a5, a6
         "memory": maybe(positive),  # M
-        "multipliers": (
+        "multipliers": also(
             {"slope": positive, "terms": TERMS},
-            {"slope": positive, "terms": TERMS, "noise": positive},
+            **dict.fromkeys(("noise", "command", "gust"), positive),
         ),
         "domain": {
             **{"wedge": BOX, "bounds": [positive] * 2, "offset": positive},
@@ -2034,12 +2164,11 @@ class Exponential(Tolerant):
         self.place = Wedges(c, self.points, self.scaled)
         require(c.claim.starts, "there is no start")
         require(c.claim.start_level <= c.claim.level, "a start is above the level")
-        parts = c.multipliers, c.claim, c.trees
-        have = [
-            hasattr(x, k) for x, k in zip(parts, ("noise", "ultimate", "ultimate"), strict=True)
-        ]
-        require(have == [self.noise > 0] * 3, "noise is to have its multiplier, bound and tree")
-        far = [c.trees.ultimate] if self.noise else []
+        restless = any(self.shaken.values())
+        have = [hasattr(x, "ultimate") for x in (c.claim, c.trees)] == [restless] * 2
+        have &= all(hasattr(c.multipliers, name) == (x > 0) for name, x in self.shaken.items())
+        require(have, "noise is to have its multipliers, bound and tree")
+        far = [c.trees.ultimate] if restless else []
         costs = ((tree, 10) for tree in (c.trees.near, *far, *c.trees.starts))
         require_little(self.points, (c.domain.tree, 15), *costs)
         require(len(c.trees.starts) == len(c.claim.starts), "a tree a start")
@@ -2061,6 +2190,10 @@ class Exponential(Tolerant):
         """Bound |δ1 + δ2|."""
         return upward(square_root(2 * self.c.claim.level * (1 + 1 / self.c.weights[0]))[1])
 
+    def seen(self) -> Fraction:
+        """Bound |s|, by s3* and |δ1|."""
+        return Fraction(self.c.enclosures.goal[1] + upward(square_root(2 * self.c.claim.level)[1]))
+
     def decrease(self, *corner: Fraction) -> Form:
         """Return the lower bound of -Ψ' - r Ψ at a corner."""
         *_, tau, _ = corner
@@ -2079,13 +2212,15 @@ class Exponential(Tolerant):
             - (rate / 2) * energy
             - c.multipliers.slope * (reach**2 * (V @ V) - out @ out)
         )
-        return form + c.multipliers.noise * (self.B @ self.B) if self.noise else form
+        for name, d in (("noise", self.B), ("command", self.C), ("gust", self.G)):
+            if self.shaken[name]:
+                form += getattr(c.multipliers, name) * (d @ d)
+        return form
 
     def floor(self) -> Fraction:
-        """Return ℓ∞ = σν ν²/r."""
-        if not self.noise:
-            return Fraction(0)
-        return Fraction(self.c.multipliers.noise * self.noise**2 / self.c.claim.rate)
+        """Return ℓ∞ = Σ σ max|·|²/r over noise, command and gust."""
+        each = ((getattr(self.c.multipliers, k), x) for k, x in self.shaken.items() if x)
+        return Fraction(sum(sigma * x**2 for sigma, x in each) / self.c.claim.rate)
 
     def verify(self) -> None:
         """Verify that Ψ falls at the rate, where, how soon the vehicle is near, and from where."""
@@ -2129,14 +2264,15 @@ class Exponential(Tolerant):
         stiff, (i1, i2, i3) = self.kappa + self.damping, vehicle.inertia
         steady = 2 * c.claim.level * (stiff**2 / w4 + self.k12**2 * (1 / w2 + 1 / w3))
         asked = square_root(steady)[1] + stiff * self.missed + self.pace * self.turn
-        asked += may.yaw_rate * (self.sink + self.missed)
+        asked += (may.yaw_rate + self.twist) * (self.sink + self.missed)
+        asked += self.struck + self.wobble * self.turn + self.stray * self.k12 * self.spread
         own = (1 + may.torque) * self.gyroscopic + may.torque
         turned = self.quick * ((1 + may.torque) * asked + may.yaw_rate * own * self.turn)
         k_yaw = c.mission.gains.k_yaw
-        yaw = k_yaw * may.yaw_rate
+        yaw = k_yaw * (may.yaw_rate + self.spun)
         if self.heading:  # its gain is this one unless it is given
             yaw += getattr(c.mission.gains, "k_heading", min(k_yaw**2 / (4 * i3), k_yaw))
-        yaw += abs(i2 - i1) * (self.quick * self.turn) ** 2 / 2
+        yaw += abs(i2 - i1) * (self.quick * self.turn + self.spun) ** 2 / 2
         aside = square_root(i1**2 + i2**2)[1] * turned / vehicle.arm
         aside += (1 + may.torque) * yaw / vehicle.drag_ratio
         ahead = may.rotor_lag * (1 + may.thrust) * self.stiffness * self.kappa
@@ -2156,7 +2292,7 @@ class Exponential(Tolerant):
 
         what = "the vehicle is not shown to be within the radius"
         cover(self.c.trees.near, place.whole, lambda cell: self.nearby(cell, soon), what)
-        if self.noise:
+        if self.floor():
             last = claim.ultimate
             least = self.shift + square_root(2 * self.floor() * self.stretch)[1]
             require(last.offset > least, "the noise may move the vehicle by more than the offset")
@@ -2192,7 +2328,9 @@ class Exponential(Tolerant):
             more += f" + ½ τ ({lag}) of the lag τ"
         if c.memory:
             more += f" + {about(c.memory)} ∫∫ exp(r (z - t)) |y(z)|² dz dx of the latency, z from "
-            more += "t + x to t, x from minus the latency to 0, y = J V the flow of the feature"
+            more += "t + x to t, x from minus the latency to 0, y = J V"
+            more += " + Ω×s, but for what the lean in the wind adds," if self.late_axes else ""
+            more += " the flow of the feature"
         half = ""
         if claim.cone is not None:
             angle = f"{math.degrees(math.acos(claim.cone)):.4g}°"
@@ -2201,7 +2339,7 @@ class Exponential(Tolerant):
                 f"{about(claim.cone)}, {angle}, from the optical axis"
             )
         fall, last = "Ψ(t) <= Ψ(0) exp(-r t)", ""
-        if self.noise:
+        if self.floor():
             fall += f" + {float(self.floor()):.6g} (to 6 digits)"
             last = f", and in the end within {about(claim.ultimate.radius)} m"
         turning = f", while |Ω3| <= {about(self.may.yaw_rate)} rad/s"
@@ -2241,7 +2379,7 @@ class Potential(Tolerant, Attraction):
         "lag": maybe({"torque": positive, "thrust": positive}),  # a5, a6
         "memory": maybe(positive),  # M
         "enclosures": {"goal": interval, "tilt": number, "largest_eigenvalue": positive},
-        "multipliers": {"slope": positive, "terms": several(positive, 8)},
+        "multipliers": {"slope": positive, "terms": TERMS},
     }
     laws: ClassVar[set[tuple[str, ...]]] = {
         ("centroid", goal, force)
@@ -2254,7 +2392,7 @@ class Potential(Tolerant, Attraction):
     def __init__(self, c: Any) -> None:
         self.high = c.enclosures.largest_eigenvalue
         super().__init__(c)
-        require(not self.noise, "noise is not covered by this theorem")
+        require(not any(self.shaken.values()), "noise is not covered by this theorem")
         moved = self.may.wind > 0 and not self.inertial
         require(not moved, "wind moves the potential of a goal that is fixed in the image")
         tossed = self.may.thrust or self.may.latency or self.may.rotor_lag or self.may.wind
@@ -2264,6 +2402,10 @@ class Potential(Tolerant, Attraction):
         """Bound |δ1 + δ2|."""
         second = upward(square_root(2 * self.level / self.a[0])[1])
         return Fraction(len(self.points) + self.c.enclosures.goal[1] + second)
+
+    def seen(self) -> Fraction:
+        """Bound |q|."""
+        return Fraction(len(self.points))
 
     def verify_fall(self) -> None:
         """Verify that Ψ falls as claimed where Q ⪯ λ I."""
@@ -2309,6 +2451,7 @@ class Potential(Tolerant, Attraction):
             more = f" + ½ τ ({about(c.lag.torque)} |μ|² + {about(c.lag.thrust)} μT²) of the lag"
         if c.memory:
             more += f" + {about(c.memory)} ∫∫ |y|² of the latency"
+            more += ", y = Q V + Ω×q the flow of the centroid" if self.late_axes else ""
         stays = ". This knows no ground: on its way the motion may pass below the target points"
         if self.bottom is not None:
             height = about(claim.barrier_height)

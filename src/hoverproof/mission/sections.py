@@ -364,6 +364,11 @@ class Mission(_Section):
         return self.name if self.law.is_papers else f"{self.name} ({self.law.name})"
 
     @property
+    def holds_old_axes(self) -> bool:
+        """Whether it is asked about a late feature in the axes that the camera had then."""
+        return bool(self.uncertainty.latency) and not self.sensors.gyro_turned
+
+    @property
     def k_heading(self) -> Fraction:
         """The gain of the heading, kg m²/s²: that of the gains, or what suits k_yaw.
 
@@ -387,11 +392,20 @@ class Mission(_Section):
     def exact(self) -> dict[str, Any]:
         """Return the mission as nested dicts and lists, each number an exact string.
 
-        Sensors, rotors, wind, model_error and scatter are not in it: see `conditions`.
+        Sensors, rotors, wind, model_error and scatter are not in it: see `conditions`; but for
+        whether a late feature is turned, which stands under `uncertainty` if it is not.
         """
         said_by_none = ("law", "uncertainty", "camera")  # as in the missions before these sections
         left_out = {k for k in said_by_none if getattr(self, k) == type(getattr(self, k))()}
         text: dict[str, Any] = _as_text(self.model_dump(exclude_none=True, exclude=left_out))
+        for part, key in (
+            (text.get("uncertainty"), "gust"),
+            (text.get("uncertainty", {}).get("noise"), "vertical"),
+        ):
+            if part and part[key] == "0":  # as in the missions before these keys
+                del part[key]
+        if self.holds_old_axes:
+            text["uncertainty"]["gyro_turned"] = "false"
         if text["goal"].get("heading_from") == "compass":
             del text["goal"]["heading_from"]  # what it is left out
         return text

@@ -26,15 +26,18 @@ class Noise(Section):
     velocity : m/s
         Body frame.
     force : N
-        Of the force that a law with `law.force = "measured"` takes.
+        Of mass times what the accelerometer measures, for a law with `law.force = "measured"`.
     rate : rad/s
         Of the body rates.
+    vertical : 1
+        Of the direction of gravity in body axes; for a small one about the angle in rad.
     """
 
     feature: Annotated[Fraction, quantity("", "0", "1e3")] = _ZERO
     velocity: Annotated[Fraction, quantity("m/s", "0", "1e4")] = _ZERO
     force: Annotated[Fraction, quantity("N", "0", "1e9")] = _ZERO
     rate: _BodyRate = _ZERO
+    vertical: Annotated[Fraction, quantity("rad", "0", "1")] = _ZERO
 
 
 class Uncertainty(Section):
@@ -49,13 +52,16 @@ class Uncertainty(Section):
         Likewise each torque: inertia and rotors.
     latency : s
         Most time from the exposure of a frame to its use, the time to the next frame included.
-        Whether the feature is turned meanwhile is `sensors.gyro_turned`.
+        Whether the feature is turned meanwhile is `sensors.gyro_turned`: if not, it is used in
+        the axes that the camera had then.
     rotor_lag : s
         The rotors follow their commands with a first-order lag of any time constant up to this.
     wind : m/s²
         Steady force of wind over mass, in any direction; below gravity.
     yaw_rate : rad/s
         Bound of |Ω3|.
+    gust : m/s²
+        Bound of the wind less the steady one, which may change at will, as force over mass.
     noise : Noise
         Bounds of the errors of what is measured.
     """
@@ -67,6 +73,12 @@ class Uncertainty(Section):
     wind: _Acceleration = _ZERO
     yaw_rate: _BodyRate = _ZERO
     noise: Noise = Noise()
+    gust: _Acceleration = _ZERO
+
+    @property
+    def is_shaken(self) -> bool:
+        """Whether something is in doubt that keeps a vehicle from coming to rest."""
+        return bool(self.gust) or self.noise != Noise()
 
     @property
     def is_none(self) -> bool:
@@ -82,11 +94,13 @@ class Uncertainty(Section):
             (self.latency, f"latency up to {shown(self.latency)} s"),
             (self.rotor_lag, f"rotor lag up to {shown(self.rotor_lag)} s"),
             (self.wind, f"steady wind up to {shown(self.wind)} m/s²"),
+            (self.gust, f"gusts up to {shown(self.gust)} m/s²"),
             (self.yaw_rate, f"yaw rate up to {shown(self.yaw_rate)} rad/s"),
             (noise.feature, f"noise of the feature up to {shown(noise.feature)}"),
             (noise.velocity, f"noise of the velocity up to {shown(noise.velocity)} m/s"),
             (noise.force, f"noise of the force up to {shown(noise.force)} N"),
             (noise.rate, f"noise of the body rates up to {shown(noise.rate)} rad/s"),
+            (noise.vertical, f"noise of the vertical up to {shown(noise.vertical)} rad"),
         ]
         return [words for size, words in each if size]
 

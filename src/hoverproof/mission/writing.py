@@ -34,7 +34,10 @@ def mission_text(mission: Mission, *, name: str | None = None, note: str = "") -
     wanted = mission.exact() | ({"name": name} if name else {})
     head = "".join(f"# {line}\n" for line in note.splitlines())
     edited = _written(_source_text(mission), wanted)
-    return head + (edited if _read(edited) == wanted else _written("", wanted))
+    if _read(edited) == wanted:
+        return head + edited
+    turned = mission.uncertainty.latency and mission.sensors.gyro_turned
+    return head + _written("", wanted) + ("\n[sensors]\ngyro_turned = true\n" if turned else "")
 
 
 def _source_text(mission: Mission) -> str:
@@ -59,6 +62,7 @@ def _written(text: str, wanted: dict[str, Any]) -> str:
         document["name"] = wanted["name"]
     for section, entries in wanted.items():
         if isinstance(entries, dict):
+            entries = {k: v for k, v in entries.items() if k != "gyro_turned"}  # of [sensors]
             if not isinstance(document.get(section), dict):
                 document[section] = tomlkit.table()
             table: Any = document[section]

@@ -34,7 +34,7 @@ from hoverproof.certification.attraction.trees import start_terms
 from hoverproof.certification.attraction.verdict import Attraction, AttractionVerdict, Reach
 from hoverproof.certification.certificate import Certificate, rejection, seal
 from hoverproof.certification.exponential import form as of_vehicles
-from hoverproof.certification.exponential.vehicles import require_turned
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
@@ -78,7 +78,6 @@ def attraction(
         If the goal is not axial, or the mission poses no question.
     """
     tell = progress or (lambda text: None)
-    require_turned(mission)
     verdict = _search_and_prove(mission, objective, starts, barrier, tell)
     asked = objective == "start" or starts
     if isinstance(verdict, Undecided) and asked and mission.law.is_papers:
@@ -159,10 +158,19 @@ def _search_and_prove(
 
 def _why_noisy(mission: Mission) -> str:
     """Return why a mission with bounded noise is not covered; empty if it has none."""
-    noise = mission.uncertainty.noise
-    if noise == type(noise)():
-        return ""
-    return "bounded noise is not covered by a region of attraction: the motion ends near the goal"
+    may = mission.uncertainty
+    if may.is_shaken:
+        return (
+            "bounded noise and gusts are not covered by a region of attraction: the motion ends "
+            "near the goal"
+        )
+    if Vehicles.of(mission).is_shaken:
+        return (
+            "in the wind a vehicle leans, and while it yaws this turns in an image that is not "
+            "turned with the gyroscope: the motion ends near the goal, which is not covered; "
+            "sensors.gyro_turned = true is"
+        )
+    return ""
 
 
 def why_not_covered(mission: Mission) -> str:

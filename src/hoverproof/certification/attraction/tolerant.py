@@ -23,6 +23,7 @@ from hoverproof.certification.attraction.inequality import (
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.search import Found
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import MEMORY, SLOPE, SPARE, Sector, falls
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 from hoverproof.certification.robust import Inequality, optimise, reciprocals
@@ -86,10 +87,14 @@ class TolerantLoop(Loop):
     vehicles : Vehicles
     farthest : float
         Bound of |δ1|, dimensionless.
+    steepest : float
+        The least that the largest eigenvalue of Q may be on a set, 1/m: its third of the trace at
+        the goal.
     """
 
     vehicles: Vehicles
     farthest: float
+    steepest: float
 
     @classmethod
     def of_mission(cls, mission: Mission) -> TolerantLoop:
@@ -101,7 +106,10 @@ class TolerantLoop(Loop):
         """
         v = Vehicles.of(mission)
         farthest = len(mission.target.points) + v.goal
-        return cls(v.numbers, v.weight, v.stiffness, v.in_image, v, farthest)
+        rays = Scene.of(mission)
+        near = np.linalg.norm(rays.points - rays.goal, axis=1)
+        steepest = float((2 / near).sum() / 3)
+        return cls(v.numbers, v.weight, v.stiffness, v.in_image, v, farthest, steepest)
 
     @property
     def gust(self) -> float:
@@ -136,7 +144,8 @@ class TolerantLoop(Loop):
             Bound of |δ3|, dimensionless, as a share of that of |δ3 - δ2|.
         """
         apart = force / self.stiffness
-        reach = Reach(apart, d3 * apart, TURN * apart, self.farthest + apart)
+        seen = self.farthest - 2 * self.vehicles.goal  # so that the feature has n at most
+        reach = Reach(seen, apart, d3 * apart, TURN * apart, self.farthest + apart)
         return Limits(self.vehicles, reach, largest)
 
     def nominal(self) -> TolerantLoop | None:
@@ -182,7 +191,11 @@ class TolerantLoop(Loop):
             asked = v.stiff * d4 + v.pull * pushed
             columns += [v.rotor_lag / 2 * asked**2, v.rotor_lag / 2 * (v.pace * d3) ** 2]
         if v.latency:
-            columns.append(np.full(len(d1), (v.latency * speed) ** 2 / 2))
+            flow = np.full(len(d1), speed)
+            if v.swept:
+                turned = self.farthest * rate + v.yaw_rate * (level + lean * (whole + v.goal))
+                flow = flow + turned / self.steepest
+            columns.append((v.latency * flow) ** 2 / 2)
         return np.stack(columns, axis=1)
 
     def solve(self, bounds: Bounds, hovers: Array) -> Solution | None:
@@ -203,7 +216,7 @@ class TolerantLoop(Loop):
         size = len(there) + 2  # of 1, μ, what is weighed, and the largest Λ/ℓ
         corners = [_later(c).less(self._asked(c, bounds)) for c in corners]
         pencils = [reciprocals(0.5, {2: 1, 3: 1}, size), reciprocals(d3**2 / 2, {3: 1}, size)]
-        if self.vehicles.wind:
+        if self.vehicles.wind or self.vehicles.swept:
             pencils.append(reciprocals(TURN**2 / 2, {3: 1, 4: 1}, size))
         if bounds.omega is not None:
             pencil = barrier_pencil(self, bounds, unit, size)
@@ -239,7 +252,8 @@ class TolerantLoop(Loop):
         a, level = np.array(rounded.weights, float), float(rounded.level)
         reach = Reach.of(a, level)
         speed = self.farthest + float(np.sqrt(2 * level / a[0]))
-        limits = Limits(v, replace(reach, speed=speed), largest)
+        seen = self.farthest - 2 * v.goal
+        limits = Limits(v, replace(reach, speed=speed, image=seen), largest)
         if not np.isfinite(limits.lever).all() or limits.tilt >= 1:
             return -np.inf
         slope, *terms = map(float, rounded.multipliers)

@@ -84,8 +84,6 @@ class Candidate:
         r, 1/s.
     tilted : Tilted
     solution : Solution
-    floor : float
-        ℓ∞, dimensionless: what noise leaves of Ψ.
     """
 
     x: Array
@@ -94,7 +92,6 @@ class Candidate:
     rate: float
     tilted: Tilted
     solution: Solution
-    floor: float
 
     def time(self, offset: float) -> float:
         """Return when |σ - σ*| is at most an offset for good, s.
@@ -107,7 +104,7 @@ class Candidate:
         factor = 1 + self.tilted.factor * (self.solution.reach.force**2 / (2 * self.solution.level))
         if offset <= self.tilted.shift:
             return float("inf")
-        level = (offset - self.tilted.shift) ** 2 / (2 * factor) - self.floor
+        level = (offset - self.tilted.shift) ** 2 / (2 * factor) - self.solution.floor
         return float(np.log(max(self.solution.start / level, 1.0)) / self.rate)
 
     def seen(self, scene: Scene, vehicles: Vehicles) -> float:

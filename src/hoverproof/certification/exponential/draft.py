@@ -55,8 +55,8 @@ class Rounded:
         d, ℓ, and r in 1/s.
     tilted : Tilted
         Of the rounded numbers.
-    noise : Fraction or None
-        σν, what |ν|² adds to the rate of Ψ, 1/s.
+    noise : dict
+        σ by the name of the disturbance: what its square adds to the rate of Ψ, 1/s.
     limits : Limits
         Of the rounded numbers.
     """
@@ -72,7 +72,7 @@ class Rounded:
     rate: Fraction
     limits: Limits
     tilted: Tilted
-    noise: Fraction | None
+    noise: dict[str, Fraction]
 
     @classmethod
     def of(cls, search: Search, found: Candidate) -> Rounded:
@@ -107,13 +107,14 @@ class Rounded:
             rate=short(found.rate),
             limits=limits,
             tilted=tilted,
-            noise=None if s.noise is None else short(s.noise),
+            noise={name: short(x) for name, x in s.noise.items()},
         )
 
     @property
     def floor(self) -> float:
-        """ℓ∞: what noise leaves of Ψ."""
-        return float(self.noise or 0) * self.limits.vehicles.noise**2 / float(self.rate)
+        """ℓ∞: what disturbances leave of Ψ."""
+        bounds = self.limits.disturbances()
+        return sum(float(self.noise[name]) * x**2 for name, x in bounds) / float(self.rate)
 
     def cone(self, cosine: Fraction) -> Fraction | None:
         """Return the cosine of an angle to the vertical and the tilt together, rounded down.
@@ -210,12 +211,12 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
             raise NotShown(f"the {name} takes more cells than are checked")
     low, high = thrusts(r.limits, np.array(r.weights, float), float(r.level), mission)
     rotors = [decimal_below(low - SPARE * high, 6), decimal_above(high * (1 + SPARE), 6)]
-    last = None if r.noise is None else _ultimate(r, domain)
+    last = _ultimate(r, domain) if r.noise else None
     content: dict[str, Any] = {
         "weights": list(r.weights),
         "lag": None if r.lag is None else dict(zip(("torque", "thrust"), r.lag, strict=True)),
         "memory": r.memory,
-        "multipliers": {"slope": r.slope, "terms": list(r.multipliers)},
+        "multipliers": {"slope": r.slope, "terms": list(r.multipliers), **r.noise},
         "domain": {
             "wedge": [list(side) for side in domain.wedge],
             "bounds": list(r.ball),
@@ -244,6 +245,5 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
         },
     }
     if last is not None:
-        content["multipliers"]["noise"] = r.noise
         content["claim"]["ultimate"], content["trees"]["ultimate"] = last
     return Parts(content, r, domain)

@@ -19,6 +19,7 @@ from hoverproof.certification.exponential.form import (
     Weights,
     derive_form,
 )
+from hoverproof.certification.exponential.noise_lemmas import axes, noise
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.lagged import (
     LaggedLoop,
@@ -498,6 +499,32 @@ LEMMAS = (
         "with x = σ - s3* e3 or, for a goal in the image, x = σ, P x = P(σ - s3* e3), |x| <= e1 + "
         "s3. 0 < D_c = T_c - c s3 <= |F - m g ρ| - c s3. The rest is read off the identities.",
         _begin,
+    ),
+    Lemma(
+        "axes",
+        "a late image that is not turned",
+        "A feature s in the axes of the camera has s' = -Ω×s - y. Used at the age τ(t) in the axes "
+        "that the camera had then, it is n more than the present one, |n|² <= τ̄ ∫ |y + Ω×s|² over "
+        "the last τ̄. Ω×s is the sum of Ω_h×s, |Ω_h×s| <= h|s||ζ|, and Ω3 e3×s, of which P s = Pδ1 "
+        "for a goal in the image, and P s = Pδ1 + (s3*/(m g))(c P(δ3 - δ2) - P w̃) for an inertial "
+        "one.",
+        "n = ∫ (y + Ω×s) over [t - τ(t), t]; Cauchy and Schwarz. |Ω_h| = h|ζ| [upright].",
+        axes,
+    ),
+    Lemma(
+        "noise",
+        "noise and gusts",
+        "Let a controller have its feature wrong by n + b, V, ρ and P Ω, turned by e3×, by v, d "
+        "and ω, Ω3 by ω3, and a measured specific force by α/m; else α = 0. φ = (α + m g d)/c, "
+        "B = b - (m/k1) v - φ, for an inertial goal less s3* d. Then it has δ3 - n - B and (δ3 "
+        "- δ2) + φ, its lever is D_c - αz, so its h is (1 + ι) h, ι = D_c/(D_c - αz) - 1. U = "
+        "cκ (δ3 - n - B)z, and its command over h, with what it adds for its gyroscopic torque, "
+        "is s_n + K P(n + B) - π ζ + Ω3 e3×q + Ω3 G_c ζ + C - (π_c - π) ζ + ω3 G_c ζ + (1 + ι) "
+        "ω3 e3×q - ι (K q - Ω3 e3×q) - ι k12 P(δ3 - δ2), q = P(δ3 - n - B), C = -(1 + ι) k12 Pφ "
+        "- (K + π_c) ω/h + (Ω3 + ω3) G_c ω/h, π_c the π of what it has, K = κ + k4/m. A gust g "
+        "beside F is in V' alone, and adds (m/k1) g to δ2' and δ3', and P of it to δ4'.",
+        "By the controller of each law at any measurement, and by differences.",
+        noise,
     ),
     Lemma(
         "natural",

@@ -7,7 +7,7 @@ multipliers and what the memory of the latency weighs.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 
 import casadi as ca
@@ -15,15 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.exponential.form import ROWS, Variables, Weights, derive_form
-from hoverproof.certification.exponential.vehicles import Limits, Reach
+from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 from hoverproof.certification.robust import Inequality, Term, optimise, reciprocals
 from hoverproof.certification.robust import Solution as Optimum
 from hoverproof.servo.law import Law
 
 Array = NDArray[np.float64]
-W2, W3, W4, TORQUE, THRUST, SLOPE, MEMORY, NOISE = range(1, 9)
+W2, W3, W4, TORQUE, THRUST, SLOPE, MEMORY, NOISE, COMMAND, GUST = range(1, 11)
 """Places among (1, parameters)."""
-PARAMETERS = 8
+PARAMETERS = 10
+SHAKEN = {"noise": NOISE, "command": COMMAND, "gust": GUST}
+"""The places of what weighs each disturbance, by its name in `Limits.disturbances`."""
 ALONG_Y = 1, 4, 7, 10, 12, 15, 18
 """Places of what is along the second axis among the variables. No product in the inequality joins
 it with the others, and it is in it as what is along the first: so it is left out."""
@@ -119,48 +121,98 @@ def falls(limits: Limits, slope: Ball | Sector, rate: float, potential: bool = F
         See `derive_form`; then r is to be 0.
     """
     v = limits.vehicles
-    lagged, late, noisy = v.rotor_lag > 0, v.latency > 0, v.noise > 0
+    lagged, late = v.rotor_lag > 0, v.latency > 0
+    has = {"ahead": late, "torque": lagged, "thrust": lagged}
     kept = [
         place
-        for name, there in (
-            ("errors", True),
-            ("flow", True),
-            ("ahead", late),
-            ("torque", lagged),
-            ("thrust", lagged),
-        )
-        if there
+        for name in Variables.sizes()
+        if has.get(name, True)
         for place in range(Variables.size())[Variables.place(name)]
         if place not in ALONG_Y
     ]
+    shaken = [name for name, _ in limits.disturbances()]
+    L, own = _variables(kept, shaken)
+    y, n = (np.pad(x, ((0, 0), (0, L.shape[1] - len(kept)))) for x in _flow_and_ahead(kept))
     terms = limits.terms()
-    L = np.eye(Variables.size())[:, kept]  # from the variables that are kept
-    y, n = (L[Variables.place(name)] for name in ("flow", "ahead"))
-    if noisy:  # ν comes last, and is in the forms as n is
-        ahead = [k for k in range(len(L))[Variables.place("ahead")] if k not in ALONG_Y]
-        L = np.hstack([L, np.eye(len(L))[:, ahead]])
-        y, n = (np.pad(x, ((0, 0), (0, len(ahead)))) for x in (y, n))
-    nu = np.eye(L.shape[1])[len(kept) :]
-    there = ((TORQUE, lagged), (THRUST, lagged), (SLOPE, True), (MEMORY, late), (NOISE, noisy))
-    used = (W2, W3, W4, *(name for name, has in there if has))
+    there = ((TORQUE, lagged), (THRUST, lagged), (SLOPE, True), (MEMORY, late))
+    used = (W2, W3, W4, *(name for name, has in there if has), *(SHAKEN[name] for name in shaken))
     corners = []
     for at in _at_vertices(limits, potential):
         S = np.zeros((1 + PARAMETERS, L.shape[1], L.shape[1]))
         S[:6] = L.T @ (at["fall"] - rate / 2 * at["energy"]) @ L
         S[SLOPE] = slope.lost(y, at["sum"][0] @ L / float(v.design.slowness))
-        S[NOISE] = nu.T @ nu
+        for name, d in own.items():
+            S[SHAKEN[name]] = d.T @ d
+        if "command" in own:
+            S[:6] -= _symmetric(at["torque" if lagged else "d4"][:, :1] @ L, own["command"])
+        if "gust" in own:  # in the forms it is in the place of y, but it is not in δ1'
+            S[0] -= _symmetric(L[[0, 2]], own["gust"])
         if late:
             forgets = np.exp(-rate * v.latency)
             S[MEMORY] = forgets / v.latency * n.T @ n - v.latency * y.T @ y
         at["yaw"] = at["d4"].copy()
         at["yaw"][W4] -= at["h3"][0]
-        each = []
-        for pushed, by, size in terms:
-            u = np.zeros((1 + PARAMETERS, at[pushed].shape[1], L.shape[1]))
-            u[:6] = at[pushed] @ L
-            each.append(Term(u, at[by][0] @ L, np.array(size)))
+        pushed = {name: at[name] @ L for name in ("d4", "yaw", "torque", "lift")}
+        parts = {name: at[name][0] @ L for name in ROWS if name not in (*pushed, "fall", "energy")}
+        parts["aside"] = _aside(at, v, potential) @ L
+        if v.swept:
+            swept = limits.sweep * parts["zeta"], v.yaw_rate * parts["aside"]
+            S[MEMORY] -= v.latency * sum(x.T @ x for x in swept)
+            mine = {"flow": y, "level": y[:2], "swept": parts["zeta"]}
+            pushed |= {name: _of_memory(2 * v.latency * x) for name, x in mine.items()}
+        each = [
+            Term(_over_parameters(pushed[name]), parts[by], np.array(size))
+            for name, by, size in terms
+        ]
         corners.append(Inequality(S, tuple(each)))
     return Falls(tuple(corners), used)
+
+
+def _variables(kept: Sequence[int], shaken: Sequence[str]) -> tuple[Array, dict[str, Array]]:
+    """Return the variables of `form` by those that are left and by disturbances, and the latter.
+
+    Noise is in the forms as what is used less what is now, and a gust as y.
+    """
+    L, own = np.eye(Variables.size())[:, kept], {}
+    places = {"noise": "ahead", "gust": "flow"}
+    for name in shaken:
+        sides = range(Variables.size())[Variables.place(places.get(name, "flow"))]
+        columns = np.eye(len(L))[:, [k for k in sides if k not in ALONG_Y]]
+        columns = columns if name in places else np.zeros((len(L), 1))
+        own[name] = L.shape[1] + np.arange(columns.shape[1])
+        L = np.hstack([L, columns])
+    return L, {name: np.eye(L.shape[1])[at] for name, at in own.items()}
+
+
+def _flow_and_ahead(kept: Sequence[int]) -> Iterator[Array]:
+    """Yield y and n of the variables that are left."""
+    for name in ("flow", "ahead"):
+        yield np.eye(Variables.size())[:, kept][Variables.place(name)]
+
+
+def _symmetric(left: Array, right: Array) -> Array:
+    """Return the matrix of the form (left X)ᵀ(right X)."""
+    product: Array = np.asarray(np.swapaxes(left, -1, -2) @ right)
+    return np.asarray(product + np.swapaxes(product, -1, -2)) / 2.0
+
+
+def _aside(at: dict[str, Array], v: Vehicles, potential: bool) -> Array:
+    """Return P s: P δ1, and s3* Pρ besides where the goal, or e, is not fixed in the image."""
+    leans = 0.0 if v.in_image and not potential else v.goal * v.stiffness / v.weight
+    return np.eye(2, Variables.size()) + leans * at["pulled"][0]
+
+
+def _of_memory(rows: Array) -> Array:
+    """Return rows that M alone multiplies, (1 + PARAMETERS, ..)."""
+    u = np.zeros((1 + PARAMETERS, *rows.shape))
+    u[MEMORY] = rows
+    return u
+
+
+def _over_parameters(rows: Array) -> Array:
+    """Return rows of what 1, w2, w3, w4, a5 and a6 multiply, with a zero for all else."""
+    rest = np.zeros((1 + PARAMETERS - len(rows), *rows.shape[1:]))
+    return np.concatenate([rows, rest])
 
 
 def _at_vertices(limits: Limits, potential: bool) -> Iterator[dict[str, Array]]:
@@ -205,8 +257,10 @@ class Solution:
         ℓ, dimensionless.
     start : float
         Bound of Ψ at the starts, dimensionless.
-    noise : float or None
-        σν, what |ν|² adds to the rate of Ψ, 1/s.
+    noise : dict
+        σ by the name of the disturbance: what its square adds to the rate of Ψ, 1/s.
+    floor : float
+        ℓ∞, dimensionless: what disturbances leave of Ψ.
     tight : tuple of int
         The numbers of the vertices that keep it from being lower.
     """
@@ -218,7 +272,8 @@ class Solution:
     multipliers: Array
     level: float
     start: float
-    noise: float | None = None
+    noise: dict[str, float] = field(default_factory=dict)
+    floor: float = 0.0
     tight: tuple[int, ...] = ()
 
     @property
@@ -253,7 +308,7 @@ def solve(
         r, 1/s.
     level : float
         ℓ, dimensionless.
-    starts : (k, 8)
+    starts : (k, 11)
         What (1, parameters) are multiplied by in Ψ of each start; see `starts.terms`.
     likely : sequence of int
         The numbers of the vertices that were tight in a program like this.
@@ -284,9 +339,11 @@ def solve(
     ]
     inside = np.column_stack([-starts[:, there] / level, np.ones(len(starts))])
     rows = np.vstack([inside, np.eye(size)[1:]])
-    if NOISE in place:
-        most = np.eye(size)[0] * floor * rate / limits.vehicles.noise**2
-        rows = np.vstack([rows, most - np.eye(size)[place[NOISE]]])
+    shaken = {name: bound**2 / rate for name, bound in limits.disturbances()}
+    if shaken and np.isfinite(floor):
+        left = np.eye(size)[0] * floor
+        left -= sum(x * np.eye(size)[place[SHAKEN[name]]] for name, x in shaken.items())
+        rows = np.vstack([rows, left / max(floor, 1e-300)])
     found_at = _over_few(size, corners, rows, pencils, likely)
     if found_at is None or not (found_at[0].x[:-1] > 0).all():
         return None
@@ -299,7 +356,8 @@ def solve(
         slope=values[SLOPE],
         multipliers=answer.multipliers[0],
         level=level,
-        noise=values.get(NOISE),
+        noise={name: values[SHAKEN[name]] for name in shaken},
+        floor=sum(x * values[SHAKEN[name]] for name, x in shaken.items()),
         start=float(answer.x[-1]) * level,
         tight=tight,
     )

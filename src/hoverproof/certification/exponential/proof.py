@@ -20,7 +20,7 @@ from hoverproof.certification.exponential.draft import Parts, draft
 from hoverproof.certification.exponential.form import derive_form
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.search import SETTLED, Search
-from hoverproof.certification.exponential.vehicles import Vehicles, require_turned
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.exponential.verdict import Exponential, Settling
 from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
@@ -62,10 +62,6 @@ def converge(
     tell = progress or (lambda text: None)
     wanted = tuple(starts or [Start.of(mission)])
     _require(mission, wanted)
-    noise = mission.uncertainty.noise
-    if noise.force or noise.rate:
-        reason = "noise of the force and of the body rates is not covered"
-        return Undecided(mission=mission, reason=reason)
     scene, vehicles = Scene.of(mission), Vehicles.of(mission)
     reason, whole = "", Search.of(vehicles, scene, wanted)
     for wider, highest in ROOMS:
@@ -119,13 +115,12 @@ def _require(mission: Mission, starts: Sequence[Start]) -> None:
             mission.source, key, "is not axial: this theorem needs q1* = q2* = 0 exactly"
         )
     require_starts(mission, starts)
-    require_turned(mission)
 
 
 def _settled(search: Search, near: tuple[Array, float] | None) -> tuple[Search, Candidate | str]:
     """Search until a radius is found in which noise leaves the vehicle."""
     found = _found(search, near)
-    for share in SETTLED[1:] if search.vehicles.noise else ():
+    for share in SETTLED[1:] if search.vehicles.is_shaken else ():
         if isinstance(found, str):
             search = replace(search, settled=share)
             found = _found(search, near)

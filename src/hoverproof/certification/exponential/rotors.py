@@ -43,12 +43,15 @@ def thrusts(limits: Limits, weights: Array, level: float, mission: Mission) -> t
     asked = np.sqrt(2 * level * (v.stiff**2 / w4 + v.pull**2 * (1 / w2 + 1 / w3)))
     asked += v.stiff * limits.ahead + (2 * limits.sinking + limits.crosswind) * turn
     asked += v.yaw_rate * (limits.reach.d3 + limits.ahead)
+    wobble, twisted, strayed = limits.misled
+    asked += limits.struck + wobble * turn + strayed * limits.reach.force
+    asked += twisted * (limits.reach.d3 + limits.ahead)
     own = (1 + v.torque) * v.gyroscopic + v.torque
     turned = h * ((1 + v.torque) * asked + v.yaw_rate * own * turn)
-    yaw = float(mission.gains.k_yaw) * v.yaw_rate
+    yaw = float(mission.gains.k_yaw) * (v.yaw_rate + v.gyro)
     if mission.goal.heading is not None:
         yaw += float(mission.k_heading)
-    yaw = (1 + v.torque) * (yaw + abs(i2 - i1) * (h * turn) ** 2 / 2)
+    yaw = (1 + v.torque) * (yaw + abs(i2 - i1) * (h * turn + v.gyro) ** 2 / 2)
     by_thrust, *by_torque = _shares(float(mission.vehicle.arm), float(mission.vehicle.drag_ratio))
     beside = np.hypot(i1, i2) * turned * by_torque[0] + yaw * by_torque[2]
     return float(by_thrust * (least - ahead) - beside), float(by_thrust * (most + ahead) + beside)

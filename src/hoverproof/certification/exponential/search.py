@@ -40,7 +40,7 @@ SLOWEST_IN_NOISE = 0.5
 """The same with noise, of which more stays at a slow rate."""
 ROOM = 0.01
 """Share of the level, and of the ball, that is spared for the proof."""
-SETTLED = 0.1, 0.2, 0.4
+SETTLED = 0.1, 0.2, 0.4, 0.8
 """Of the largest distance of a start from the goal: there the vehicle has settled. With noise the
 first of them that it allows."""
 NEAR = 0.1
@@ -116,7 +116,7 @@ class Search:
         return float((1 - NEAR) * least)
 
     def terms(self) -> Array:
-        """Return what (1, parameters) are multiplied by in Ψ of each start, (k, 8)."""
+        """Return what (1, parameters) are multiplied by in Ψ of each start, (k, 11)."""
         return np.array([self._terms(start) for start in self.starts])
 
     def _terms(self, start: Start) -> Array:
@@ -125,7 +125,7 @@ class Search:
         return np.asarray(self.terms_at(np.array([away]), np.array([level]), start)[0])
 
     def terms_at(self, away: Array, level: Array, start: Start) -> Array:
-        """Return what (1, parameters) are multiplied by in Ψ of states, (k, 8).
+        """Return what (1, parameters) are multiplied by in Ψ of states, (k, 11).
 
         Parameters
         ----------
@@ -152,7 +152,11 @@ class Search:
         result[:, [0, W2, W3, W4]] = np.stack([whole, d2, d3, d4], axis=1) ** 2 / 2
         result[:, TORQUE] = v.rotor_lag / 2 * asked**2
         result[:, THRUST] = v.rotor_lag / 2 * (v.pace * d3) ** 2
-        result[:, MEMORY] = v.latency**2 / 2 * (lam * speed) ** 2
+        flow = lam * speed
+        if v.swept:
+            turned = 2 * v.goal * rate + v.yaw_rate * (level + lean * (away + v.goal))
+            flow = flow + turned
+        result[:, MEMORY] = v.latency**2 / 2 * flow**2
         return result
 
     def limits(self, x: Array, ball: tuple[float, float]) -> Limits:
@@ -168,7 +172,8 @@ class Search:
         v = self.vehicles
         low = v.weight - v.stiffness * v.in_image
         force = 0.95 * low / v.stiffness / (1 + np.exp(-x[1]))
-        return Limits(v, Reach(force, 0.75 * force, 1.75 * force, 6 * np.exp(x[0])), ball[1])
+        d = float(np.exp(x[0]))
+        return Limits(v, Reach(d, force, 0.75 * force, 1.75 * force, 6 * d), ball[1])
 
     def at(
         self,
@@ -186,7 +191,7 @@ class Search:
             See `Candidate`.
         rate : float
             r, 1/s.
-        starts : (k, 8)
+        starts : (k, 11)
             See `terms`.
         likely : sequence of int
             See `program.solve`, bare numbers.
@@ -213,8 +218,7 @@ class Search:
         found = solve(limits, ball, rate, level, starts, likely, min(floor, LOUDEST * most))
         if found is None:
             return None
-        floor = (found.noise or 0.0) * self.vehicles.noise**2 / rate
-        return Candidate(x, d, ball, rate, tilted, found, floor)
+        return Candidate(x, d, ball, rate, tilted, found)
 
     def slow(self, d: float) -> float:
         """Return a slow rate, 1/s.
@@ -225,7 +229,7 @@ class Search:
             A bare number, dimensionless.
         """
         low, high = self.balls.within(d)
-        share = SLOWEST_IN_NOISE if self.vehicles.noise else SLOWEST
+        share = SLOWEST_IN_NOISE if self.vehicles.is_shaken else SLOWEST
         return share * 2 * max(low, 0.1 * high) / float(self.vehicles.design.slowness)
 
     def deepest(self, starts: Array, near: Array | None = None) -> Candidate | None:
@@ -233,7 +237,7 @@ class Search:
 
         Parameters
         ----------
-        starts : (k, 8)
+        starts : (k, 11)
             See `terms`.
         near : (2,), optional
             Where a candidate was found for a question that is much the same.
@@ -295,7 +299,7 @@ class Search:
         Parameters
         ----------
         first : Candidate
-        starts : (k, 8)
+        starts : (k, 11)
             See `terms`.
         offset : float
             A bare number, dimensionless.
@@ -323,11 +327,13 @@ class Search:
         Parameters
         ----------
         found : Candidate
-        starts : (k, 8)
+        starts : (k, 11)
             See `terms`.
         """
-        for share in (0.7,) * MOST_RATES if self.vehicles.noise else ():
-            new = self.at(found.x, found.rate, starts, found.solution.tight, share * found.floor)
+        for share in (0.7,) * MOST_RATES if self.vehicles.is_shaken else ():
+            new = self.at(
+                found.x, found.rate, starts, found.solution.tight, share * found.solution.floor
+            )
             if new is None or new.solution.fill > 1 - ROOM / 2 or not self.sees(new):
                 break
             found = new
@@ -339,7 +345,7 @@ class Search:
         Parameters
         ----------
         first : Candidate
-        starts : (k, 8)
+        starts : (k, 11)
             See `terms`.
         """
         best = first

@@ -13,34 +13,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Design, Law
 from hoverproof.servo.laws.hamel_mahony import law_of
 from hoverproof.servo.uncertain import kappa
 
 Array = NDArray[np.float64]
-
-
-def require_turned(mission: Mission) -> None:
-    """Refuse a latency through which the feature is not turned with the gyroscope.
-
-    Parameters
-    ----------
-    mission : Mission
-
-    Raises
-    ------
-    InputError
-        If there is one.
-    """
-    if mission.uncertainty.latency and not mission.sensors.gyro_turned:
-        raise InputError(
-            mission.source,
-            "uncertainty.latency",
-            "is covered only if the controller turns the feature it holds with the gyroscope; "
-            "set gyro_turned = true in [sensors]",
-        )
 
 
 @dataclass(frozen=True)
@@ -63,7 +41,17 @@ class Vehicles:
     yaw_rate : float
         Bound of |Ω3|, rad/s.
     noise : float
-        Bound of |ν|: of the noise of the feature less m/k1 times that of V.
+        Bound of the error of the feature, less m/k1 times that of V, and for an inertial goal less
+        s3* times that of ρ.
+    felt, leaned : float
+        Bounds of the error of a measured force that the accelerometer makes, with the gusts that it
+        feels, and of that which ρ makes of any force, N.
+    gyro : float
+        Bound of the error of Ω, rad/s.
+    gusts : float
+        Bound of the wind less the steady one, m/s².
+    turned : bool
+        Whether a late feature is turned to the present axes.
     """
 
     law: Law
@@ -76,6 +64,11 @@ class Vehicles:
     wind: float
     yaw_rate: float
     noise: float = 0.0
+    felt: float = 0.0
+    leaned: float = 0.0
+    gyro: float = 0.0
+    gusts: float = 0.0
+    turned: bool = True
 
     @classmethod
     def of(cls, mission: Mission) -> Vehicles:
@@ -90,9 +83,22 @@ class Vehicles:
         numbers = np.array([float(x) for x in law.design.values(mission, feature)])
         names = ("thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate")
         each = {name: float(getattr(covered, name)) for name in names}
-        slowness = mission.vehicle.mass / mission.gains.k1
-        noise = covered.noise.feature + slowness * covered.noise.velocity
-        return cls(law, numbers, float(feature[2]), **each, noise=float(noise))
+        noise, goal, mass = covered.noise, float(feature[2]), mission.vehicle.mass
+        error = noise.feature + mass / mission.gains.k1 * noise.velocity
+        leaned = goal * float(noise.vertical) if law.goal.name == "inertial" else 0.0
+        felt = noise.force + mass * covered.gust if law.force.sensed else 0
+        return cls(
+            law,
+            numbers,
+            goal,
+            **each,
+            noise=float(error) + leaned,
+            felt=float(felt),
+            leaned=float(mission.vehicle.weight * noise.vertical),
+            gyro=float(noise.rate),
+            gusts=float(covered.gust),
+            turned=mission.sensors.gyro_turned,
+        )
 
     def allowing(self, name: str, size: float) -> Vehicles:
         """Return them with another tolerance.
@@ -139,6 +145,30 @@ class Vehicles:
         return 0.0 if self.law.goal.name == "inertial" else self.goal
 
     @property
+    def swept(self) -> float:
+        """The latency, s, if a late feature stays in the axes its image was taken in, else 0."""
+        return 0.0 if self.turned else self.latency
+
+    @property
+    def shock(self) -> float:
+        """Bound of the error of the force over c, dimensionless."""
+        return (self.felt + self.leaned) / self.stiffness
+
+    @property
+    def missed(self) -> float:
+        """Bound of what is used of the image error less the present one, y and errors left out.
+
+        What the wind leans the vehicle by turns with the yaw in a feature that is not turned.
+        """
+        leans = 0.0 if self.in_image else self.goal * self.wind / float(self.design.gravity)
+        return self.noise + self.shock + self.swept * self.yaw_rate * leans
+
+    @property
+    def is_shaken(self) -> bool:
+        """Whether something keeps the vehicle from coming to rest."""
+        return bool(self.missed or self.gyro or self.gusts)
+
+    @property
     def gust(self) -> float:
         """m w̄, the largest force of the wind, N."""
         return float(self.design.mass) * self.wind
@@ -161,6 +191,8 @@ class Reach:
 
     Attributes
     ----------
+    image : float
+        Bound of |δ1|, dimensionless.
     force : float
         Bound of |δ3 - δ2|, dimensionless.
     d3 : float
@@ -171,6 +203,7 @@ class Reach:
         Of |δ1 + δ2|, dimensionless.
     """
 
+    image: float
     force: float
     d3: float
     turn: float
@@ -188,7 +221,7 @@ class Reach:
             ℓ, dimensionless.
         """
         w2, w3, w4 = weights
-        parts = 1 / w2 + 1 / w3, 1 / w3, 1 / w3 + 1 / w4, 1 + 1 / w2
+        parts = 1, 1 / w2 + 1 / w3, 1 / w3, 1 / w3 + 1 / w4, 1 + 1 / w2
         return cls(*(float(np.sqrt(2 * level * x)) for x in parts))
 
 
@@ -246,7 +279,24 @@ class Limits:
         """Bound of |n + ν|: what is used of the feature and of V, less what is now."""
         v = self.vehicles
         speed = self.reach.speed / float(v.design.slowness)
-        return v.latency * self.largest * speed + v.noise
+        swept = v.swept * (self.sweep * self.reach.turn + v.yaw_rate * self.seen)
+        return v.latency * self.largest * speed + swept + self.missed
+
+    @property
+    def missed(self) -> float:
+        """Bound of |ν|: of that what is there without y and errors; a wrong gyroscope turns too."""
+        v = self.vehicles
+        return v.missed + (v.latency - v.swept) * v.gyro * self.seen
+
+    @property
+    def seen(self) -> float:
+        """Bound of the length of the feature, dimensionless."""
+        return self.vehicles.goal + self.reach.image
+
+    @property
+    def sweep(self) -> float:
+        """Bound of how fast tilting turns the feature, over |ζ|, 1/s."""
+        return self.quickness[1] * self.seen
 
     @cached_property
     def gust(self) -> float:
@@ -262,6 +312,50 @@ class Limits:
     def sinking(self) -> float:
         """Bound of |p1 - p2|, 1/s."""
         return self.quickness[1] * (self.reach.d3 + self.ahead)
+
+    @cached_property
+    def stray(self) -> float:
+        """Bound of the share by which the h that the controller has is wrong; NaN if by all."""
+        felt, lever = self.vehicles.felt, self.lever[0]
+        return felt / (lever - felt) if lever > felt else np.nan
+
+    @cached_property
+    def wobble(self) -> float:
+        """Bound of the error of π that the controller has, 1/s."""
+        v, stray = self.vehicles, self.stray
+        turning = self.quickness[1] * self.reach.turn * v.felt + v.gyro * (v.gust + v.felt)
+        own = stray * (2 * self.sinking + self.crosswind)
+        return own + (1 + stray) * turning / self.lever[0]
+
+    @cached_property
+    def struck(self) -> float:
+        """Bound of what errors of force and body rates, without others, add to the command, 1/s."""
+        v, slow = self.vehicles, 1 / self.quickness[0]
+        turning = v.stiff + 2 * self.sinking + self.crosswind + self.wobble
+        turning += (v.yaw_rate + v.gyro) * v.gyroscopic
+        return (1 + self.stray) * v.pull * v.shock + turning * v.gyro * slow
+
+    @cached_property
+    def misled(self) -> tuple[float, float, float]:
+        """By how much ζ, P(δ3 - n) and P(δ3 - δ2) are wrong in the command at most, 1/s."""
+        v, stray = self.vehicles, self.stray
+        twisted = stray * (v.stiff + v.yaw_rate) + (1 + stray) * v.gyro
+        return self.wobble + v.gyro * v.gyroscopic, twisted, stray * v.pull
+
+    def disturbances(self) -> list[tuple[str, float]]:
+        """Return the bounds of what is there without any error of the vehicle, by name.
+
+        "noise" is in what is used of the image error, "command" in the command, and "gust" in the
+        rates of δ2, δ3 and δ4.
+        """
+        v = self.vehicles
+        shaken = 1.0 if v.rotor_lag else 1 + v.torque
+        each = [
+            ("noise", self.missed),
+            ("command", shaken * self.struck),
+            ("gust", float(v.design.slowness) * v.gusts),
+        ]
+        return [(name, bound) for name, bound in each if bound]
 
     @cached_property
     def lean(self) -> float:
@@ -291,16 +385,20 @@ class Limits:
         """Return the norm-bounded terms that are there: what they push, by what, and the radius.
 
         What they push are names of `form.Push`, by which of `form.PARTS`. "yaw" is d4 without what
-        is turned across P δ3.
+        is turned across P δ3; "flow" is 2 M τ̄ y, "level" its P y, "swept" 2 M τ̄ ζ and "aside" P s,
+        where a late feature s is not turned.
         """
         v, h = self.vehicles, self.quickness[1]
         late = self.ahead * h + v.thrust * self.crosswind / 2
+        wobble, twisted, strayed = self.misled
         if not v.rotor_lag:
+            own = 1 + v.torque
             each = [
                 ("d4", "applied", v.torque),
-                ("d4", "zeta", late + v.yaw_rate * v.torque),
-                ("d4", "ahead", v.yaw_rate if v.latency or v.noise else 0.0),
-                ("d4", "missed", v.torque * v.yaw_rate),
+                ("d4", "zeta", late + v.yaw_rate * v.torque + own * wobble),
+                ("d4", "ahead", v.yaw_rate if v.latency or v.missed else 0.0),
+                ("d4", "missed", v.torque * v.yaw_rate + own * twisted),
+                ("d4", "pulled", own * strayed),
             ]
         else:
             own = (1 + v.torque) * v.gyroscopic + v.torque
@@ -310,10 +408,20 @@ class Limits:
                 ("d4", "applied", v.torque),
                 ("d4", "zeta", late),
                 ("yaw", "h3", v.yaw_rate),
-                ("torque", "zeta", v.yaw_rate * v.gyroscopic + slow * h * self.reach.force),
-                ("torque", "missed", v.yaw_rate),
-                ("torque", "pulled", slow * v.yaw_rate),
+                (
+                    "torque",
+                    "zeta",
+                    v.yaw_rate * v.gyroscopic + slow * h * self.reach.force + wobble,
+                ),
+                ("torque", "missed", v.yaw_rate + twisted),
+                ("torque", "pulled", slow * v.yaw_rate + strayed),
                 ("lift", "zeta", v.rotor_lag * v.pace * h * self.reach.d3),
                 ("torque", "applied", v.rotor_lag * self.stretching),
+            ]
+        if v.swept:
+            each += [
+                ("flow", "zeta", self.sweep),
+                ("level", "aside", v.yaw_rate),
+                ("swept", "aside", self.sweep * v.yaw_rate),
             ]
         return [term for term in each if term[2]]

@@ -175,7 +175,7 @@ def _turning(may: Uncertainty) -> str:
     """Say how it may turn about its vertical axis."""
     if may.yaw_rate:
         return "with any heading"
-    depends = may.torque or may.latency or may.rotor_lag
+    depends = may.torque or may.latency or may.rotor_lag or may.is_shaken
     return "with any heading and yaw rate zero" if depends else "with any heading and yaw rate"
 
 

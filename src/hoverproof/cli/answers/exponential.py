@@ -29,7 +29,8 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     yield f"  Ψ                       {number(verdict.level)} or less from the start on"
     yield f"  weights w2, w3, w4      {', '.join(map(number, verdict.weights))}"
     if verdict.ultimate_radius is not None:
-        yield f"  in the end              within {number(verdict.ultimate_radius)} m, by the noise"
+        last = f"{number(verdict.ultimate_radius)} m, by what is not steady"
+        yield f"  in the end              within {last}"
     yield "  On the way:"
     yield f"  height                  in {interval(heights(verdict))} m above the target"
     yield f"  tilt                    {number(verdict.tilt)} rad or less"
