@@ -13,6 +13,7 @@ from hoverproof import checker
 from hoverproof.certification.exponential.proof import converge
 from hoverproof.cli.answers.exponential import as_json, lines
 from hoverproof.mission.reading import load
+from sharing import kept_value
 from test_on_the_way import MISSION, forged
 from test_uncertain_flights import EIGHT, claimed_rates, content, in_doubt
 from uncertain_body import Case, View, size
@@ -25,7 +26,7 @@ NOISE = {"uncertainty.noise.feature": "0.1", "uncertainty.noise.velocity": "0.00
 def proved(tmp_path_factory):
     path = tmp_path_factory.mktemp("missions") / "tag.toml"
     path.write_text(MISSION, encoding="utf-8")
-    return converge(load(path, NOISE))
+    return kept_value("noise", lambda: converge(load(path, NOISE)))
 
 
 class Unsure(View):
