@@ -19,7 +19,6 @@ import pytest
 
 import test_potential
 import uncertain_body as kit
-from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.exponential import proof, search
 from hoverproof.certification.exponential.program import Ball, Sector, falls
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
@@ -62,14 +61,8 @@ def small(name):
 
 
 def potential(name):
-    """Return a certificate by the potential, of those of `test_potential`; made once a run."""
-
-    def make(folder):
-        folder.mkdir()
-        verdict = attraction(test_potential.crazyflie(**test_potential.CASES[name]), barrier=False)
-        verdict.certificate.save(folder / "made.json")
-
-    return json.loads((kept(("potential", name), make) / "made.json").read_text())
+    """Return a certificate by the potential, of those of `test_potential`."""
+    return test_potential.proof(name).certificate.content
 
 
 def vehicles_of(case):

@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 from firmware_kit import kinds
-from test_firmware_target import fuzz_guided, fuzz_random
+from test_firmware_target import fuzz_guided, fuzz_random, fuzzer
 
 CALLS = 10_000_000
 
@@ -18,8 +18,8 @@ def main() -> None:
     for kind in kinds():
         with tempfile.TemporaryDirectory() as name:
             begin = time.perf_counter()
-            package = kind.export(Path(name) / "fw")
-            done = fuzz_random(package, Path(name), share) + fuzz_guided(package, Path(name), share)
+            program = fuzzer(kind.export(Path(name) / "fw"), Path(name))
+            done = fuzz_random(program, share) + fuzz_guided(program, share)
             total += done
             print(f"{kind}: {done} calls, {time.perf_counter() - begin:.1f} s", flush=True)
     print(f"{total:,} calls: no trap, no NaN, no wrong status")

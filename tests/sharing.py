@@ -6,10 +6,12 @@ import atexit
 import fcntl
 import hashlib
 import os
+import pickle
 import shutil
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 PLACE = "HOVERPROOF_TESTS_SHARED"
 
@@ -47,3 +49,13 @@ def kept(key: object, make: Callable[[Path], object]) -> Path:
             make(begun)
             begun.rename(folder)
     return folder
+
+
+def kept_value(key: object, make: Callable[[], Any]) -> Any:
+    """Return what `make` returns, called by one process of a run for each key; see `kept`."""
+
+    def written(folder: Path) -> None:
+        folder.mkdir()
+        (folder / "value").write_bytes(pickle.dumps(make()))
+
+    return pickle.loads((kept(key, written) / "value").read_bytes())

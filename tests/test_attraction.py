@@ -36,6 +36,7 @@ from hoverproof.mission.reading import load
 from hoverproof.servo.law import Design
 from hoverproof.servo.loop import slowest_rate
 from random_missions import case
+from sharing import kept_value
 
 F = Fraction
 ROOT = Path(__file__).parents[1]
@@ -45,12 +46,13 @@ TUNED = {"gains.k1": "1.01", "gains.k4": "10"}
 
 @pytest.fixture(scope="module")
 def paper():
-    return attraction(load("x4-flyer"))
+    return kept_value("attraction", lambda: attraction(load("x4-flyer")))
 
 
 @pytest.fixture(scope="module")
 def without_barrier():
-    return attraction(load("x4-flyer"), objective="volume", barrier=False)
+    asked = {"objective": "volume", "barrier": False}
+    return kept_value(("attraction", asked), lambda: attraction(load("x4-flyer"), **asked))
 
 
 # --- the lemmas ---------------------------------------------------------------------------------
@@ -252,12 +254,12 @@ def test_an_estimate_for_tuning_is_near_what_is_proved(x4):
 # --- what flights say ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("count", [40, pytest.param(300, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [40, pytest.param(100, marks=pytest.mark.slow)])
 def test_flights_from_inside_keep_inside_and_reach_the_goal(paper, count, whole):
-    """The paper's vehicle alone, 300 times; `make trials` flies 1,500 times."""
+    """The paper's vehicle alone, 100 times; `make trials` flies 1,500 times."""
     import attraction_flights as flights
 
-    count *= 5 if whole else 1
+    count *= 15 if whole else 1
     flown, excess = flights.trial(paper, count, 20 * count)
     assert flown == {
         "flights": count,

@@ -20,7 +20,7 @@ from hoverproof.certification.verdict import Proved, Refuted, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 
-BLOCKS, MISSIONS, FIRST = 8, 250, 60
+BLOCKS, MISSIONS, FIRST = 8, 250, 32
 CORNERS = np.array([[1, 1, 0], [1, -1, 0], [-1, -1, 0], [-1, 1, 0]], float)
 D1, D2, D3, D4 = np.eye(12)[:, :11].reshape(4, 3, 11)  # the δs of X; δ4 has no third component
 V = D1 + D2

@@ -14,6 +14,7 @@ from hoverproof.certification.exponential.proof import converge
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 from hoverproof.cli.answers.exponential import as_json, lines
 from hoverproof.mission.reading import load
+from sharing import kept_value
 from test_on_the_way import MISSION, forged
 from test_uncertain_flights import EIGHT, claimed_rates, content, in_doubt
 from uncertain_body import Case, View, size
@@ -41,7 +42,7 @@ def proved(tmp_path_factory, request):
     path.write_text(MISSION, encoding="utf-8")
     keys = {f"uncertainty.{key}": value for key, value in NOISES[request.param].items()}
     keys["sensors.gyro_turned"] = "true"
-    found = converge(load(path, keys))
+    found = kept_value(("noise", request.param), lambda: converge(load(path, keys)))
     assert found.status == "proved", found.reason
     return found
 

@@ -14,6 +14,7 @@ from hoverproof import checker
 from hoverproof.certification.exponential.proof import converge
 from hoverproof.cli.answers.exponential import as_json, beyond, lines
 from hoverproof.mission.reading import load
+from sharing import kept_value
 from uncertain_body import LIFT, THRUST, Case, View, times
 from uncertain_flights import LONGEST_STEP, Nature, anywhere, fly
 
@@ -44,7 +45,7 @@ def path(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def proved(path):
-    return converge(load(path))
+    return kept_value("on the way", lambda: converge(load(path)))
 
 
 def test_what_is_told_is_what_the_checker_says(proved):

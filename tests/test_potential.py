@@ -6,6 +6,7 @@ import copy
 import itertools
 from dataclasses import replace
 from fractions import Fraction as F
+from functools import cache
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from hoverproof.certification.attraction.tolerant import posed
 from hoverproof.certification.exponential.program import Sector, falls
 from hoverproof.certification.exponential.vehicles import Limits, Reach
 from hoverproof.mission.reading import load
+from sharing import kept_value
 from uncertain_flights import fly
 
 GAINS = {"gains.k1": "0.00466", "gains.k2": "18.1", "gains.k3": "0.114", "gains.k4": "0.3416"}
@@ -46,15 +48,14 @@ def crazyflie(**extra):
 
 @pytest.fixture(scope="module")
 def proofs():
-    """Return the certificate of a case, made once."""
-    made = {}
+    """Return the verdict on a case, reached once."""
+    return cache(proof)
 
-    def of(name):
-        if name not in made:
-            made[name] = attraction(crazyflie(**CASES[name]), barrier=False)
-        return made[name]
 
-    return of
+def proof(name):
+    """Return the verdict on a case, reached once a run."""
+    mission = crazyflie(**CASES[name])
+    return kept_value(("potential", name), lambda: attraction(mission, barrier=False))
 
 
 @pytest.mark.parametrize("name", ["late", "lagged", pytest.param("all", marks=slow)])

@@ -37,6 +37,7 @@ from hoverproof.servo.loop import (
     slowest_rates,
 )
 from hoverproof.simulation.flight import simulate
+from sharing import kept_value
 
 PROVED = {"bounds.eigenvalues": "auto"}
 OFF_AXIS = {"goal": "{centroid = [0.3, 0.2, 3.5]}"}
@@ -44,13 +45,18 @@ BY_LEVEL = {"bounds": "{eigenvalues = [0.01, 5], level = 10}"}
 
 
 @pytest.fixture(scope="module")
-def fast(x4):
-    return tune(x4)
+def fast():
+    return tuned_once({})
 
 
 @pytest.fixture(scope="module")
 def fast_over_box():
-    return tune(load("x4-flyer", PROVED))
+    return tuned_once(PROVED)
+
+
+def tuned_once(change):
+    """Return the gains for the fastest decay of the paper's vehicle after a change of it."""
+    return kept_value(("tuned", change), lambda: tune(load("x4-flyer", change)))
 
 
 def run(capsys, *arguments):
@@ -173,10 +179,11 @@ def test_for_its_k1_and_k2_an_sdp_solver_finds_nothing_better(which, request):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("which", ["fast", "fast_over_box"])
-def test_none_of_100_000_random_feasible_gains_is_better_by_a_thousandth(which, request):
+def test_no_random_feasible_gains_are_better_by_a_thousandth(which, request, whole):
+    """Of 20,000, and with `make trials` of 100,000."""
     tuned = request.getfixturevalue(which)
     questions = Questions.of(gain_problem(tuned.mission))
-    rng, count = np.random.default_rng(7), 100_000
+    rng, count = np.random.default_rng(7), 100_000 if whole else 20_000
     most = 20 * questions.mass
     g = [float(k) for k in (tuned.mission.gains.k1, tuned.mission.gains.k2)]
     wide = 10 ** rng.uniform(-3, 2, (2, count // 2))

@@ -165,15 +165,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   return 0;
 }
 
-#ifndef ALONE
 __attribute__((destructor)) static void tell(void) { fprintf(stderr, "%lu whole calls\n", calls); }
-#endif
 
-#ifdef ALONE /* without libFuzzer: so many calls with random bytes */
-int main(int argc, char **argv) {
+/* With "alone" and a number: so many calls with random bytes, in place of the fuzzer's. */
+int LLVMFuzzerInitialize(int *argc, char ***argv);
+int LLVMFuzzerInitialize(int *argc, char ***argv) {
   static uint8_t data[BYTES];
   uint64_t seed = 88172645463325252u;
-  const unsigned long wanted = argc > 1 ? strtoul(argv[1], NULL, 10) : 1000000;
+  if (*argc < 3 || strcmp((*argv)[1], "alone") != 0) return 0;
+  const unsigned long wanted = strtoul((*argv)[2], NULL, 10);
   while (calls < wanted) {
     for (size_t i = 0; i < sizeof data; i++) {
       seed ^= seed << 13, seed ^= seed >> 7, seed ^= seed << 17;
@@ -182,6 +182,5 @@ int main(int argc, char **argv) {
     LLVMFuzzerTestOneInput(data, sizeof data);
   }
   printf("%lu calls\n", calls);
-  return 0;
+  exit(0);
 }
-#endif
