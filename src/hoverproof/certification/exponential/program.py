@@ -6,7 +6,7 @@ multipliers and what the memory of the latency weighs.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.exponential.form import ROWS, Variables, Weights, derive_form
-from hoverproof.certification.exponential.vehicles import Limits, Reach
+from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 from hoverproof.certification.robust import Inequality, Term, optimise, reciprocals
 from hoverproof.certification.robust import Solution as Optimum
 from hoverproof.servo.law import Law
@@ -31,6 +31,12 @@ SPARE = 1e-6
 """What -(E' + …) is asked to be above, as a share of 2 E and of the other squares."""
 BROKEN, TIGHT = -1e-10, 1e-7
 """Lowest over largest eigenvalue below which a vertex is not kept, and above which it is free."""
+LIKELY = 0.25, 0.16, 0.05
+"""w2, w3 and w4 as they may be."""
+TOLERANCE = 1e-9
+"""Of the solver."""
+MOST_NEW = 2
+"""So many vertices that are not kept are added at once."""
 
 
 @dataclass(frozen=True)
@@ -39,21 +45,46 @@ class Falls:
 
     Attributes
     ----------
-    corners : tuple of Inequality
+    whole : Inequality
+        Of all vertices: S is (k, 9, n, n), the u of the terms are (k, 9, m, n), their v (k, m, n).
     used : (k,)
         Which parameters have a part in it, as places among (1, parameters).
+    energy : (6, n, n)
+        2 E, as what 1, w2, w3, w4, a5 and a6 multiply, with the largest lag.
     """
 
-    corners: tuple[Inequality, ...]
+    whole: Inequality
     used: tuple[int, ...]
+    energy: Array
+
+    @property
+    def there(self) -> list[int]:
+        """Places of what has a part in it among (1, parameters)."""
+        return [0, *self.used]
 
     def of_used(self) -> tuple[list[int], list[Inequality]]:
         """Return the places of (1, parameters) that have a part in it, and what these multiply."""
-        there = [0, *self.used]
+        S, terms, there = self.whole.S, self.whole.terms, self.there
         return there, [
-            Inequality(c.S[there], tuple(t._replace(u=t.u[there]) for t in c.terms))
-            for c in self.corners
+            Inequality(S[k][there], tuple(Term(t.u[k][there], t.v[k], t.radius) for t in terms))
+            for k in range(len(S))
         ]
+
+    def bound(self, x: Array, tau: Array) -> Array:
+        """Return M(τ) at every vertex, (k, n, n).
+
+        Parameters
+        ----------
+        x : (j,)
+            What 1 and the parameters that are used are multiplied by.
+        tau : (number of terms,)
+            Positive.
+        """
+        values = np.zeros(1 + PARAMETERS)
+        values[self.there] = x
+        terms = (t._replace(u=np.einsum("p,kpmn->kmn", values, t.u)) for t in self.whole.terms)
+        S = np.einsum("p,kpmn->kmn", values, self.whole.S)
+        return Inequality(S, tuple(terms)).bound(np.tile(tau, (len(S), 1)))
 
 
 @dataclass(frozen=True)
@@ -143,41 +174,49 @@ def falls(limits: Limits, slope: Ball | Sector, rate: float, potential: bool = F
     nu = np.eye(L.shape[1])[len(kept) :]
     there = ((TORQUE, lagged), (THRUST, lagged), (SLOPE, True), (MEMORY, late), (NOISE, noisy))
     used = (W2, W3, W4, *(name for name, has in there if has))
-    corners = []
-    for at in _at_vertices(limits, potential):
-        S = np.zeros((1 + PARAMETERS, L.shape[1], L.shape[1]))
-        S[:6] = L.T @ (at["fall"] - rate / 2 * at["energy"]) @ L
-        S[SLOPE] = slope.lost(y, at["sum"][0] @ L / float(v.design.slowness))
-        S[NOISE] = nu.T @ nu
-        if late:
-            forgets = np.exp(-rate * v.latency)
-            S[MEMORY] = forgets / v.latency * n.T @ n - v.latency * y.T @ y
-        at["yaw"] = at["d4"].copy()
-        at["yaw"][W4] -= at["h3"][0]
-        each = []
-        for pushed, by, size in terms:
-            u = np.zeros((1 + PARAMETERS, at[pushed].shape[1], L.shape[1]))
-            u[:6] = at[pushed] @ L
-            each.append(Term(u, at[by][0] @ L, np.array(size)))
-        corners.append(Inequality(S, tuple(each)))
-    return Falls(tuple(corners), used)
+    at = _at_vertices(limits, potential)
+    S = np.zeros((len(at["fall"]), 1 + PARAMETERS, L.shape[1], L.shape[1]))
+    S[:, :6] = L.T @ (at["fall"] - rate / 2 * at["energy"]) @ L
+    S[:, SLOPE] = slope.lost(y, at["sum"][0, 0] @ L / float(v.design.slowness))
+    S[:, NOISE] = nu.T @ nu
+    if late:
+        forgets = np.exp(-rate * v.latency)
+        S[:, MEMORY] = forgets / v.latency * n.T @ n - v.latency * y.T @ y
+    at["yaw"] = at["d4"].copy()
+    at["yaw"][:, W4] -= at["h3"][:, 0]
+    each = []
+    for pushed, by, size in terms:
+        u = np.zeros((len(S), 1 + PARAMETERS, at[pushed].shape[2], L.shape[1]))
+        u[:, :6] = at[pushed] @ L
+        each.append(Term(u, at[by][:, 0] @ L, np.array(size)))
+    return Falls(Inequality(S, tuple(each)), used, L.T @ at["energy"][-1] @ L)
 
 
-def _at_vertices(limits: Limits, potential: bool) -> Iterator[dict[str, Array]]:
-    """Yield the matrices of each vertex by name, (6, ..): what 1, w2, w3, w4, a5, a6 multiply."""
+def _at_vertices(limits: Limits, potential: bool) -> dict[str, Array]:
+    """Return the matrices of k vertices by name, (k, 6, ..): what 1, w2 to w4, a5, a6 multiply."""
     v, k = limits.vehicles, 1 + Weights.size()
     vertices = np.array(list(limits.vertices()))
     weights = np.vstack([np.zeros(Weights.size()), np.eye(Weights.size())])
     count = len(vertices)
-    several = _several(v.law, v.rotor_lag > 0, potential, k * count)
-    found = np.array(
-        several(v.numbers, vertices.repeat(k, axis=0).T, np.tile(weights, (count, 1)).T)
-    )
-    found = found.reshape(len(found), count, k, -1).transpose(1, 2, 0, 3)
+    given = np.tile(v.numbers, (k * count, 1)), vertices.repeat(k, axis=0)
+    found = _at(v.law, v.rotor_lag > 0, potential, [*given, np.tile(weights, (count, 1))])
+    found = found.reshape(count, k, *found.shape[1:])
     ends = np.cumsum(list(ROWS.values()))
-    for matrices in found:
-        matrices[1:, : ends[4]] -= matrices[0, : ends[4]]
-        yield dict(zip(ROWS, np.split(matrices, ends[:-1], axis=1), strict=True))
+    found[:, 1:, : ends[4]] -= found[:, :1, : ends[4]]
+    return dict(zip(ROWS, np.split(found, ends[:-1], axis=2), strict=True))
+
+
+def _at(law: Law, lagged: bool, potential: bool, given: Sequence[Array]) -> Array:
+    """Evaluate the form at rows of designs, vertices and weights: (rows, 62, 20)."""
+    form = _several(law, lagged, potential, len(given[0]))
+    rows, columns = form.size_out(0)
+    found = np.empty((len(given[0]), columns // len(given[0]), rows))
+    buffer, evaluate = form.buffer()
+    for k, array in enumerate(given):
+        buffer.set_arg(k, memoryview(np.ascontiguousarray(array, float)))
+    buffer.set_res(0, memoryview(found))
+    evaluate()
+    return found.swapaxes(1, 2)
 
 
 @cache
@@ -209,6 +248,10 @@ class Solution:
         σν, what |ν|² adds to the rate of Ψ, 1/s.
     tight : tuple of int
         The numbers of the vertices that keep it from being lower.
+    optimum : robust.Solution
+        What the solver found.
+    working : tuple of int
+        The numbers of the vertices that it was given.
     """
 
     weights: Array
@@ -218,8 +261,10 @@ class Solution:
     multipliers: Array
     level: float
     start: float
-    noise: float | None = None
-    tight: tuple[int, ...] = ()
+    noise: float | None
+    tight: tuple[int, ...]
+    optimum: Optimum
+    working: tuple[int, ...]
 
     @property
     def fill(self) -> float:
@@ -230,6 +275,182 @@ class Solution:
     def reach(self) -> Reach:
         """How large the errors are on the set."""
         return Reach.of(self.weights, self.level)
+
+
+@dataclass(frozen=True)
+class Program:
+    """The question which weights bring starts below a level: as deep as can be, or soonest.
+
+    Attributes
+    ----------
+    falls : Falls
+    spare : (n, n)
+        What M(τ) is asked to be above.
+    missed : (n, n)
+        What the last parameter multiplies that is added to M(τ): nothing, or 2 E as it is likely.
+    rows : (j, 1 + k)
+        Each times (1, parameters that are used, the last parameter) is 0 or more. The last is what
+        is made small: the largest Ψ/ℓ of the starts, or the rate that is missing for it to be as
+        wished, 1/s.
+    pencils : tuple of (1 + k, p, p)
+        Likewise positive semidefinite.
+    level : float
+        ℓ, dimensionless.
+    ball : (low, high)
+        j - ϱ and j + ϱ, 1/m.
+    starts : (k, j)
+        What 1 and the parameters that are used are multiplied by in Ψ of each start.
+    """
+
+    falls: Falls
+    spare: Array
+    missed: Array
+    rows: Array
+    pencils: tuple[Array, ...]
+    level: float
+    ball: tuple[float, float]
+    starts: Array
+
+    @classmethod
+    def of(
+        cls,
+        limits: Limits,
+        ball: tuple[float, float],
+        rate: float,
+        level: float,
+        starts: Array,
+        floor: float = np.inf,
+        fill: float | None = None,
+    ) -> Program | None:
+        """Pose it; None if thrust or lever may vanish.
+
+        Parameters
+        ----------
+        limits, ball, rate, level, starts, floor
+            See `solve`, bare numbers.
+        fill : float, optional
+            What the largest Ψ/ℓ of the starts is to be; by default it is what is made small.
+        """
+        if not np.isfinite(limits.lever).all() or limits.tilt >= 1:
+            return None
+        low, high = ball
+        found = falls(limits, Ball((low + high) / 2, (high - low) / 2), rate)
+        there, size = found.there, len(found.there) + 1
+        place = {name: there.index(name) for name in found.used}
+        r, two = limits.reach, 2 * level
+        w2, w3, w4 = (place[w] for w in (W2, W3, W4))
+        pencils = (
+            reciprocals(r.force**2 / two, {w2: 1, w3: 1}, size),
+            reciprocals(r.d3**2 / two, {w3: 1}, size),
+            reciprocals(r.turn**2 / two, {w3: 1, w4: 1}, size),
+            reciprocals(r.speed**2 / two - 1, {w2: 1}, size),
+        )
+        missed = np.zeros(found.energy.shape[1:])
+        inside = np.column_stack([-starts[:, there] / level, np.ones(len(starts))])
+        if fill is not None:
+            missed = np.tensordot(_likely(limits.vehicles), found.energy, 1) / 2
+            inside[:, 0] += fill
+            inside[:, -1] = 1 / rate
+        rows = np.vstack([inside, np.eye(size)[1 : None if fill is None else -1]])
+        if NOISE in place:
+            most = np.eye(size)[0] * floor * rate / limits.vehicles.noise**2
+            rows = np.vstack([rows, most - np.eye(size)[place[NOISE]]])
+        spare = SPARE / max(1.0, high) * np.eye(len(missed))
+        return cls(found, spare, missed, rows, pencils, level, ball, starts[:, there])
+
+    def solve(self, likely: Sequence[int] = ()) -> Solution | None:
+        """Solve it.
+
+        Parameters
+        ----------
+        likely : sequence of int
+            See `solve`, bare numbers.
+        """
+        found_at = self._over_few(likely)
+        if found_at is None or not (found_at[0].x[:-1] > 0).all():
+            return None
+        answer, working, tight = found_at
+        values = dict(zip(self.falls.used, map(float, answer.x[:-1]), strict=True))
+        return Solution(
+            weights=np.array([values[w] for w in (W2, W3, W4)]),
+            lag=np.array([values[TORQUE], values[THRUST]]) if TORQUE in values else None,
+            memory=values.get(MEMORY),
+            slope=values[SLOPE],
+            multipliers=answer.multipliers[0],
+            level=self.level,
+            noise=values.get(NOISE),
+            start=float((self.starts @ [1.0, *answer.x[:-1]]).max()),
+            tight=tight,
+            optimum=answer,
+            working=working,
+        )
+
+    def change(self, found: Solution, other: Program) -> float:
+        """Return by how much the optimum of another program like this is larger, to first order.
+
+        Parameters
+        ----------
+        found : Solution
+            Of this program.
+        other : Program
+            With data that are little different.
+        """
+        at, working = found.optimum, list(found.working)
+        x = np.array([1.0, *at.x])
+        corners = np.subtract(*(p.bound(at)[working] for p in (other, self)))
+        lifted = sum(float((z * m).sum()) for z, m in zip(at.prices, corners, strict=False))
+        for z, p, q in zip(at.prices[len(working) :], other.pencils, self.pencils, strict=True):
+            lifted += float((z * np.tensordot(x, p - q, 1)).sum())
+        return -lifted - float(at.row_prices @ (other.rows - self.rows) @ x)
+
+    def bound(self, at: Optimum) -> Array:
+        """Return what is to be positive semidefinite at every vertex, (k, n, n).
+
+        Parameters
+        ----------
+        at : robust.Solution
+        """
+        every = self.falls.bound(np.array([1.0, *at.x[:-1]]), at.multipliers[0])
+        return every - self.spare + at.x[-1] * self.missed
+
+    def _over_few(
+        self, likely: Sequence[int]
+    ) -> tuple[Optimum, tuple[int, ...], tuple[int, ...]] | None:
+        """Make the last parameter small at few vertices, and at more until all are kept.
+
+        Returns the optimum, these vertices, and which of them are tight there.
+        """
+        corners = self.falls.of_used()[1]
+        less = np.zeros((len(self.falls.there) + 1, *self.spare.shape))
+        less[0], less[-1] = self.spare, -self.missed
+        cost = [0.0] * len(self.falls.used) + [1.0]
+        working = list(likely) or [len(corners) - 1]
+        while True:
+            few = [corners[k].less(less) for k in working]
+            answer = optimise(
+                cost,
+                few,
+                rows=self.rows,
+                pencils=self.pencils,
+                shared=True,
+                tolerance=TOLERANCE,
+            )
+            if answer is None:
+                return None
+            values = np.linalg.eigvalsh(self.bound(answer))
+            lowest = values[:, 0] / np.abs(values).max(axis=1)
+            others = [int(k) for k in np.argsort(lowest) if k not in working]
+            broken = [k for k in others[:MOST_NEW] if lowest[k] < BROKEN]
+            if not broken:
+                return answer, tuple(working), tuple(k for k in working if lowest[k] < TIGHT)
+            working += broken
+
+
+def _likely(v: Vehicles) -> Array:
+    """Return 1 and weights as they may be: w2, w3, w4, a5 and a6, (6,)."""
+    w2, w3, w4 = LIKELY
+    lag = v.rotor_lag or 1.0
+    return np.array([1, w2, w3, w4, w4 / (lag * v.stiff**2), w3 / (lag * v.pace**2)])
 
 
 def solve(
@@ -264,68 +485,5 @@ def solve(
     -------
     Solution, or None if there is none
     """
-    if not np.isfinite(limits.lever).all() or limits.tilt >= 1:
-        return None
-    low, high = ball
-    found = falls(limits, Ball((low + high) / 2, (high - low) / 2), rate)
-    there, corners = found.of_used()
-    place = {name: there.index(name) for name in found.used}
-    size = len(there) + 1  # and the largest Ψ/ℓ of the starts, the last
-    spare = np.zeros_like(corners[0].S)
-    spare[0] = SPARE * np.eye(spare.shape[1]) / max(1.0, high)
-    corners = [c.less(spare) for c in corners]
-    r, two = limits.reach, 2 * level
-    w2, w3, w4 = (place[w] for w in (W2, W3, W4))
-    pencils = [
-        reciprocals(r.force**2 / two, {w2: 1, w3: 1}, size),
-        reciprocals(r.d3**2 / two, {w3: 1}, size),
-        reciprocals(r.turn**2 / two, {w3: 1, w4: 1}, size),
-        reciprocals(r.speed**2 / two - 1, {w2: 1}, size),
-    ]
-    inside = np.column_stack([-starts[:, there] / level, np.ones(len(starts))])
-    rows = np.vstack([inside, np.eye(size)[1:]])
-    if NOISE in place:
-        most = np.eye(size)[0] * floor * rate / limits.vehicles.noise**2
-        rows = np.vstack([rows, most - np.eye(size)[place[NOISE]]])
-    found_at = _over_few(size, corners, rows, pencils, likely)
-    if found_at is None or not (found_at[0].x[:-1] > 0).all():
-        return None
-    answer, tight = found_at
-    values = {name: float(answer.x[place[name] - 1]) for name in found.used}
-    return Solution(
-        weights=np.array([values[w] for w in (W2, W3, W4)]),
-        lag=np.array([values[TORQUE], values[THRUST]]) if TORQUE in values else None,
-        memory=values.get(MEMORY),
-        slope=values[SLOPE],
-        multipliers=answer.multipliers[0],
-        level=level,
-        noise=values.get(NOISE),
-        start=float(answer.x[-1]) * level,
-        tight=tight,
-    )
-
-
-def _over_few(
-    size: int,
-    corners: Sequence[Inequality],
-    rows: Array,
-    pencils: Sequence[Array],
-    likely: Sequence[int],
-) -> tuple[Optimum, tuple[int, ...]] | None:
-    """Make the last parameter small at few vertices, and at more until all are kept.
-
-    Returns the optimum and the vertices that are tight there.
-    """
-    cost, working = [0.0] * (size - 2) + [1.0], list(likely) or [len(corners) - 1]
-    while True:
-        few = [corners[k] for k in working]
-        answer = optimise(cost, few, rows=rows, pencils=pencils, shared=True)
-        if answer is None:
-            return None
-        x = [1.0, *answer.x[:-1]]
-        values = np.linalg.eigvalsh([c.at(x).bound(answer.multipliers[0]) for c in corners])
-        lowest = values[:, 0] / np.abs(values).max(axis=1)
-        broken = [int(k) for k in np.argsort(lowest)[:2] if lowest[k] < BROKEN and k not in working]
-        if not broken:
-            return answer, tuple(k for k in working if lowest[k] < TIGHT)
-        working += broken
+    program = Program.of(limits, ball, rate, level, starts, floor)
+    return None if program is None else program.solve(likely)

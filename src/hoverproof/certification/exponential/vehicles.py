@@ -64,6 +64,8 @@ class Vehicles:
         Bound of |Ω3|, rad/s.
     noise : float
         Bound of |ν|: of the noise of the feature less m/k1 times that of V.
+    noise_of_velocity : float
+        Bound of that of V, m/s.
     """
 
     law: Law
@@ -76,6 +78,7 @@ class Vehicles:
     wind: float
     yaw_rate: float
     noise: float = 0.0
+    noise_of_velocity: float = 0.0
 
     @classmethod
     def of(cls, mission: Mission) -> Vehicles:
@@ -91,8 +94,9 @@ class Vehicles:
         names = ("thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate")
         each = {name: float(getattr(covered, name)) for name in names}
         slowness = mission.vehicle.mass / mission.gains.k1
-        noise = covered.noise.feature + slowness * covered.noise.velocity
-        return cls(law, numbers, float(feature[2]), **each, noise=float(noise))
+        noise = float(covered.noise.feature + slowness * covered.noise.velocity)
+        speeds = float(covered.noise.velocity)
+        return cls(law, numbers, float(feature[2]), **each, noise=noise, noise_of_velocity=speeds)
 
     def allowing(self, name: str, size: float) -> Vehicles:
         """Return them with another tolerance.
@@ -105,6 +109,18 @@ class Vehicles:
             In its unit, a bare number.
         """
         return replace(self, **{name: size})  # type: ignore[arg-type]
+
+    def with_numbers(self, numbers: Array) -> Vehicles:
+        """Return them with another design, such as other gains.
+
+        Parameters
+        ----------
+        numbers : (13,)
+            Of the design.
+        """
+        slow = replace(self, numbers=numbers)
+        moved = float(slow.design.slowness - self.design.slowness)
+        return replace(slow, noise=self.noise + moved * self.noise_of_velocity)
 
     @cached_property
     def design(self) -> Design:
