@@ -21,7 +21,7 @@ import test_potential
 import uncertain_body as kit
 from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.exponential import proof, search
-from hoverproof.certification.exponential.program import Ball, Sector, falls
+from hoverproof.certification.exponential.inequality import Ball, Sector, falls
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 from hoverproof.mission.reading import load
 from hoverproof.servo.laws.hamel_mahony import LAWS

@@ -12,8 +12,9 @@ import pytest
 
 from hoverproof import checker, cli
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.exponential.inequality import Ball, falls
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.program import Ball, falls, solve
+from hoverproof.certification.exponential.program import solve
 from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.design.limits import Limits
@@ -116,14 +117,14 @@ def test_a_candidate_is_made_faster_and_stays_inside(small):
 def test_the_rate_of_the_controller_and_the_rotors_are_the_mission_s(small):
     slow = {**LATE, "sensors": "{gyro_turned = true, control_rate = 20}"}
     mission = small(changes={**slow, "rotors": "{max_thrust = 1.5}"})
-    limits = Wish(objective="start").limits(mission)
+    limits = Wish().limits(mission)
     assert (limits.fastest, limits.rotors) == (4.0, (0.0, 1.5))
     search = StartSearch.of(mission, limits)
     _, guess = itertools.islice(search.guesses(), 2)  # the first is the mission's own
     four = np.exp(guess[:4])
     assert (search.beyond(four[None]) <= 0).all()
     assert (search.beyond(four[None] * [1, 1, 10, 10]) > 0).any()
-    assert Wish(objective="start", rate=50).limits(mission).fastest == 10.0
+    assert Wish(rate=50).limits(mission).fastest == 10.0
 
 
 def test_a_start_beyond_the_bounds_of_J_is_said_to_be(small):
@@ -176,7 +177,7 @@ def test_wishes_about_other_things_are_refused(small, options, word):
 
 def test_a_curve_is_refused(small):
     with pytest.raises(InputError, match="--pareto"):
-        pareto(small(), 3)
+        pareto(small(), 3, Wish())
 
 
 @pytest.mark.slow

@@ -14,14 +14,12 @@ import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from fractions import Fraction
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.candidate import VIEW_ROOM, Asked
 from hoverproof.certification.exponential.positions import Scene
@@ -53,10 +51,9 @@ OWN, FEW = 14, 25
 """So many, at most, for the mission's own gains, and to find out whether any hold the start."""
 KEEPS = 2e-3
 """A limit is kept that is exceeded by less than that share."""
-SPARED = (0.35, 0.06), (0.6, 0.12)
-"""By which shares the ball of J is widened, and d exceeded, for the proof, one after the other."""
-LOSS, ROUNDED = 0.004, 2
-"""Part of the time by which rounding may make it longer; of so many digits so many are tried."""
+SPARED = (0.35, 0.06, 1.0), (0.45, 0.08, 0.75), (0.55, 0.1, 0.6), (0.65, 0.1, 0.5)
+"""By which shares the ball of J is widened, and d exceeded, for the proof, and how much of the way
+from the least d is taken that was found with the last of these: one after the other."""
 
 
 class Point(NamedTuple):
@@ -113,7 +110,7 @@ class StartSearch:
         limits : Limits
         """
         whole = Search.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
-        highest, (wider, beyond) = ROOMS[0][1], SPARED[0]
+        highest, (wider, beyond, _) = ROOMS[0][1], SPARED[0]
         half = mission.camera.half_angle
         half_angle = None if half is None else float(half)
         whole = replace(whole, highest=highest, half_angle=half_angle)
@@ -442,27 +439,3 @@ class StartSearch:
         if cost >= OUTSIDE:
             return f"the best rate is {100 * (cost - OUTSIDE):.3g} % short"
         return f"settled after {math.exp(cost):.3g} s (floating point)"
-
-    def short(self, point: Point) -> Iterator[tuple[tuple[Fraction, ...], Point]]:
-        """Yield gains of few digits that are hardly slower, and their point, then longer ones.
-
-        Parameters
-        ----------
-        point : Point
-            Where the starts are inside.
-        """
-        exact, at = np.exp(point.z[:4]), self.value(point.z)
-        if at is None:
-            return
-        slopes = self.slopes(point.z, at)
-        for digits in range(2, 7):
-            around = [(decimal_below(k, digits), decimal_above(k, digits)) for k in exact]
-            fours = list(itertools.product(*around))
-            moved = np.log(np.array(fours, float)) - point.z[:4]
-            over = at.over + moved @ slopes[1:, :4].T
-            order = np.argsort(np.maximum(over, 0).sum(axis=1), kind="stable")
-            for k in order[:ROUNDED]:
-                near = self.best_for(np.array(fours[k], float), point.z[None, 4:])
-                if near.cost < point.cost + LOSS:
-                    yield fours[k], near
-                    break

@@ -14,13 +14,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.proof import converge
+from hoverproof.certification.exponential.proof import (
+    converge,
+    require_question,
+    why_not_covered,
+)
 from hoverproof.certification.exponential.search import FAILED, OUTSIDE, SETTLED
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.design.limits import BINDS, Limits, Use, designed_gains, uses
 from hoverproof.design.outcome import Infeasible, StartTuned
 from hoverproof.design.start_advice import scaled, what_helps
+from hoverproof.design.start_rounding import rounded
 from hoverproof.design.start_search import SPARED, Point, StartSearch
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
@@ -55,6 +61,9 @@ def tune_start(
         If the goal is not axial, or the mission poses no question.
     """
     tell = progress or (lambda text: None)
+    require_question(mission, [Start.of(mission)])
+    if reason := why_not_covered(mission):
+        return Infeasible(mission, reason)
     found = attempt(mission, limits, tell)
     if isinstance(found, StartTuned):
         return found
@@ -95,24 +104,39 @@ def attempt(mission: Mission, limits: Limits, tell: Progress) -> StartTuned | Fa
             search = replace(search, whole=replace(search.whole, settled=share))
             point = search.run(tell)
     reason = why_not(search, point) if point is None or point.cost >= OUTSIDE else ""
-    for wider, beyond in SPARED:
+    for wider, beyond, part in SPARED:
         if point is None or point.cost >= OUTSIDE:
             break
-        spared = replace(search, whole=replace(search.whole, wider=wider, beyond=beyond))
-        at = spared.value(point.z)
-        if reason and at is not None:
-            point = spared.descend(point.z, at)
-        found = _proved(spared, point, tell)
+        if reason:
+            search, point = _narrower(search, point, (wider, beyond, part))
+            if point.cost >= OUTSIDE:
+                break
+        found = _proved(search, point, tell)
         if isinstance(found, StartTuned):
             return found
-        reason = reason or f"the best gains found are not proved: {found}"
+        reason = f"the best gains found are not proved: {found}"
     return Failed(reason, point)
+
+
+def _narrower(
+    search: StartSearch, point: Point, spared: tuple[float, float, float]
+) -> tuple[StartSearch, Point]:
+    """Search on from a point with more room for the proof, and with less of the way to d."""
+    wider, beyond, part = spared
+    low, scene = search.ends[0], search.whole.scene
+    highest = low * (math.exp(point.z[4]) / low) ** part / scene.wanted
+    search = replace(
+        search, whole=replace(search.whole, wider=wider, beyond=beyond, highest=highest)
+    )
+    z = np.minimum(point.z, search.highest)
+    at = search.value(z)
+    return search, search.point(z, None) if at is None else search.descend(z, at)
 
 
 def _proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | str:
     """Round gains and prove them; return why not if they are not."""
     reason = "none of few digits are near them"
-    for _, (four, near) in zip(range(PROOFS), search.short(point), strict=False):
+    for _, (four, near) in zip(range(PROOFS), rounded(search, point), strict=False):
         tuned = search.mission.model_copy(
             update={"gains": designed_gains(search.mission, four, _fast(search, near))}
         )
@@ -120,6 +144,7 @@ def _proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | s
         if isinstance(verdict, Exponential):
             return _tuned(search, tuned, verdict, point, tell)
         reason = verdict.reason
+        tell(f"not proved: {reason}")
         if "cells" in reason:
             break
     return reason

@@ -346,7 +346,7 @@ def pareto(
     count : int
         Number of bandwidths, at least 2.
     wish : Wish, optional
-        By default as `tune` has it.
+        By default the largest certified decay rate of L.
     bandwidth : float, optional
         The highest, rad/s; by default that of the wish.
     lowest : float, optional
@@ -356,7 +356,7 @@ def pareto(
     """
     if not 2 <= count <= 1000:
         raise InputError("--pareto", "", f"must be from 2 to 1000 bandwidths, not {count}")
-    wish = wish or Wish()
+    wish = wish or Wish(objective="decay")
     if wish.objective == "start":
         raise InputError(
             "--pareto", "", "is not for --objective start: name --objective decay or region"

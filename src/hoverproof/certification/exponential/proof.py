@@ -61,10 +61,9 @@ def converge(
     """
     tell = progress or (lambda text: None)
     wanted = tuple(starts or [Start.of(mission)])
-    _require(mission, wanted)
-    noise = mission.uncertainty.noise
-    if noise.force or noise.rate:
-        reason = "noise of the force and of the body rates is not covered"
+    require_question(mission, wanted)
+    reason = why_not_covered(mission)
+    if reason:
         return Undecided(mission=mission, reason=reason)
     scene, vehicles = Scene.of(mission), Vehicles.of(mission)
     reason, whole = "", Search.of(vehicles, scene, wanted)
@@ -89,6 +88,19 @@ def converge(
     return Undecided(mission=mission, reason=reason, advice=_advice(mission))
 
 
+def why_not_covered(mission: Mission) -> str:
+    """Return why nothing is proved of what is asked for; empty if it may be.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    noise = mission.uncertainty.noise
+    if noise.force or noise.rate:
+        return "noise of the force and of the body rates is not covered"
+    return ""
+
+
 def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> Candidate | None:
     """Search without proving: Ψ of the starts is below the level if the fill is below 1 - `ROOM`.
 
@@ -104,7 +116,7 @@ def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> 
     InputError
         See `converge`.
     """
-    _require(mission, starts)
+    require_question(mission, starts)
     whole = Search.of(Vehicles.of(mission), Scene.of(mission), tuple(starts))
     wider, highest = ROOMS[0]
     search = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
@@ -112,8 +124,19 @@ def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> 
     return found if found is not None and search.sees(found) else None
 
 
-def _require(mission: Mission, starts: Sequence[Start]) -> None:
-    """Refuse what poses no question."""
+def require_question(mission: Mission, starts: Sequence[Start]) -> None:
+    """Refuse what poses no question.
+
+    Parameters
+    ----------
+    mission : Mission
+    starts : sequence of Start
+
+    Raises
+    ------
+    InputError
+        See `converge`.
+    """
     if any(end != 0 for ends in hover_goal(mission).centroid[:2] for end in ends):
         key = "goal.centroid" if mission.goal.height is None else "goal.height"
         raise InputError(

@@ -15,8 +15,7 @@ from hoverproof.algebra.decimals import decimal_below
 from hoverproof.certification.attraction.potential import sphere
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.candidate import LOUDEST, Asked, Candidate, Tilted
-from hoverproof.certification.exponential.positions import Balls, Scene
-from hoverproof.certification.exponential.program import (
+from hoverproof.certification.exponential.inequality import (
     MEMORY,
     PARAMETERS,
     THRUST,
@@ -24,8 +23,9 @@ from hoverproof.certification.exponential.program import (
     W2,
     W3,
     W4,
-    Program,
 )
+from hoverproof.certification.exponential.positions import Balls, Scene
+from hoverproof.certification.exponential.program import Program
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 from hoverproof.descent import Ends, descend
 

@@ -24,6 +24,22 @@ from hoverproof.cli.answers.words import (
 )
 from hoverproof.design.outcome import StartTuned
 
+UNITS = {
+    "settling_time": "s, to settling_radius for good, proved",
+    "settling_time_before": "s, in floating point",
+    "settling_time_before_rounding": "s, in floating point",
+    "settling_time_flown": "s, in a flight",
+    "settling_time_flown_before": "s, in a flight with the mission's own gains",
+    "settling_radius": "m from the goal",
+    "fill": "Ψ at the start over the level of the set",
+    "decay_rate": "1/s, of Ψ",
+    "tilt": "rad",
+    "thrust": "N, over the true mass, times the modelled",
+    "rotor_thrust": "N, of each rotor",
+    "field_of_view": "rad, from the optical axis",
+    "bandwidth": "rad/s",
+}
+
 
 @dataclass(frozen=True)
 class StartTunedAnswer(Answer):
@@ -89,22 +105,7 @@ class StartTunedAnswer(Answer):
             "hover_error": hover_error_as_json(found.hover_error),
             "out": self.written,
             "certificate": None if self.certificate is None else str(self.certificate),
-            "units": {
-                **gain_units(),
-                "settling_time": "s, to settling_radius for good, proved",
-                "settling_time_before": "s, in floating point",
-                "settling_time_before_rounding": "s, in floating point",
-                "settling_time_flown": "s, in a flight",
-                "settling_time_flown_before": "s, in a flight with the mission's own gains",
-                "rotor_thrust": "N, of each rotor",
-                "field_of_view": "rad, from the optical axis",
-                "settling_radius": "m from the goal",
-                "fill": "Ψ at the start over the level of the set",
-                "decay_rate": "1/s, of Ψ",
-                "tilt": "rad",
-                "thrust": "N, over the true mass, times the modelled",
-                "bandwidth": "rad/s",
-            },
+            "units": {**gain_units(), **UNITS},
         }
 
 
