@@ -51,9 +51,8 @@ OWN, FEW = 14, 25
 """So many, at most, for the mission's own gains, and to find out whether any hold the start."""
 KEEPS = 2e-3
 """A limit is kept that is exceeded by less than that share."""
-SPARED = (0.35, 0.06, 1.0), (0.45, 0.08, 0.75), (0.55, 0.1, 0.6), (0.65, 0.1, 0.5)
-"""By which shares the ball of J is widened, and d exceeded, for the proof, and how much of the way
-from the least d is taken that was found with the last of these: one after the other."""
+SPARED = (0.35, 0.06), (0.6, 0.1)
+"""By which shares the ball of J is widened, and d exceeded, for the proof, one after the other."""
 
 
 class Point(NamedTuple):
@@ -110,7 +109,7 @@ class StartSearch:
         limits : Limits
         """
         whole = Search.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
-        highest, (wider, beyond, _) = ROOMS[0][1], SPARED[0]
+        highest, (wider, beyond) = ROOMS[0][1], SPARED[0]
         half = mission.camera.half_angle
         half_angle = None if half is None else float(half)
         whole = replace(whole, highest=highest, half_angle=half_angle)

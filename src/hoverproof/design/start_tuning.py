@@ -15,13 +15,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.exponential.domain import Domain
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import (
     converge,
     require_question,
     why_not_covered,
 )
-from hoverproof.certification.exponential.search import FAILED, OUTSIDE, SETTLED
+from hoverproof.certification.exponential.search import FAILED, OUTSIDE, SETTLED, Search
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.design.limits import BINDS, Limits, Use, designed_gains, uses
 from hoverproof.design.outcome import Infeasible, StartTuned
@@ -33,6 +34,8 @@ from hoverproof.plant.goal import hover_goal
 from hoverproof.simulation.flight import simulate
 
 Progress = Callable[[str], None]
+NARROWED, PARTS, SPARE = 3, (0.85, 0.7, 0.55, 0.4), 1e-6
+"""How often a smaller d is looked for, and which parts of the way from the least d to the last."""
 PROOFS = 2
 """So many sets of gains, each with more digits than the last, are tried to be proved."""
 
@@ -104,33 +107,52 @@ def attempt(mission: Mission, limits: Limits, tell: Progress) -> StartTuned | Fa
             search = replace(search, whole=replace(search.whole, settled=share))
             point = search.run(tell)
     reason = why_not(search, point) if point is None or point.cost >= OUTSIDE else ""
-    for wider, beyond, part in SPARED:
-        if point is None or point.cost >= OUTSIDE:
-            break
-        if reason:
-            search, point = _narrower(search, point, (wider, beyond, part))
-            if point.cost >= OUTSIDE:
-                break
+    for _ in range(NARROWED if not reason else 0):
+        assert point is not None
         found = _proved(search, point, tell)
         if isinstance(found, StartTuned):
             return found
         reason = f"the best gains found are not proved: {found}"
+        tell("looking for a domain that takes fewer cells")
+        narrower = _narrower(search, point) if "cells" in found else None
+        if narrower is None:
+            break
+        search, point = narrower
+        if point.cost >= OUTSIDE:
+            break
     return Failed(reason, point)
 
 
-def _narrower(
-    search: StartSearch, point: Point, spared: tuple[float, float, float]
-) -> tuple[StartSearch, Point]:
-    """Search on from a point with more room for the proof, and with less of the way to d."""
-    wider, beyond, part = spared
+def _narrower(search: StartSearch, point: Point) -> tuple[StartSearch, Point] | None:
+    """Search on with a smaller d, over whose domain bounds of J are shown with few cells."""
     low, scene = search.ends[0], search.whole.scene
-    highest = low * (math.exp(point.z[4]) / low) ** part / scene.wanted
-    search = replace(
-        search, whole=replace(search.whole, wider=wider, beyond=beyond, highest=highest)
-    )
-    z = np.minimum(point.z, search.highest)
-    at = search.value(z)
-    return search, search.point(z, None) if at is None else search.descend(z, at)
+    for wider, beyond in SPARED:
+        for part in PARTS:
+            d = low * (math.exp(point.z[4]) / low) ** part
+            whole = replace(
+                search.whole, wider=wider, beyond=beyond, highest=d * (1 + SPARE) / scene.wanted
+            )
+            if is_shown(search.mission, whole, d):
+                search = replace(search, whole=whole)
+                at = search.value(np.minimum(point.z, search.highest))
+                z = np.minimum(point.z, search.highest)
+                return search, search.point(z, None) if at is None else search.descend(z, at)
+    return None
+
+
+def is_shown(mission: Mission, whole: Search, d: float) -> bool:
+    """Tell whether bounds of J are shown over the domain of a d with few enough cells.
+
+    Parameters
+    ----------
+    mission : Mission
+    whole : Search
+    d : float
+        A bare number, dimensionless.
+    """
+    ball = whole.ball(d)
+    points = [tuple(point) for point in mission.target.points]
+    return ball is not None and Domain.of(whole.scene, points, d, ball).tree() is not None
 
 
 def _proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | str:
