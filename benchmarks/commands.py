@@ -31,7 +31,7 @@ COMMANDS = (
     "region x4-flyer --no-figure",
     "simulate x4-flyer --no-figures",
     "simulate x4-flyer",
-    "tune x4-flyer --bandwidth 20",
+    "tune x4-flyer --objective decay --bandwidth 20",
     "attraction x4-flyer",
     "report x4-flyer",
 )

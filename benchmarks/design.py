@@ -86,7 +86,7 @@ def main() -> None:
         walls, times = [], []
         for _ in range(ROUNDS):
             wall, begin = time.perf_counter(), cpu()
-            tuned = tune(mission)
+            tuned = tune(mission, objective="decay")
             walls.append(time.perf_counter() - wall)
             times.append(cpu() - begin)
         rate, plain = nelder_mead(Questions.of(gain_problem(mission)), 20.0)

@@ -117,14 +117,14 @@ print(f"with these, the paper's gains: {float(hp.certify(bounded).decay_rate):.6
 # %% [markdown]
 # ## Tune
 #
-# `hp.tune` looks for the largest *certified* decay rate within what the vehicle can do. It
-# searches in floating point, rounds to short decimals, and certifies these. What binds is told as
-# well. Once with the assumed bounds, once with the proved ones, each with an attitude bandwidth up
-# to 20 rad/s:
+# `hp.tune` with the objective `decay` looks for the largest *certified* decay rate within what the
+# vehicle can do. It searches in floating point, rounds to short decimals, and certifies these. What
+# binds is told as well. Once with the assumed bounds, once with the proved ones, each with an
+# attitude bandwidth up to 20 rad/s:
 
 # %%
 missions = {"assumed": paper, "proved": bounded}
-results = {name: hp.tune(mission, bandwidth=20.0) for name, mission in missions.items()}
+results = {name: hp.tune(mission, objective="decay") for name, mission in missions.items()}
 for name, found in results.items():
     gains = ", ".join(f"{key} = {float(value):g}" for key, value in found.mission.gains)
     times = float(found.verdict.decay_rate / found.before)
@@ -139,7 +139,7 @@ tuned = results["proved"].mission
 # More limits can be given, and a wish that cannot be met is answered with the reason:
 
 # %%
-print(textwrap.fill(hp.tune(bounded, bandwidth=20.0, at_least=0.02).reason, 90))
+print(textwrap.fill(hp.tune(bounded, objective="decay", at_least=0.02).reason, 90))
 
 # %% [markdown]
 # ## What a decay rate costs

@@ -20,7 +20,7 @@ import pytest
 import test_potential
 import uncertain_body as kit
 from hoverproof.certification.exponential import proof, search
-from hoverproof.certification.exponential.program import Ball, Sector, falls
+from hoverproof.certification.exponential.inequality import Ball, Sector, falls
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 from hoverproof.mission.reading import load
 from hoverproof.servo.laws.hamel_mahony import LAWS

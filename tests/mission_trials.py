@@ -100,7 +100,7 @@ def words_of(command: str, number: int, file: str, whole: bool) -> list[str]:
         "over-box": ["certify", file, "--over-box", "--boxes", "300", "--out", "box.json"],
         "region": ["region", file, *answer, "--no-figure", "--out", "r.json", "--boxes", "1000"],
         "attraction": ["attraction", file, *answer, "--no-figure", "--out", "a.json"],
-        "tune": ["tune", file, *answer, "--out", "tuned.toml"],
+        "tune": ["tune", file, "--objective", "decay", *answer, "--out", "tuned.toml"],
         "simulate": ["simulate", file, *answer, "--no-figures", *length, "--out", "f.nc"],
         "runs": [
             "simulate",

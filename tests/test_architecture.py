@@ -15,7 +15,7 @@ import hoverproof
 HOUSE = Path(hoverproof.__file__).parent
 FLOORS = [
     {"errors", "version"},
-    {"compilers", "descent", "files", "spread"},
+    {"compilers", "descent", "files", "sequential", "spread"},
     {"mission", "algebra"},
     {"plant"},
     {"servo"},

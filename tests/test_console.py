@@ -83,8 +83,13 @@ def test_every_command_answers_machines(command):
         ["new", "my.toml"],
         ["export", "x4-flyer", "--out", "firmware"],
         ["simulate", "x4-flyer", "--runs=4", "--duration=20", "--no-figures", *SCATTERED],
-        pytest.param(["tune", "x4-flyer", "--out", "tuned.toml"], marks=pytest.mark.slow),
-        pytest.param(["tune", "x4-flyer", "--at-least", "1"], marks=pytest.mark.slow),
+        pytest.param(
+            ["tune", "x4-flyer", "--objective", "decay", "--out", "tuned.toml"],
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            ["tune", "x4-flyer", "--objective", "decay", "--at-least", "1"], marks=pytest.mark.slow
+        ),
         pytest.param(["atlas", "x4-flyer", "--cells", "20"], marks=pytest.mark.slow),
         pytest.param(["attraction", "x4-flyer", "--no-figure"], marks=pytest.mark.slow),
         pytest.param(["derive"], marks=pytest.mark.slow),

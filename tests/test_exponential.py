@@ -14,11 +14,9 @@ from exponential_truth import MISSION, SMALL, Truth, small
 from hoverproof import checker
 from hoverproof.certification import scaled
 from hoverproof.certification.attraction.starts import Start
-from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.program import (
+from hoverproof.certification.exponential.inequality import (
     MEMORY,
     SLOPE,
-    SPARE,
     THRUST,
     TORQUE,
     W2,
@@ -27,6 +25,8 @@ from hoverproof.certification.exponential.program import (
     Ball,
     falls,
 )
+from hoverproof.certification.exponential.positions import Scene
+from hoverproof.certification.exponential.program import SPARE
 from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.mission.reading import load

@@ -166,7 +166,7 @@ LONG = [
     " --set scatter.position=[1,1,1]",
     "simulate crazyflie-2.1 --no-figures --animate flight.html",
     "attraction x4-flyer --objective volume",
-    "tune x4-flyer --pareto 8",
+    "tune x4-flyer --objective decay --pareto 8",
     "tune x4-flyer --objective region",
     "atlas x4-flyer --cells 1500 --processes 2",
     "atlas x4-flyer --cells 300 --exact-boundary",

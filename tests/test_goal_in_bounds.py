@@ -45,6 +45,7 @@ def test_bounds_that_leave_out_q_at_the_goal_give_no_verdict(
 ):
     monkeypatch.chdir(tmp_path)
     written = ("--out", tmp_path / "firmware") if command == "export" else ()
+    written = ("--objective", "decay") if command == "tune" else written
     ends = ("--set", "bounds.eigenvalues=[0.01,0.1]")
     status, out, err = run(capsys, command, "x4-flyer", *ends, *written)
     assert status == 2

@@ -151,7 +151,7 @@ def test_a_wish_that_is_not_met_names_the_mission_and_not_a_file_that_is_not_the
 
 
 def test_a_curve_without_a_point_names_no_figure(capsys):
-    wish = ("--pareto", 2, "--rotor-thrust", 1, "--out", "curve.png")
+    wish = ("--objective", "decay", "--pareto", 2, "--rotor-thrust", 1, "--out", "curve.png")
     status, out, _ = run(capsys, "tune", "x4-flyer", *wish, "--json")
     assert status == 1
     assert json.loads(out)["figure"] is None

@@ -112,7 +112,9 @@ def test_a_command_warns_once_and_goes_on(capsys):
 
 
 def test_tune_warns_of_gains_that_no_rotor_follows(capsys):
-    status, out, err = run(capsys, "tune", "crazyflie-2.1", "--bandwidth", "300", "--json")
+    status, out, err = run(
+        capsys, *["tune", "crazyflie-2.1", "--objective", "decay", "--bandwidth", "300", "--json"]
+    )
     assert status == 0
     assert err.count("warning") == 1
     assert "no rotor follows a bandwidth of" in err

@@ -17,7 +17,7 @@ from hoverproof.certification.attraction.proof import attraction, prove
 from hoverproof.certification.attraction.search import SLACKS, Found, Search, find
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.tolerant import posed
-from hoverproof.certification.exponential.program import Sector, falls
+from hoverproof.certification.exponential.inequality import Sector, falls
 from hoverproof.certification.exponential.vehicles import Limits, Reach
 from hoverproof.mission.reading import load
 from sharing import kept_value

@@ -40,7 +40,7 @@ if isinstance(region, hp.Attraction):
     print(float(region.reach.sideways))
 elif isinstance(region, hp.Exponential):
     print(float(region.settling.time))
-tuned = hp.tune(mission, bandwidth=20.0)
+tuned = hp.tune(mission, objective="decay")
 print(hp.simulate_batch(mission, Path("flights.nc"), runs=2).runs_complete)
 names: list[str] = hp.presets()
 for judgement in hp.derive(["31"]):

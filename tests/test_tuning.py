@@ -6,6 +6,7 @@ import json
 import math
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 
 import casadi as ca
@@ -26,7 +27,8 @@ from hoverproof.design.gain_search import GainSearch, halton
 from hoverproof.design.limits import FirstCommand, Limits, highest_k4, uses
 from hoverproof.design.margins import Questions, margins
 from hoverproof.design.outcome import Infeasible, Tuned
-from hoverproof.design.tuning import pareto, tune
+from hoverproof.design.tuning import pareto
+from hoverproof.design.tuning import tune as any_gains
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import (
@@ -42,6 +44,10 @@ from sharing import kept_value
 PROVED = {"bounds.eigenvalues": "auto"}
 OFF_AXIS = {"goal": "{centroid = [0.3, 0.2, 3.5]}"}
 BY_LEVEL = {"bounds": "{eigenvalues = [0.01, 5], level = 10}"}
+
+
+TUNE = "tune", "x4-flyer", "--objective", "decay"
+tune = partial(any_gains, objective="decay")
 
 
 @pytest.fixture(scope="module")
@@ -407,7 +413,7 @@ def test_decay_grows_with_bandwidth_along_the_curve(x4):
 
 
 def test_tune_writes_a_mission_file_that_certifies_at_the_rate_it_states(capsys):
-    status, out, err = run(capsys, "tune", "x4-flyer", "--out", "quick.toml", "--json")
+    status, out, err = run(capsys, *TUNE, "--out", "quick.toml", "--json")
     answer = json.loads(out)
     assert (status, err) == (0, "")
     assert answer["binds"] == ["bandwidth"]
@@ -422,20 +428,20 @@ def test_tune_writes_a_mission_file_that_certifies_at_the_rate_it_states(capsys)
 
 def test_an_infeasible_wish_has_status_1_and_writes_nothing(capsys):
     options = ("--rotor-thrust", 20, "--out", "no.toml")
-    status, out, _ = run(capsys, "tune", "x4-flyer", *options)
+    status, out, _ = run(capsys, *TUNE, *options)
     assert status == 1
     assert "infeasible" in out
     assert not Path("no.toml").exists()
-    answer = json.loads(run(capsys, "tune", "x4-flyer", "--json", *options)[1])
+    answer = json.loads(run(capsys, *TUNE, "--json", *options)[1])
     assert answer["status"] == "infeasible"
 
 
 def test_the_curve_is_drawn(capsys):
-    status, out, _ = run(capsys, "tune", "x4-flyer", "--pareto", 2, "--out", "curve.svg", "--json")
+    status, out, _ = run(capsys, *TUNE, "--pareto", 2, "--out", "curve.svg", "--json")
     assert status == 0
     assert len(json.loads(out)["points"]) == 2
     assert "<svg" in Path("curve.svg").read_text()
-    assert run(capsys, "tune", "x4-flyer", "--pareto", 1)[0] == 2
+    assert run(capsys, *TUNE, "--pareto", 1)[0] == 2
 
 
 def test_the_search_is_the_same_each_time(x4):

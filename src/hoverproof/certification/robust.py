@@ -297,10 +297,17 @@ class Solution(NamedTuple):
         Parameters.
     multipliers : list of (m,) each
         Of the m terms of each corner.
+    prices : list of (n, n) each
+        By how much the cost falls at most, to first order, as M(τ) of each corner grows, and then
+        each pencil: for a small change A of it by the trace of prices times A.
+    row_prices : (j,)
+        The same of the rows.
     """
 
     x: Array
     multipliers: list[Array]
+    prices: list[Array]
+    row_prices: Array
 
 
 def optimise(
@@ -310,6 +317,7 @@ def optimise(
     rows: Array | None = None,
     pencils: Sequence[Array] = (),
     shared: bool = False,
+    tolerance: float = TOLERANCE,
 ) -> Solution | None:
     """Minimise a linear function of parameters for which M(τ) ⪰ 0 at every corner, for some τ.
 
@@ -325,6 +333,8 @@ def optimise(
         Each times (1, x) is to be positive semidefinite.
     shared : bool
         Whether all corners are to have the same τ.
+    tolerance : float
+        Of the solver, a bare number.
 
     Returns
     -------
@@ -336,11 +346,16 @@ def optimise(
     matrices = [_pencil(c, int(p), size) for c, p in zip(corners, places, strict=True)]
     matrices += [_lengthened(p, size) for p in pencils]
     linear = np.zeros((size, 0)) if rows is None else _lengthened(np.transpose(rows), size)
-    x = _solved(_lengthened(np.array(cost, float), size - 1), linear, matrices)
-    if x is None:
+    whole = _lengthened(np.array(cost, float), size - 1)
+    found = _solved(whole, linear, matrices, tolerance)
+    if found is None:
         return None
+    x, row_prices, prices = found
     each = [x[p - 1 : p - 1 + k] for p, k in zip(places, counts, strict=True)]
-    return Solution(x[: len(cost)], each)
+    for k, corner in enumerate(corners):
+        n = corner.S.shape[-1]
+        prices[k] = prices[k][:n, :n]
+    return Solution(x[: len(cost)], each, prices, row_prices)
 
 
 def _pencil(corner: Inequality, place: int, size: int) -> Array:
@@ -381,27 +396,42 @@ def reciprocals(most: float, factors: Mapping[int, float], size: int) -> Array:
     return pencil
 
 
-def _solved(cost: Array, rows: Array, pencils: Sequence[Array]) -> Array | None:
-    """Minimise cost·x with rows and pencils times (1, x) positive and positive semidefinite."""
+def _solved(
+    cost: Array, rows: Array, pencils: Sequence[Array], tolerance: float
+) -> tuple[Array, Array, list[Array]] | None:
+    """Minimise cost·x with rows and pencils times (1, x) positive and positive semidefinite.
+
+    The unknowns of each pencil are measured so that its diagonal is about 1, without which the
+    solver goes wrong. Returns x and the dual solution: of the rows, and a matrix for each pencil.
+    """
     import clarabel
     import scipy.linalg  # noqa: F401  clarabel loads it, and takes Ctrl-C for a fault of its own
     from scipy.sparse import csc_array
 
-    triangles, cones = [rows.T], [clarabel.NonnegativeConeT(rows.shape[1])]
-    for pencil in pencils:
-        blocks = (np.ascontiguousarray(pencil[:, i][..., i]) for i in _blocks(pencil))
-        for block in {block.tobytes(): block for block in blocks}.values():
+    triangles, cones, places = [rows.T], [clarabel.NonnegativeConeT(rows.shape[1])], []
+    for k, pencil in enumerate(pencils):
+        blocks = ((i, np.ascontiguousarray(pencil[:, i][..., i])) for i in _blocks(pencil))
+        for i, block in {block.tobytes(): (i, block) for i, block in blocks}.values():
             columns, lines = np.tril_indices(block.shape[1])
-            scale = np.where(lines == columns, 1.0, np.sqrt(2))
-            triangles.append((block[:, lines, columns] * scale).T)
+            sizes = np.abs(np.diagonal(block, axis1=1, axis2=2)).max(axis=0)
+            units = 1 / np.sqrt(np.where(sizes > 0, sizes, 1))
+            twice = np.where(lines == columns, 1.0, np.sqrt(2)) * units[lines] * units[columns]
+            triangles.append((block[:, lines, columns] * twice).T)
             cones.append(clarabel.PSDTriangleConeT(block.shape[1]))
+            once = twice / np.where(lines == columns, 1.0, 2.0)
+            places.append((k, i[lines], i[columns], once))
     stacked = np.concatenate(triangles)
     settings = clarabel.DefaultSettings()
     settings.verbose = False
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
     none, matrix = csc_array((len(cost), len(cost))), csc_array(-stacked[:, 1:])
     solver = clarabel.DefaultSolver(none, cost, matrix, stacked[:, 0], cones, settings)
     solution = solver.solve()
     if str(solution.status) not in ("Solved", "AlmostSolved"):
         return None
-    return np.array(solution.x)
+    dual, prices = np.array(solution.z), [np.zeros(pencil.shape[1:]) for pencil in pencils]
+    end = rows.shape[1]
+    for k, lines, columns, scale in places:
+        part, end = dual[end : end + len(lines)] * scale, end + len(lines)
+        prices[k][lines, columns] = prices[k][columns, lines] = part
+    return np.array(solution.x), dual[: rows.shape[1]], prices

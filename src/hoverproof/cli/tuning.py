@@ -39,13 +39,13 @@ def tune(
     mission: MissionName,
     *,
     objective: Annotated[
-        Literal["decay", "settling", "region", "start"],
+        Literal["start", "decay", "settling", "region"],
         Parameter(
-            help="Largest certified decay rate of L, fastest settling of certified gains, "
-            "largest certified region of attraction, or shortest proved settling time from the "
-            "mission's start within its tolerances."
+            help="Shortest proved settling time from the mission's start within its tolerances, "
+            "largest certified decay rate of L, fastest settling of certified gains, or largest "
+            "certified region of attraction."
         ),
-    ] = "decay",
+    ] = "start",
     bandwidth: Annotated[
         float, Parameter(help="Largest attitude bandwidth (k1 k2 + k3 + k4)/m in rad/s.")
     ] = 20.0,
@@ -95,17 +95,19 @@ def tune(
 ) -> int:
     """Find the best gains within a vehicle's limits that can be proved.
 
-    The gains are rounded to short decimals and then certified exactly, so what is printed is what
-    is proved. A wish that cannot be met has status 1, and says what binds and by how much. With
-    --out, --objective region or start writes the certificate beside the mission.
+    By default these are the gains with which every vehicle within the mission's tolerances has
+    soonest settled, from its start, within what its camera sees, its rotors give and its controller
+    samples. The gains are rounded to short decimals and then certified exactly, so what is printed
+    is what is proved. A wish that cannot be met has status 1, and says what binds, by how much, and
+    what would help. With --out, a certificate of the start or the region is written too.
 
-    Example: `hoverproof tune x4-flyer --bandwidth 20 --out my-flyer.toml`
+    Example: `hoverproof tune my-flyer.toml --out my-tuned-flyer.toml`
 
-    Example: `hoverproof tune x4-flyer --pareto 4 --out decay-and-bandwidth.svg`
+    Example: `hoverproof tune x4-flyer --objective decay --bandwidth 20 --out fast.toml`
+
+    Example: `hoverproof tune x4-flyer --objective decay --pareto 4 --out curve.svg`
 
     Example: `hoverproof tune x4-flyer --objective region --minimum-decay 0.0234`
-
-    Example: `hoverproof tune my-flyer.toml --objective start --out my-tuned-flyer.toml`
     """
     loaded = load_mission(mission, set_)
     if pareto is not None and at_least is not None:

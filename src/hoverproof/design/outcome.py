@@ -113,8 +113,9 @@ class StartTuned(_OfMission):
         point; None if it finds none.
     estimate : float
         Settling time before rounding to short decimals, s, in floating point.
-    flown : float or None
-        When the mission has settled as near in a flight, s; None if not as soon as is proved.
+    flown, flown_before : float or None
+        When the mission has settled as near in a flight, s, with the new gains and with those that
+        it had; None if not as soon as is proved.
     uses : list of Use
         How much of each limit the gains use.
     """
@@ -126,7 +127,26 @@ class StartTuned(_OfMission):
     before: float | None
     estimate: float
     flown: float | None
+    flown_before: float | None
     uses: list[Use]
+
+
+@dataclass(frozen=True)
+class Advice:
+    """A change of a mission with which gains are proved.
+
+    Attributes
+    ----------
+    words : str
+    settings : tuple of str
+        The same as values of ``--set``.
+    time : Fraction
+        Settling time that is proved with it, s.
+    """
+
+    words: str
+    settings: tuple[str, ...]
+    time: Fraction
 
 
 @dataclass(frozen=True)
@@ -142,6 +162,8 @@ class Infeasible:
         The best that can be done within the limits.
     needed_bandwidth : float or None
         The bandwidth that would do, estimated in floating point, rad/s.
+    advice : tuple of Advice
+        What would help, each alone, and was proved to.
     """
 
     status: ClassVar[str] = "infeasible"
@@ -149,3 +171,4 @@ class Infeasible:
     reason: str
     best: Tuned | None = None
     needed_bandwidth: float | None = None
+    advice: tuple[Advice, ...] = ()

@@ -1,10 +1,11 @@
 """The search for gains with which a start is soon settled, in floating point.
 
 Gains, the largest offset of the feature on the way, the share of the largest force and the rate are
-searched together, one semidefinite program each. Gains over mass are rates, 1/s; where the search
-sets out, these stand in fixed proportions, and the fastest of them suits latency and lag of the
-rotors, the force that the way there takes, and the bandwidth that is allowed. So it sets out alike
-for small vehicles and large ones.
+searched together, one semidefinite program each, whose dual solution tells how its value changes
+with all of them. Gains over mass are rates, 1/s; where the search sets out, these stand in fixed
+proportions, and the fastest of them suits latency and lag of the rotors, the force that the way
+there takes, and the bandwidth that is allowed. So it sets out alike for small vehicles and large
+ones.
 """
 
 from __future__ import annotations
@@ -12,24 +13,23 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from fractions import Fraction
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.attraction.starts import Start
-from hoverproof.certification.exponential.candidate import Candidate
+from hoverproof.certification.exponential.candidate import VIEW_ROOM, Asked
 from hoverproof.certification.exponential.positions import Scene
+from hoverproof.certification.exponential.program import Solution
 from hoverproof.certification.exponential.proof import ROOMS
-from hoverproof.certification.exponential.search import FAILED, OUTSIDE, ROOM, Search
+from hoverproof.certification.exponential.search import FAILED, OUTSIDE, ROOM, Near, Search
 from hoverproof.certification.exponential.vehicles import Vehicles
-from hoverproof.descent import Ends, descend
 from hoverproof.design.limits import FirstCommand, Limits
 from hoverproof.mission.sections import Mission
+from hoverproof.sequential import Descent, Value
 
 Array = NDArray[np.float64]
 Likely = tuple[int, ...]
@@ -40,16 +40,19 @@ WAITS = 1.3
 """The last of them times latency and lag of the rotors is at most that there."""
 FORCE = 0.04
 """And the force that d asks for at most that share of the weight."""
-OF_BANDWIDTH = 0.9
+OF_BANDWIDTH, PLACES = 0.9, 60
 SCALES = 1.0, 0.6, 0.36, 0.2, 0.1
 PARTS, SHARES = (0.9, 0.5), (-1.5, -2.5)
 FIRST_RATE = 0.3
-STEPS = 0.15, 0.15, 0.15, 0.15, -0.04, 0.3, 0.2
-ROUNDS, EVALUATIONS, ENOUGH = 3, 130, 0.02
-STEEP = 20.0
-"""What the logarithm of Ψ at the start over the level weighs more than that of the time."""
-LOSS = 0.01
-"""Part of the time by which rounding may make it longer."""
+LITTLE = np.array([1e-3, 1e-3, 1e-3, 1e-3, -1e-2, 1e-3, 1e-3])
+"""By how much each parameter is changed to see what comes of it."""
+BEGINNINGS, EVALUATIONS = 2, 70
+OWN, FEW = 14, 25
+"""So many, at most, for the mission's own gains, and to find out whether any hold the start."""
+KEEPS = 2e-3
+"""A limit is kept that is exceeded by less than that share."""
+SPARED = (0.35, 0.06), (0.6, 0.1)
+"""By which shares the ball of J is widened, and d exceeded, for the proof, one after the other."""
 
 
 class Point(NamedTuple):
@@ -66,10 +69,12 @@ class Point(NamedTuple):
     cost: float
     z: Array
 
-    @property
-    def set_out(self) -> tuple[Array, float]:
-        """Where the proof sets out: see `converge`."""
-        return self.z[4:6], math.exp(self.z[6])
+
+class Found(NamedTuple):
+    """What is at a point: the program and its solution."""
+
+    asked: Asked
+    solution: Solution
 
 
 @dataclass(frozen=True)
@@ -84,16 +89,19 @@ class StartSearch:
     command : FirstCommand
     whole : Search
         With the gains of the mission.
+    tried : list of (7,)
+        The points that were looked at.
     """
 
     mission: Mission
     limits: Limits
     command: FirstCommand
     whole: Search
+    tried: list[Array] = field(default_factory=list, compare=False)
 
     @classmethod
     def of(cls, mission: Mission, limits: Limits) -> StartSearch:
-        """Prepare a search.
+        """Prepare a search, with little room for the proof.
 
         Parameters
         ----------
@@ -101,9 +109,22 @@ class StartSearch:
         limits : Limits
         """
         whole = Search.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
-        wider, highest = ROOMS[0]
-        whole = replace(whole, wider=wider, highest=highest)
+        highest, (wider, beyond) = ROOMS[0][1], SPARED[0]
+        half = mission.camera.half_angle
+        half_angle = None if half is None else float(half)
+        whole = replace(whole, highest=highest, half_angle=half_angle)
+        whole = replace(whole, wider=wider, beyond=beyond)
         return cls(mission, limits, FirstCommand.of(mission), whole)
+
+    def near(self, point: Point) -> Near:
+        """Return where the proof sets out.
+
+        Parameters
+        ----------
+        point : Point
+        """
+        s = self.whole
+        return Near(point.z[4:6], math.exp(point.z[6]), s.settled, s.wider, s.beyond)
 
     def with_gains(self, four: Array) -> Search:
         """Return the search of weights for gains.
@@ -117,31 +138,65 @@ class StartSearch:
         numbers, design = v.numbers.copy(), v.law.design
         for name, value in zip(design.chain_gains(), four, strict=True):
             numbers[design.place(name)] = value
-        return replace(self.whole, vehicles=replace(v, numbers=numbers))
+        return replace(self.whole, vehicles=v.with_numbers(numbers))
 
-    def beyond(self, four: Array) -> float:
-        """Return by which share gains are beyond the limits, 0 if they keep them all.
+    def beyond(self, fours: Array) -> Array:
+        """Return by which share gains are beyond each limit, below 0 if they keep it, (n, m).
 
         Parameters
         ----------
-        four : (4,)
+        fours : (n, 4)
             k1 to k4.
         """
-        k1, k2, k3, k4 = four
-        excess = [float(k1 * k2 + k3 + k4) / float(self.mission.vehicle.mass) / self.limits.fastest]
+        k1, k2, k3, k4 = fours.T
+        fastest = float(self.mission.vehicle.mass) * self.limits.fastest
+        excess = [(k1 * k2 + k3 + k4) / fastest - 1]
         if self.limits.tilt is not None or self.limits.rotors is not None:
-            thrusts, tilt = self.command(tuple(np.array([k]) for k in four))
+            thrusts, tilt = self.command((k1, k2, k3, k4))
             if self.limits.tilt is not None:
-                excess.append(float(tilt[0]) / self.limits.tilt)
+                excess.append(tilt / self.limits.tilt - 1)
             if self.limits.rotors is not None:
                 least, most = self.limits.rotors
                 hover = float(self.mission.vehicle.weight) / 4
-                excess.append(float(thrusts.max()) / most)
-                excess.append(1 + (least - float(thrusts.min())) / hover)
-        return float(max(max(excess) - 1, 0.0))
+                excess += [thrusts.max(axis=0) / most - 1, (least - thrusts.min(axis=0)) / hover]
+        return np.stack(excess, axis=1)
 
-    def at(self, z: Array, likely: Likely = ()) -> tuple[float, Candidate | None]:
-        """Return the cost of a point and what it is of.
+    def limited_by(self) -> list[str]:
+        """Return the names of what `beyond` and `_unseen` say, in their order."""
+        names = ["the bandwidth"] + ["the tilt"] * (self.limits.tilt is not None)
+        if self.limits.rotors is not None:
+            names += ["the largest thrust of a rotor", "the least thrust of a rotor"]
+        return names + ["the field of view"] * (self.whole.half_angle is not None)
+
+    @cached_property
+    def _views(self) -> tuple[Array, Array]:
+        """The logarithm of |σ - σ*|, ascending, and the largest angle to the vertical up to it."""
+        far, places = self.whole.scene.outward()
+        widest = np.maximum.accumulate(self.whole.scene.angles(places))
+        new = np.flatnonzero(np.diff(widest, prepend=-1) > 0)
+        return np.log(np.maximum(far[new], 1e-9)), widest[new]
+
+    def _unseen(self, asked: Asked) -> list[float]:
+        """Return how far beyond the half angle of the camera points may be, rad, if it is said."""
+        half = self.whole.half_angle
+        if half is None:
+            return []
+        wide = (1 + VIEW_ROOM) * float(np.interp(asked.x[0], *self._views))
+        return [wide + float(np.arcsin(asked.limits.tilt)) + VIEW_ROOM - half]
+
+    def pose(self, z: Array) -> Asked | None:
+        """Return what is asked at a point; None if that is no question.
+
+        Parameters
+        ----------
+        z : (7,)
+            See `Point`.
+        """
+        search = self.with_gains(np.exp(z[:4]))
+        return search.pose(z[4:6], math.exp(z[6]), search.terms(), fill=1 - ROOM)
+
+    def value(self, z: Array, likely: Likely = ()) -> Value | None:
+        """Return the logarithm of the time at a point, and what is beyond a limit there.
 
         Parameters
         ----------
@@ -150,24 +205,67 @@ class StartSearch:
         likely : tuple of int
             See `program.solve`.
         """
-        four = np.exp(z[:4])
-        over = self.beyond(four)
-        if over > 0:
-            return FAILED * (1 + over), None
-        search = self.with_gains(four)
-        d = min(z[4], math.log(search.highest * search.scene.wanted) - 1e-9)
-        found = search.at(np.array([d, z[5]]), math.exp(z[6]), search.terms(), likely)
-        return search.cost(found, search.settled_offset), found
+        self.tried.append(z)
+        asked = self.pose(z)
+        solution = None if asked is None else asked.program.solve(likely)
+        if asked is None or solution is None:
+            return None
+        limited = self.beyond(np.exp(z[None, :4]))[0]
+        found = Found(asked, solution)
+        return self._value(asked, float(solution.optimum.x[-1]), limited)._replace(found=found)
+
+    def _value(self, asked: Asked, missing: float, limited: Array) -> Value:
+        """Return the value at a point where so much of the rate is missing, 1/s."""
+        time = asked.time(self.whole.settled_offset, 1 - ROOM)
+        over = [missing / asked.rate, *limited, *self._unseen(asked)]
+        return Value(math.log(time) if 0 < time < math.inf else FAILED, np.array(over), None)
+
+    def slopes(self, z: Array, at: Value) -> Array:
+        """Return how the time and what is beyond limits change with a point, (1 + m, 7).
+
+        Parameters
+        ----------
+        z : (7,)
+            See `Point`.
+        at : Value
+            What is there.
+        """
+        found: Found = at.found
+        places = z + np.diag(LITTLE)
+        limited = self.beyond(np.exp(places[:, :4]))
+        result = np.zeros((len(at.all), len(z)))
+        for k, step in enumerate(LITTLE):
+            new = self.pose(places[k])
+            if new is not None:
+                missing = found.solution.optimum.x[-1]
+                missing += found.asked.program.change(found.solution, new.program)
+                result[:, k] = (self._value(new, missing, limited[k]).all - at.all) / step
+        return result
+
+    @property
+    def highest(self) -> Array:
+        """Upper bounds of the parameters, (7,)."""
+        most = np.full(7, np.inf)
+        most[4] = math.log(max(self.ends[1], 1e-9)) - 1e-9
+        return most
+
+    @cached_property
+    def known(self) -> float:
+        """The largest d for which J has a ball, dimensionless."""
+        most = self.whole.highest * self.whole.scene.wanted
+        places = np.linspace(1 / PLACES, 1, PLACES) * most
+        return float(max((d for d in places if self.whole.ball(d) is not None), default=0.0))
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The least d that may hold the start, and the largest that is searched."""
+        return max(float(np.sqrt(2 * self.whole.terms()[:, 0].max())), 1e-3), self.known
 
     def guesses(self) -> Iterator[Array]:
-        """Yield points to set out from: that of the mission's own gains, then the fastest first."""
-        low, high = self.whole.ends
+        """Yield points to set out from, the fastest first."""
+        low, high = self.ends
         if not low < high:
             return
-        if self.own is not None:
-            names = self.whole.vehicles.law.design.chain_gains()
-            four = np.array([getattr(self.mission.gains, name) for name in names], float)
-            yield np.array([*np.log(four), *self.own.x, math.log(self.own.rate)])
         v = self.whole.vehicles
         mass, gravity = float(v.design.mass), float(v.design.gravity)
         wait = v.latency + v.rotor_lag
@@ -186,19 +284,67 @@ class StartSearch:
                 last = math.log(d), share, math.log(FIRST_RATE * rates[0])
                 yield np.array([*np.log(gains), *last])
 
+    def best_for(self, four: Array, near: Array, evaluations: int = OWN) -> Point:
+        """Return the best point for gains that are given.
+
+        Parameters
+        ----------
+        four : (4,)
+            k1 to k4.
+        near : (k, 3)
+            From which d, share and rate to set out, as in `Point`.
+        evaluations : int
+            The largest number of programs, beside those.
+        """
+        fixed = np.log(four)
+        whole = [np.array([*fixed, *rest]) for rest in near]
+        tried = [(z, at) for z in whole if (at := self.value(z)) is not None]
+        if not tried:
+            return Point(FAILED, whole[0])
+
+        def value(rest: Array) -> Value | None:
+            return self.value(np.array([*fixed, *rest]), tried[0][1].found.solution.tight)
+
+        def slopes(rest: Array, at: Value) -> Array:
+            return self.slopes(np.array([*fixed, *rest]), at)[:, 4:]
+
+        z, at = min(tried, key=lambda pair: pair[1].merit)
+        rest, at = Descent(value, slopes, self.highest[4:]).run(z[4:], at, evaluations)
+        return self.point(np.array([*fixed, *rest]), at)
+
     @cached_property
-    def own(self) -> Candidate | None:
-        """What is found for the mission's own gains; None if they do not hold the start."""
-        terms = self.whole.terms()
-        first = self.whole.deepest(terms)
-        if first is None or first.solution.fill > 1:
-            return None
-        return self.whole.soonest(first, terms, self.whole.settled_offset)
+    def own(self) -> Point:
+        """What is found for the mission's own gains."""
+        names = self.whole.vehicles.law.design.chain_gains()
+        four = np.array([getattr(self.mission.gains, name) for name in names], float)
+        low, high = self.ends
+        if not low < high:
+            return Point(FAILED, np.zeros(7))
+        near = [
+            [math.log(low * (high / low) ** part), share, math.log(self.with_gains(four).slow(low))]
+            for part, share in itertools.product((0.6, 0.85), (-1.7, -3.0))
+        ]
+        return self.best_for(four, np.array(near))
 
     @property
     def settled_before(self) -> float | None:
-        """When the mission's own gains settle, s, as it is found."""
-        return None if self.own is None else self.own.time(self.whole.settled_offset)
+        """When the mission's own gains settle, s, as it is found; None if it is not."""
+        return None if self.own.cost >= OUTSIDE else math.exp(self.own.cost)
+
+    def point(self, z: Array, at: Value | None) -> Point:
+        """Return a point with its cost: at least `OUTSIDE` where the start is not held.
+
+        Parameters
+        ----------
+        z : (7,)
+            See `Point`.
+        at : Value or None
+            What is there.
+        """
+        if at is None:
+            return Point(FAILED, z)
+        over = np.maximum(at.over, 0)
+        return Point(at.cost if (over < KEEPS).all() else OUTSIDE + float(over.sum()), z)
 
     def run(self, tell: Progress) -> Point | None:
         """Return the best point; None if all programs fail where it sets out.
@@ -208,23 +354,78 @@ class StartSearch:
         tell : callable
             Is told what is being done.
         """
-        tell("searching for weights for the mission's own gains")
-        self.own  # noqa: B018
-        tell("looking for gains to set out from")
-        best, likely = Point(FAILED, np.zeros(7)), Likely()
-        for z in self.guesses():
-            cost, found = self.at(z, likely)
-            best = min(best, Point(cost, z), key=lambda p: p.cost)
-            likely = likely if found is None else found.solution.tight
-        if best.cost >= FAILED:
-            return None
-        for k in range(ROUNDS):
-            tell(f"searching for gains: {self.words(best.cost)}")
-            new = self._descend(best, np.array(STEPS) * (-1) ** k)
-            gained, best = best.cost - new.cost, new
-            if k and gained < ENOUGH:
-                break
+        best = None
+        for z, at in self.beginnings(tell):
+            if best is None or best.cost >= OUTSIDE:
+                tell("searching for gains")
+                point = self.descend(z, at)
+                best = point if best is None or point.cost < best.cost else best
+                tell(f"searching for gains: {self.words(best.cost)}")
         return best
+
+    def beginnings(self, tell: Progress) -> list[tuple[Array, Value]]:
+        """Return the best of the guesses, and what is there.
+
+        Parameters
+        ----------
+        tell : callable
+            Is told what is being done.
+        """
+        tell("looking for gains to set out from")
+        likely, tried = Likely(), []
+        for z in self.guesses():
+            at = self.value(z, likely)
+            if at is not None:
+                tried.append((z, at))
+                likely = at.found.solution.tight
+        return sorted(tried, key=lambda pair: pair[1].merit)[:BEGINNINGS]
+
+    def descend(self, z: Array, at: Value, evaluations: int = EVALUATIONS) -> Point:
+        """Return the best point that a descent finds.
+
+        Parameters
+        ----------
+        z : (7,)
+            Where it sets out.
+        at : Value
+            What is there.
+        evaluations : int
+            The largest number of programs.
+        """
+        return self.point(*self._descent(at).run(z, at, evaluations))
+
+    def _descent(self, at: Value) -> Descent:
+        likely = at.found.solution.tight
+
+        def value(z: Array) -> Value | None:
+            nonlocal likely
+            found = self.value(z, likely)
+            likely = likely if found is None else found.found.solution.tight
+            return found
+
+        return Descent(value, self.slopes, self.highest)
+
+    def held(self, near: Array | None, tell: Progress) -> Array | None:
+        """Return a point with which the start is held, the first that is found; None if none is.
+
+        Parameters
+        ----------
+        near : (7,) or None
+            Where to set out; by default as `run` does.
+        tell : callable
+            Is told what is being done.
+        """
+        if near is None:
+            begin = self.beginnings(tell)
+        else:
+            begin = [] if (at := self.value(near)) is None else [(near, at)]
+        for z, at in begin:
+            descent = self._descent(at)
+            descent.enough = lambda at: bool((at.over < 0).all())
+            z, at = descent.run(z, at, FEW)
+            if (at.over < 0).all():
+                return z
+        return None
 
     def words(self, cost: float) -> str:
         """Say what a cost means.
@@ -235,41 +436,5 @@ class StartSearch:
             A bare number, dimensionless.
         """
         if cost >= OUTSIDE:
-            return f"Ψ at the start {math.exp(cost - OUTSIDE):.3g} times the level"
+            return f"the best rate is {100 * (cost - OUTSIDE):.3g} % short"
         return f"settled after {math.exp(cost):.3g} s (floating point)"
-
-    def _descend(self, best: Point, steps: Array) -> Point:
-        """Descend along where the starts are just inside, and return the best point on the way."""
-        likely, offset = Likely(), self.whole.settled_offset
-
-        def cost(z: Array) -> float:
-            nonlocal likely, best
-            value, found = self.at(z, likely)
-            best = min(best, Point(value, z), key=lambda p: p.cost)
-            if found is None:
-                return value
-            likely = found.solution.tight
-            over = max(math.log(found.solution.fill / (1 - ROOM)), 0.0)
-            return math.log(found.time(offset)) + STEEP * over
-
-        corners = np.vstack([best.z, best.z + np.diag(steps)])
-        descend(cost, corners, Ends(EVALUATIONS, values=1e-3, places=1e-3))
-        return best
-
-    def short(self, point: Point) -> Iterator[tuple[tuple[Fraction, ...], Point]]:
-        """Yield gains of few digits that are hardly slower, and their point, then longer ones.
-
-        Parameters
-        ----------
-        point : Point
-            Where the starts are inside.
-        """
-        exact = np.exp(point.z[:4])
-        for digits in range(2, 7):
-            around = [(decimal_below(k, digits), decimal_above(k, digits)) for k in exact]
-            for four in itertools.product(*around):
-                z = np.array([*np.log(np.array(four, float)), *point.z[4:]])
-                near = Point(self.at(z)[0], z)
-                if near.cost < point.cost + LOSS:
-                    yield four, near
-                    break

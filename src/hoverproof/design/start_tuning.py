@@ -1,30 +1,37 @@
 """Gains with which every vehicle within tolerance has soon settled, from the mission's start.
 
 The search is in floating point (`start_search`). Its winner is rounded to short decimals, and only
-then is it proved, exactly, that the errors fall exponentially from the start.
+then is it proved, exactly, that the errors fall exponentially from the start. Where no gains are
+found, changes of the mission are looked for with which some are, and each that is told of is proved
+in the same way (`start_advice`).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hoverproof.certification.exponential.proof import converge
-from hoverproof.certification.exponential.search import OUTSIDE
+from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.exponential.domain import Domain
+from hoverproof.certification.exponential.positions import Scene
+from hoverproof.certification.exponential.proof import converge, require_question
+from hoverproof.certification.exponential.search import FAILED, OUTSIDE, SETTLED, Search
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.design.limits import Limits, designed_gains, uses
+from hoverproof.design.limits import BINDS, Limits, Use, designed_gains, uses
 from hoverproof.design.outcome import Infeasible, StartTuned
-from hoverproof.design.start_search import RATES, SCALES, Point, StartSearch
-from hoverproof.errors import InputError
+from hoverproof.design.start_advice import scaled, what_helps
+from hoverproof.design.start_rounding import rounded
+from hoverproof.design.start_search import SPARED, Point, StartSearch
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.simulation.flight import simulate
 
 Progress = Callable[[str], None]
-TOLERANCES = "thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate"
-HALVINGS = 5
+NARROWED, PARTS, SPARE = 3, (0.85, 0.7, 0.55, 0.4), 1e-6
+"""How often a smaller d is looked for, and which parts of the way from the least d to the last."""
 PROOFS = 2
 """So many sets of gains, each with more digits than the last, are tried to be proved."""
 
@@ -37,7 +44,8 @@ def tune_start(
     Parameters
     ----------
     mission : Mission
-        Its gains are replaced; its start, goal and tolerances count.
+        Its gains are replaced; its start, goal and tolerances, what its camera sees and its limits
+        count.
     limits : Limits
     progress : callable, optional
         Is told what is being done.
@@ -49,39 +57,139 @@ def tune_start(
     Raises
     ------
     InputError
-        If the mission is not of the scaled feature, the goal is not axial, or it poses no question.
+        If the goal is not axial, or the mission poses no question.
     """
     tell = progress or (lambda text: None)
-    if mission.law.feature != "scaled":
-        raise InputError(
-            mission.source,
-            "law.feature",
-            f"is {mission.law.feature}: gains are searched by the start for the scaled centroid; "
-            'write feature = "scaled" in [law], or take --objective region',
-        )
+    require_question(mission, [Start.of(mission)])
+    found = attempt(mission, limits, tell)
+    if isinstance(found, StartTuned):
+        return found
+
+    def proved(changed: Mission) -> StartTuned | None:
+        tried = attempt(changed, limits, tell)
+        return tried if isinstance(tried, StartTuned) else None
+
+    def search(changed: Mission) -> StartSearch:
+        return StartSearch.of(changed, limits)
+
+    advice = what_helps(mission, found.point, search, proved, tell)
+    return Infeasible(mission, found.reason, advice=advice)
+
+
+@dataclass(frozen=True)
+class Failed:
+    """No gains, why, and the point that comes nearest, if there is one."""
+
+    reason: str
+    point: Point | None
+
+
+def attempt(mission: Mission, limits: Limits, tell: Progress) -> StartTuned | Failed:
+    """Search for gains, and prove what is found.
+
+    Parameters
+    ----------
+    mission : Mission
+    limits : Limits
+    tell : callable
+        Is told what is being done.
+    """
     search = StartSearch.of(mission, limits)
     point = search.run(tell)
-    if point is None or point.cost >= OUTSIDE:
-        return Infeasible(mission, why_not(search, point))
-    reason = ""
-    for _, (four, near) in zip(range(PROOFS), search.short(point), strict=False):
-        tuned = mission.model_copy(
-            update={"gains": designed_gains(mission, four, _fast(search, near))}
-        )
-        verdict = converge(tuned, progress=tell, near=near.set_out)
-        if isinstance(verdict, Exponential):
-            tell("flying")
-            time = float(verdict.settling.time)
-            return StartTuned(
-                mission=tuned,
-                verdict=verdict,
-                before=search.settled_before,
-                estimate=float(np.exp(point.cost)),
-                flown=settled_in_flight(tuned, float(verdict.settling.radius), time),
-                uses=uses(limits, search.command, tuned),
+    for share in SETTLED[1:] if search.whole.vehicles.is_shaken else ():
+        if point is None or point.cost >= OUTSIDE:
+            search = replace(search, whole=replace(search.whole, settled=share))
+            point = search.run(tell)
+    reason = why_not(search, point) if point is None or point.cost >= OUTSIDE else ""
+    for _ in range(NARROWED if not reason else 0):
+        assert point is not None
+        found = _proved(search, point, tell)
+        if isinstance(found, StartTuned):
+            return found
+        reason = f"the best gains found are not proved: {found}"
+        tell("looking for a domain that takes fewer cells")
+        narrower = _narrower(search, point) if "cells" in found else None
+        if narrower is None:
+            break
+        search, point = narrower
+        if point.cost >= OUTSIDE:
+            break
+    return Failed(reason, point)
+
+
+def _narrower(search: StartSearch, point: Point) -> tuple[StartSearch, Point] | None:
+    """Search on with a smaller d, over whose domain bounds of J are shown with few cells."""
+    low, scene = search.ends[0], search.whole.scene
+    for wider, beyond in SPARED:
+        for part in PARTS:
+            d = low * (math.exp(point.z[4]) / low) ** part
+            whole = replace(
+                search.whole, wider=wider, beyond=beyond, highest=d * (1 + SPARE) / scene.wanted
             )
+            if is_shown(search.mission, whole, d):
+                search = replace(search, whole=whole)
+                at = search.value(np.minimum(point.z, search.highest))
+                z = np.minimum(point.z, search.highest)
+                return search, search.point(z, None) if at is None else search.descend(z, at)
+    return None
+
+
+def is_shown(mission: Mission, whole: Search, d: float) -> bool:
+    """Tell whether bounds of J are shown over the domain of a d with few enough cells.
+
+    Parameters
+    ----------
+    mission : Mission
+    whole : Search
+    d : float
+        A bare number, dimensionless.
+    """
+    ball = whole.ball(d)
+    points = [tuple(point) for point in mission.target.points]
+    return ball is not None and Domain.of(whole.scene, points, d, ball).tree() is not None
+
+
+def _proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | str:
+    """Round gains and prove them; return why not if they are not."""
+    reason = "none of few digits are near them"
+    for _, (four, near) in zip(range(PROOFS), rounded(search, point), strict=False):
+        tuned = search.mission.model_copy(
+            update={"gains": designed_gains(search.mission, four, _fast(search, near))}
+        )
+        verdict = converge(tuned, progress=tell, near=search.near(near))
+        if isinstance(verdict, Exponential):
+            return _tuned(search, tuned, verdict, point, tell)
         reason = verdict.reason
-    return Infeasible(mission, f"the best gains found are not proved: {reason}")
+        tell(f"not proved: {reason}")
+        if "cells" in reason:
+            break
+    return reason
+
+
+def _tuned(
+    search: StartSearch, tuned: Mission, verdict: Exponential, point: Point, tell: Progress
+) -> StartTuned:
+    """Put beside what is proved how the own gains do, and how both fly."""
+    tell("searching for weights for the mission's own gains")
+    before = search.settled_before
+    tell("flying")
+    time, radius = float(verdict.settling.time), float(verdict.settling.radius)
+    return StartTuned(
+        mission=tuned,
+        verdict=verdict,
+        before=before,
+        estimate=math.exp(point.cost),
+        flown=settled_in_flight(tuned, radius, time),
+        flown_before=settled_in_flight(search.mission, radius, time),
+        uses=[*uses(search.limits, search.command, tuned), *_seen(tuned, verdict)],
+    )
+
+
+def _seen(mission: Mission, verdict: Exponential) -> Iterator[Use]:
+    """Yield how much is used of what the camera sees."""
+    half, seen = mission.camera.half_angle, verdict.field_of_view
+    if half is not None and seen is not None:
+        yield Use("angle to the axis under which all is seen", float(seen), float(half), "rad")
 
 
 def _fast(search: StartSearch, point: Point) -> float:
@@ -111,7 +219,7 @@ def settled_in_flight(mission: Mission, radius: float, time: float) -> float | N
 
 
 def why_not(search: StartSearch, point: Point | None) -> str:
-    """Say what stands in the way, by how much, and what would help.
+    """Say what was searched, what stands in the way, and by how much.
 
     Parameters
     ----------
@@ -119,56 +227,54 @@ def why_not(search: StartSearch, point: Point | None) -> str:
     point : Point or None
         The best that was found.
     """
-    low, high = search.whole.ends
-    wanted = search.whole.scene.wanted
+    return "; ".join(_why_not(search, point))
+
+
+def _why_not(search: StartSearch, point: Point | None) -> Iterator[str]:
+    low, high = search.ends
+    mission = search.mission
+    if mission.law.feature == "centroid":
+        yield ill_conditioned(mission)
     if not low < high:
-        most = search.whole.highest * wanted
+        most = search.known
         away = float(np.sqrt(2 * search.whole.terms()[:, 0].max()))
-        return (
+        yield (
             f"no gains were searched: at the start the feature is {away:.3g} from the one wanted, "
-            f"and {most:.3g} is the most of which J is bounded; {_nearer(search, most / away)}"
+            f"and {most:.3g} is the most of which the search knows a bound of "
+            f"{search.whole.scene.flow.symbol}"
         )
-    if point is None:
-        return (
-            "no weights satisfy the inequality for any of the gains from which the search sets "
-            f"out, whose k4/m is {SCALES[-1]:g} to 1 times what suits latency, force and "
-            f"bandwidth, with j k1/m, k1 k2/m, k3/m and k4/m as {RATES}; would help: smaller "
-            "tolerances, a start nearer to the goal"
-        )
-    fill = float(np.exp(point.cost - OUTSIDE))
-    reason = (
-        f"no gains were found that hold the start: with the best of those searched, Ψ there is "
-        f"{fill:.3g} times the level; {_nearer(search, 0.98 / np.sqrt(fill))}"
+        return
+    fours = np.exp(np.array(search.tried)[:, :4])
+    sets, fast = len(np.unique(fours, axis=0)), fours[:, 3] / float(mission.vehicle.mass)
+    searched = (
+        f"{sets} sets of gains were searched, k4/m from {fast.min():.3g} to {fast.max():.3g} 1/s"
     )
-    return "; ".join([reason, *_smaller(search, point)])
+    if point is None or point.cost >= FAILED:
+        yield f"{searched}, and for none of them were weights found"
+        return
+    at = search.value(point.z)
+    assert at is not None
+    rate = math.exp(point.z[6])
+    yield (
+        f"{searched}: with none of them the start is held; of the best, Ψ falls only at a rate "
+        f"{100 * max(at.over[0], 0):.3g} % below the {rate:.3g} 1/s asked for"
+    )
+    names = search.limited_by()
+    binding = [name for name, over in zip(names, at.over[1:], strict=True) if over > -BINDS]
+    yield f"what binds: {', '.join(['the inequality of Ψ', *binding])}"
 
 
-def _nearer(search: StartSearch, share: float) -> str:
-    """Say how much nearer a start has its feature that share of as far from the one wanted."""
-    scene = search.whole.scene
-    start = np.array([float(c) for c in search.mission.start.position])
-    parts = np.linspace(1, 0, 200)
-    places = scene.goal + parts[:, None] * (start - scene.goal)
-    far = np.linalg.norm(scene.offset(places), axis=1)
-    inside = parts[int(np.argmax(far <= share * far[0]))]
-    nearer = (1 - inside) * float(np.linalg.norm(start - scene.goal))
-    return f"would help: a start about {nearer:.2g} m nearer to the goal"
+def ill_conditioned(mission: Mission) -> str:
+    """Say how much less a change of height is seen than one sideways, with the centroid.
 
-
-def _smaller(search: StartSearch, point: Point) -> Iterator[str]:
-    """Yield each tolerance that would help alone, and how small it would have to be."""
-    vehicles = search.whole.vehicles
-
-    def holds(name: str, value: float) -> bool:
-        whole = replace(search.whole, vehicles=vehicles.allowing(name, value))
-        return replace(search, whole=whole).at(point.z)[0] < OUTSIDE
-
-    for name in TOLERANCES:
-        most = getattr(vehicles, name)
-        if not most or not holds(name, 0.0):
-            continue
-        low, high = 0.0, most
-        for _ in range(HALVINGS):
-            middle = (low + high) / 2
-            low, high = (middle, high) if holds(name, middle) else (low, middle)
-        yield f"would help: uncertainty.{name} of {low:.2g} in place of {most:.3g}"
+    Parameters
+    ----------
+    mission : Mission
+    """
+    scene = Scene.of(mission)
+    values = np.linalg.eigvalsh(scene.slopes(scene.goal[None])[0])
+    better = "" if scaled(mission) is None else "; the scaled feature does not have that factor"
+    return (
+        f"with the centroid, height is ill-conditioned: the eigenvalues of Q at the goal differ by "
+        f"a factor of {values[-1] / values[0]:.3g}{better}"
+    )

@@ -43,7 +43,7 @@ from hoverproof.servo.loop import slowest_rate
 
 Array = NDArray[np.float64]
 Weights = tuple[Fraction, ...] | Literal["search"]
-Objective = Literal["decay", "settling", "region", "start"]
+Objective = Literal["start", "decay", "settling", "region"]
 Found = Tuned | RegionTuned | StartTuned | Infeasible
 Report = Callable[[int, int], None]
 
@@ -56,7 +56,7 @@ def tune(
     mission: Mission,
     *,
     bandwidth: float = 20.0,
-    objective: Objective = "decay",
+    objective: Objective = "start",
     rate: float | None = None,
     tilt: float | None = None,
     rotor_thrust: float | None = None,
@@ -72,11 +72,11 @@ def tune(
         Its gains are replaced; its bounds, goal, start and limits of the rotors count.
     bandwidth : float
         Largest attitude bandwidth (k1 k2 + k3 + k4)/m, rad/s.
-    objective : {"decay", "settling", "region", "start"}
-        Make the certified decay rate of L as large as possible; or the slowest rate of the loop
-        linearised at the goal, as long as the gains are certified; or the certified region of
-        attraction, with a slowest rate that is wished for; or the proved settling time from the
-        mission's start as short, for every vehicle within its tolerances.
+    objective : {"start", "decay", "settling", "region"}
+        Make the proved settling time from the mission's start as short as possible, for every
+        vehicle within its tolerances; or the certified decay rate of L as large; or the slowest
+        rate of the loop linearised at the goal, as long as the gains are certified; or the
+        certified region of attraction, with a slowest rate that is wished for.
     rate : float, optional
         Sampling rate, 1/s: the bandwidth times the period is kept at 0.2 or below. For a start it
         is by default that of the mission's sensors.
@@ -114,14 +114,14 @@ class Wish:
     ----------
     bandwidth, rate, tilt, rotor_thrust
         Limits, in rad/s, 1/s, rad and N.
-    objective : {"decay", "settling", "region", "start"}
+    objective : {"start", "decay", "settling", "region"}
     weights : (4,) Fractions, or "search"
     at_least, minimum_decay : float or None
         1/s.
     """
 
     bandwidth: float = 20.0
-    objective: Objective = "decay"
+    objective: Objective = "start"
     rate: float | None = None
     tilt: float | None = None
     rotor_thrust: float | None = None
@@ -138,7 +138,9 @@ class Wish:
         of_place = self.objective in ("region", "start")
         if of_place and (self.at_least is not None or self.weights != ONES):
             option = "--weights" if self.at_least is None else "--at-least"
-            raise InputError(option, "", f"is about L, so not for --objective {self.objective}")
+            other = "name --objective decay or settling"
+            reason = f"is about L, so not for --objective {self.objective}: {other}"
+            raise InputError(option, "", reason)
         if self.objective != "region" and self.minimum_decay is not None:
             reason = f"is for --objective region, not {self.objective}"
             raise InputError("--minimum-decay", "", reason)
@@ -344,7 +346,7 @@ def pareto(
     count : int
         Number of bandwidths, at least 2.
     wish : Wish, optional
-        By default as `tune` has it.
+        By default the largest certified decay rate of L.
     bandwidth : float, optional
         The highest, rad/s; by default that of the wish.
     lowest : float, optional
@@ -354,9 +356,11 @@ def pareto(
     """
     if not 2 <= count <= 1000:
         raise InputError("--pareto", "", f"must be from 2 to 1000 bandwidths, not {count}")
-    wish = wish or Wish()
+    wish = wish or Wish(objective="decay")
     if wish.objective == "start":
-        raise InputError("--pareto", "", "is not for --objective start")
+        raise InputError(
+            "--pareto", "", "is not for --objective start: name --objective decay or region"
+        )
     highest = wish.bandwidth if bandwidth is None else bandwidth
     if wish.objective == "region":
         limits = replace(wish, bandwidth=highest).limits(mission)

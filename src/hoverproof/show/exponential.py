@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from hoverproof.certification.attraction.potential import sphere
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.candidate import Tilted
+from hoverproof.certification.exponential.inequality import MEMORY, THRUST, TORQUE, W2, W3, W4
 from hoverproof.certification.exponential.positions import DIRECTIONS, Scene
-from hoverproof.certification.exponential.program import MEMORY, THRUST, TORQUE, W2, W3, W4
 from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 from hoverproof.certification.exponential.verdict import Exponential

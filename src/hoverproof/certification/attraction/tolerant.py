@@ -23,8 +23,9 @@ from hoverproof.certification.attraction.inequality import (
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.search import Found
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.exponential.inequality import MEMORY, SLOPE, Sector, falls
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.program import MEMORY, SLOPE, SPARE, Sector, falls
+from hoverproof.certification.exponential.program import SPARE
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 from hoverproof.certification.robust import Inequality, optimise, reciprocals
 from hoverproof.mission.sections import Mission

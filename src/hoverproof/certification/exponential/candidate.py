@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.program import Solution
+from hoverproof.certification.exponential.program import Program, Solution
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 
 Array = NDArray[np.float64]
+LOUDEST = 0.5
+"""Share of Ψ where a vehicle has settled that noise may leave."""
 VIEW_ROOM = 0.012
 """Of the angle under which points are seen: a share that is spared for the proof, and rad."""
 
@@ -120,3 +122,61 @@ class Candidate:
         limits = Limits(vehicles, reach, self.ball[1])
         offset = float(Tilted.of(limits).offset(s.weights, s.start))
         return float((1 + VIEW_ROOM) * scene.cone(offset) + np.arcsin(limits.tilt) + VIEW_ROOM)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A set of which the weights are to be found.
+
+    Attributes
+    ----------
+    x, offset, rate, tilted
+        See `Candidate`.
+    limits : Limits
+        Of a reach that the weights are to keep to.
+    program : Program
+    """
+
+    x: Array
+    offset: float
+    limits: Limits
+    rate: float
+    tilted: Tilted
+    program: Program
+
+    def answer(self, likely: Sequence[int] = ()) -> Candidate | None:
+        """Find them.
+
+        Parameters
+        ----------
+        likely : sequence of int
+            See `Program.solve`, bare numbers.
+        """
+        found = self.program.solve(likely)
+        return None if found is None else self.with_weights(found)
+
+    def with_weights(self, found: Solution) -> Candidate:
+        """Return the candidate with weights.
+
+        Parameters
+        ----------
+        found : Solution
+        """
+        ball = self.program.ball
+        return Candidate(self.x, self.offset, ball, self.rate, self.tilted, found)
+
+    def time(self, offset: float, fill: float) -> float:
+        """Return when |σ - σ*| is at most an offset for good, s, if there are weights.
+
+        Parameters
+        ----------
+        offset : float
+            A bare number, dimensionless.
+        fill : float
+            Ψ at the start over ℓ, dimensionless.
+        """
+        level, force = self.program.level, self.limits.reach.force
+        factor = 1 + self.tilted.factor * force**2 / (2 * level)
+        last = max(offset - self.tilted.shift, 0.0) ** 2 / (2 * factor)
+        last *= 1 - LOUDEST if self.limits.vehicles.is_shaken else 1.0
+        return float(np.log(max(fill * level / last, 1.0)) / self.rate) if last else np.inf

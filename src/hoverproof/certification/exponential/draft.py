@@ -145,14 +145,17 @@ class Rounded:
 
 def _seen(domain: Domain, r: Rounded) -> tuple[str | None, Fraction | None]:
     """Halve the wedge of a domain, and return the cosine of the angle under which all is seen."""
-    angle = domain.scene.cone(float(r.offset))
+    angle, plain = domain.scene.cone(float(r.offset)), None
     for room in CONE_ROOMS:
         cosine = decimal_below(math.cos(angle * (1 + room)), DIGITS)
         if angle * (1 + room) + math.asin(r.limits.tilt) < WIDEST:
             tree = domain.tree(float(cosine))
             if tree is not None:
                 return tree, cosine
-    return domain.tree(), None
+            plain = plain or domain.tree()
+            if plain is None:
+                break
+    return plain or domain.tree(), None
 
 
 def _ultimate(r: Rounded, domain: Domain) -> tuple[dict[str, Fraction], str]:

@@ -18,7 +18,11 @@ from hoverproof.servo.laws.hamel_mahony import law_of
 from hoverproof.servo.loop import level_feature
 
 Array = NDArray[np.float64]
-DIRECTIONS, STEPS, MIDDLES = 160, 40, 30
+DIRECTIONS, STEPS = 160, 40
+MIDDLES, FINE = 20, 12
+"""So many j are looked at, and so many times as many where that matters."""
+EVEN = 40
+"""So many d: between them balls change evenly, so that a search is not led astray."""
 FARTHEST = 1e3
 """In heights of the goal."""
 
@@ -160,16 +164,14 @@ class Balls:
     Attributes
     ----------
     offsets : (k,)
-        |σ - σ*| at the samples, ascending.
-    middles : (m,)
-        j, 1/m.
-    farthest : (k, m)
-        The largest |J - j I| up to each sample, 1/m.
+        d, ascending.
+    low, high : (k,)
+        j - ϱ and j + ϱ, 1/m.
     """
 
     offsets: Array
-    middles: Array
-    farthest: Array
+    low: Array
+    high: Array
 
     @classmethod
     def of(cls, scene: Scene) -> Balls:
@@ -181,10 +183,16 @@ class Balls:
         """
         offsets, places = scene.outward()
         J = scene.slopes(places)
-        sizes = np.linalg.norm(J, 2, axis=(1, 2))
-        middles = np.linspace(0.2, 1.2, MIDDLES) * np.median(sizes)
-        away = np.linalg.norm(J[:, None] - middles[:, None, None] * np.eye(3), 2, axis=(2, 3))
-        return cls(offsets, middles, np.maximum.accumulate(away, axis=0))
+        size = float(np.median(np.linalg.norm(J, 2, axis=(1, 2))))
+        farthest = _away(J, np.linspace(0.2, 1.2, MIDDLES) * size)
+        rises = (np.diff(farthest, axis=0, prepend=-1) > 0).any(axis=1)
+        middles = np.linspace(0.2, 1.2, FINE * MIDDLES) * size
+        farthest, offsets = _away(J[rises], middles), offsets[rises]
+        best = (farthest / middles).argmin(axis=1)
+        j, radius = middles[best], farthest[np.arange(len(best)), best]
+        even = np.linspace(offsets[0], offsets[-1], EVEN)
+        low, high = (np.interp(even, offsets, end) for end in (j - radius, j + radius))
+        return cls(even, low, high)
 
     def within(self, d: float) -> tuple[float, float]:
         """Return j - ϱ and j + ϱ where |σ - σ*| <= d, 1/m.
@@ -194,6 +202,12 @@ class Balls:
         d : float
             A bare number, dimensionless.
         """
-        row = self.farthest[max(int(np.searchsorted(self.offsets, d)) - 1, 0)]
-        k = int((row / self.middles).argmin())
-        return float(self.middles[k] - row[k]), float(self.middles[k] + row[k])
+        ends = (np.interp(d, self.offsets, side) for side in (self.low, self.high))
+        low, high = map(float, ends)
+        return low, high
+
+
+def _away(J: Array, middles: Array) -> Array:
+    """Return the largest |J - j I| up to each of J, for each j, (k, m)."""
+    away = np.linalg.norm(J[:, None] - middles[:, None, None] * np.eye(3), 2, axis=(2, 3))
+    return np.asarray(np.maximum.accumulate(away, axis=0))

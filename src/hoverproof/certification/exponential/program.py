@@ -6,235 +6,40 @@ multipliers and what the memory of the latency weighs.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from functools import cache
+from collections.abc import Sequence
+from dataclasses import dataclass
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.certification.exponential.form import ROWS, Variables, Weights, derive_form
+from hoverproof.certification.exponential.inequality import (
+    MEMORY,
+    SHAKEN,
+    SLOPE,
+    THRUST,
+    TORQUE,
+    W2,
+    W3,
+    W4,
+    Ball,
+    Falls,
+    falls,
+)
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
-from hoverproof.certification.robust import Inequality, Term, optimise, reciprocals
 from hoverproof.certification.robust import Solution as Optimum
-from hoverproof.servo.law import Law
+from hoverproof.certification.robust import optimise, reciprocals
 
 Array = NDArray[np.float64]
-W2, W3, W4, TORQUE, THRUST, SLOPE, MEMORY, NOISE, COMMAND, GUST = range(1, 11)
-"""Places among (1, parameters)."""
-PARAMETERS = 10
-SHAKEN = {"noise": NOISE, "command": COMMAND, "gust": GUST}
-"""The places of what weighs each disturbance, by its name in `Limits.disturbances`."""
-ALONG_Y = 1, 4, 7, 10, 12, 15, 18
-"""Places of what is along the second axis among the variables. No product in the inequality joins
-it with the others, and it is in it as what is along the first: so it is left out."""
 SPARE = 1e-6
 """What -(E' + …) is asked to be above, as a share of 2 E and of the other squares."""
 BROKEN, TIGHT = -1e-10, 1e-7
 """Lowest over largest eigenvalue below which a vertex is not kept, and above which it is free."""
-
-
-@dataclass(frozen=True)
-class Falls:
-    """The inequality at each vertex, affine in (1, parameters).
-
-    Attributes
-    ----------
-    corners : tuple of Inequality
-    used : (k,)
-        Which parameters have a part in it, as places among (1, parameters).
-    """
-
-    corners: tuple[Inequality, ...]
-    used: tuple[int, ...]
-
-    def of_used(self) -> tuple[list[int], list[Inequality]]:
-        """Return the places of (1, parameters) that have a part in it, and what these multiply."""
-        there = [0, *self.used]
-        return there, [
-            Inequality(c.S[there], tuple(t._replace(u=t.u[there]) for t in c.terms))
-            for c in self.corners
-        ]
-
-
-@dataclass(frozen=True)
-class Ball:
-    """|J - j I| <= ϱ.
-
-    Attributes
-    ----------
-    middle, radius : float
-        j and ϱ, 1/m.
-    """
-
-    middle: float
-    radius: float
-
-    def lost(self, flow: Array, velocity: Array) -> Array:
-        """Return |y - j V|² - ϱ²|V|².
-
-        Parameters
-        ----------
-        flow, velocity : (3, N)
-            y and V of the variables.
-        """
-        off = flow - self.middle * velocity
-        return np.asarray(off.T @ off - self.radius**2 * velocity.T @ velocity)
-
-
-@dataclass(frozen=True)
-class Sector:
-    """0 ⪯ Q ⪯ λ I, so yᵀ(λV - y) >= 0.
-
-    Attributes
-    ----------
-    largest : float
-        λ, 1/m.
-    """
-
-    largest: float
-
-    def lost(self, flow: Array, velocity: Array) -> Array:
-        """Return -yᵀ(λV - y).
-
-        Parameters
-        ----------
-        flow, velocity : (3, N)
-            y and V of the variables.
-        """
-        cross = self.largest / 2 * flow.T @ velocity
-        return np.asarray(flow.T @ flow - cross - cross.T)
-
-
-def falls(limits: Limits, slope: Ball | Sector, rate: float, potential: bool = False) -> Falls:
-    """Return -Ψ' - r Ψ ⪰ 0 at every vertex, for all J or Q.
-
-    Parameters
-    ----------
-    limits : Limits
-    slope : Ball or Sector
-        What is known of J, or Q: its form is 0 or less.
-    rate : float
-        r, 1/s.
-    potential : bool
-        See `derive_form`; then r is to be 0.
-    """
-    v = limits.vehicles
-    lagged, late = v.rotor_lag > 0, v.latency > 0
-    has = {"ahead": late, "torque": lagged, "thrust": lagged}
-    kept = [
-        place
-        for name in Variables.sizes()
-        if has.get(name, True)
-        for place in range(Variables.size())[Variables.place(name)]
-        if place not in ALONG_Y
-    ]
-    shaken = [name for name, _ in limits.disturbances()]
-    L, own = _variables(kept, shaken)
-    y, n = (np.pad(x, ((0, 0), (0, L.shape[1] - len(kept)))) for x in _flow_and_ahead(kept))
-    terms = limits.terms()
-    there = ((TORQUE, lagged), (THRUST, lagged), (SLOPE, True), (MEMORY, late))
-    used = (W2, W3, W4, *(name for name, has in there if has), *(SHAKEN[name] for name in shaken))
-    corners = []
-    for at in _at_vertices(limits, potential):
-        S = np.zeros((1 + PARAMETERS, L.shape[1], L.shape[1]))
-        S[:6] = L.T @ (at["fall"] - rate / 2 * at["energy"]) @ L
-        S[SLOPE] = slope.lost(y, at["sum"][0] @ L / float(v.design.slowness))
-        for name, d in own.items():
-            S[SHAKEN[name]] = d.T @ d
-        if "command" in own:
-            S[:6] -= _symmetric(at["torque" if lagged else "d4"][:, :1] @ L, own["command"])
-        if "gust" in own:  # in the forms it is in the place of y, but it is not in δ1'
-            S[0] -= _symmetric(L[[0, 2]], own["gust"])
-        if late:
-            forgets = np.exp(-rate * v.latency)
-            S[MEMORY] = forgets / v.latency * n.T @ n - v.latency * y.T @ y
-        at["yaw"] = at["d4"].copy()
-        at["yaw"][W4] -= at["h3"][0]
-        pushed = {name: at[name] @ L for name in ("d4", "yaw", "torque", "lift")}
-        parts = {name: at[name][0] @ L for name in ROWS if name not in (*pushed, "fall", "energy")}
-        parts["aside"] = _aside(at, v, potential) @ L
-        if v.swept:
-            swept = limits.sweep * parts["zeta"], v.yaw_rate * parts["aside"]
-            S[MEMORY] -= v.latency * sum(x.T @ x for x in swept)
-            mine = {"flow": y, "level": y[:2], "swept": parts["zeta"]}
-            pushed |= {name: _of_memory(2 * v.latency * x) for name, x in mine.items()}
-        each = [
-            Term(_over_parameters(pushed[name]), parts[by], np.array(size))
-            for name, by, size in terms
-        ]
-        corners.append(Inequality(S, tuple(each)))
-    return Falls(tuple(corners), used)
-
-
-def _variables(kept: Sequence[int], shaken: Sequence[str]) -> tuple[Array, dict[str, Array]]:
-    """Return the variables of `form` by those that are left and by disturbances, and the latter.
-
-    Noise is in the forms as what is used less what is now, and a gust as y.
-    """
-    L, own = np.eye(Variables.size())[:, kept], {}
-    places = {"noise": "ahead", "gust": "flow"}
-    for name in shaken:
-        sides = range(Variables.size())[Variables.place(places.get(name, "flow"))]
-        columns = np.eye(len(L))[:, [k for k in sides if k not in ALONG_Y]]
-        columns = columns if name in places else np.zeros((len(L), 1))
-        own[name] = L.shape[1] + np.arange(columns.shape[1])
-        L = np.hstack([L, columns])
-    return L, {name: np.eye(L.shape[1])[at] for name, at in own.items()}
-
-
-def _flow_and_ahead(kept: Sequence[int]) -> Iterator[Array]:
-    """Yield y and n of the variables that are left."""
-    for name in ("flow", "ahead"):
-        yield np.eye(Variables.size())[:, kept][Variables.place(name)]
-
-
-def _symmetric(left: Array, right: Array) -> Array:
-    """Return the matrix of the form (left X)ᵀ(right X)."""
-    product: Array = np.asarray(np.swapaxes(left, -1, -2) @ right)
-    return np.asarray(product + np.swapaxes(product, -1, -2)) / 2.0
-
-
-def _aside(at: dict[str, Array], v: Vehicles, potential: bool) -> Array:
-    """Return P s: P δ1, and s3* Pρ besides where the goal, or e, is not fixed in the image."""
-    leans = 0.0 if v.in_image and not potential else v.goal * v.stiffness / v.weight
-    return np.eye(2, Variables.size()) + leans * at["pulled"][0]
-
-
-def _of_memory(rows: Array) -> Array:
-    """Return rows that M alone multiplies, (1 + PARAMETERS, ..)."""
-    u = np.zeros((1 + PARAMETERS, *rows.shape))
-    u[MEMORY] = rows
-    return u
-
-
-def _over_parameters(rows: Array) -> Array:
-    """Return rows of what 1, w2, w3, w4, a5 and a6 multiply, with a zero for all else."""
-    rest = np.zeros((1 + PARAMETERS - len(rows), *rows.shape[1:]))
-    return np.concatenate([rows, rest])
-
-
-def _at_vertices(limits: Limits, potential: bool) -> Iterator[dict[str, Array]]:
-    """Yield the matrices of each vertex by name, (6, ..): what 1, w2, w3, w4, a5, a6 multiply."""
-    v, k = limits.vehicles, 1 + Weights.size()
-    vertices = np.array(list(limits.vertices()))
-    weights = np.vstack([np.zeros(Weights.size()), np.eye(Weights.size())])
-    count = len(vertices)
-    several = _several(v.law, v.rotor_lag > 0, potential, k * count)
-    found = np.array(
-        several(v.numbers, vertices.repeat(k, axis=0).T, np.tile(weights, (count, 1)).T)
-    )
-    found = found.reshape(len(found), count, k, -1).transpose(1, 2, 0, 3)
-    ends = np.cumsum(list(ROWS.values()))
-    for matrices in found:
-        matrices[1:, : ends[4]] -= matrices[0, : ends[4]]
-        yield dict(zip(ROWS, np.split(matrices, ends[:-1], axis=1), strict=True))
-
-
-@cache
-def _several(law: Law, lagged: bool, potential: bool, count: int) -> ca.Function:
-    return derive_form(law, lagged, potential).map(count)
+LIKELY = 0.25, 0.16, 0.05
+"""w2, w3 and w4 as they may be."""
+TOLERANCE = 1e-9
+"""Of the solver."""
+MOST_NEW = 2
+"""So many vertices that are not kept are added at once."""
 
 
 @dataclass(frozen=True)
@@ -263,6 +68,10 @@ class Solution:
         ℓ∞, dimensionless: what disturbances leave of Ψ.
     tight : tuple of int
         The numbers of the vertices that keep it from being lower.
+    optimum : robust.Solution
+        What the solver found.
+    working : tuple of int
+        The numbers of the vertices that it was given.
     """
 
     weights: Array
@@ -272,9 +81,11 @@ class Solution:
     multipliers: Array
     level: float
     start: float
-    noise: dict[str, float] = field(default_factory=dict)
-    floor: float = 0.0
-    tight: tuple[int, ...] = ()
+    noise: dict[str, float]
+    floor: float
+    tight: tuple[int, ...]
+    optimum: Optimum
+    working: tuple[int, ...]
 
     @property
     def fill(self) -> float:
@@ -285,6 +96,188 @@ class Solution:
     def reach(self) -> Reach:
         """How large the errors are on the set."""
         return Reach.of(self.weights, self.level)
+
+
+@dataclass(frozen=True)
+class Program:
+    """The question which weights bring starts below a level: as deep as can be, or soonest.
+
+    Attributes
+    ----------
+    falls : Falls
+    spare : (n, n)
+        What M(τ) is asked to be above.
+    missed : (n, n)
+        What the last parameter multiplies that is added to M(τ): nothing, or 2 E as it is likely.
+    rows : (j, 1 + k)
+        Each times (1, parameters that are used, the last parameter) is 0 or more. The last is what
+        is made small: the largest Ψ/ℓ of the starts, or the rate that is missing for it to be as
+        wished, 1/s.
+    pencils : tuple of (1 + k, p, p)
+        Likewise positive semidefinite.
+    level : float
+        ℓ, dimensionless.
+    ball : (low, high)
+        j - ϱ and j + ϱ, 1/m.
+    starts : (k, j)
+        What 1 and the parameters that are used are multiplied by in Ψ of each start.
+    shaken : dict
+        What the σ of each disturbance adds to ℓ∞, dimensionless, by its name.
+    """
+
+    falls: Falls
+    spare: Array
+    missed: Array
+    rows: Array
+    pencils: tuple[Array, ...]
+    level: float
+    ball: tuple[float, float]
+    starts: Array
+    shaken: dict[str, float]
+
+    @classmethod
+    def of(
+        cls,
+        limits: Limits,
+        ball: tuple[float, float],
+        rate: float,
+        level: float,
+        starts: Array,
+        floor: float = np.inf,
+        fill: float | None = None,
+    ) -> Program | None:
+        """Pose it; None if thrust or lever may vanish.
+
+        Parameters
+        ----------
+        limits, ball, rate, level, starts, floor
+            See `solve`, bare numbers.
+        fill : float, optional
+            What the largest Ψ/ℓ of the starts is to be; by default it is what is made small.
+        """
+        if not np.isfinite(limits.lever).all() or limits.tilt >= 1:
+            return None
+        low, high = ball
+        found = falls(limits, Ball((low + high) / 2, (high - low) / 2), rate)
+        there, size = found.there, len(found.there) + 1
+        place = {name: there.index(name) for name in found.used}
+        r, two = limits.reach, 2 * level
+        w2, w3, w4 = (place[w] for w in (W2, W3, W4))
+        pencils = (
+            reciprocals(r.force**2 / two, {w2: 1, w3: 1}, size),
+            reciprocals(r.d3**2 / two, {w3: 1}, size),
+            reciprocals(r.turn**2 / two, {w3: 1, w4: 1}, size),
+            reciprocals(r.speed**2 / two - 1, {w2: 1}, size),
+        )
+        missed = np.zeros(found.energy.shape[1:])
+        inside = np.column_stack([-starts[:, there] / level, np.ones(len(starts))])
+        if fill is not None:
+            missed = np.tensordot(_likely(limits.vehicles), found.energy, 1) / 2
+            inside[:, 0] += fill
+            inside[:, -1] = 1 / rate
+        rows = np.vstack([inside, np.eye(size)[1 : None if fill is None else -1]])
+        shaken = {name: bound**2 / rate for name, bound in limits.disturbances()}
+        if shaken and np.isfinite(floor):
+            left = np.eye(size)[0] * floor
+            left -= sum(x * np.eye(size)[place[SHAKEN[name]]] for name, x in shaken.items())
+            rows = np.vstack([rows, left / max(floor, 1e-300)])
+        spare = SPARE / max(1.0, high) * np.eye(len(missed))
+        return cls(found, spare, missed, rows, pencils, level, ball, starts[:, there], shaken)
+
+    def solve(self, likely: Sequence[int] = ()) -> Solution | None:
+        """Solve it.
+
+        Parameters
+        ----------
+        likely : sequence of int
+            See `solve`, bare numbers.
+        """
+        found_at = self._over_few(likely)
+        if found_at is None or not (found_at[0].x[:-1] > 0).all():
+            return None
+        answer, working, tight = found_at
+        values = dict(zip(self.falls.used, map(float, answer.x[:-1]), strict=True))
+        return Solution(
+            weights=np.array([values[w] for w in (W2, W3, W4)]),
+            lag=np.array([values[TORQUE], values[THRUST]]) if TORQUE in values else None,
+            memory=values.get(MEMORY),
+            slope=values[SLOPE],
+            multipliers=answer.multipliers[0],
+            level=self.level,
+            noise={name: values[SHAKEN[name]] for name in self.shaken},
+            floor=sum(x * values[SHAKEN[name]] for name, x in self.shaken.items()),
+            start=float((self.starts @ [1.0, *answer.x[:-1]]).max()),
+            tight=tight,
+            optimum=answer,
+            working=working,
+        )
+
+    def change(self, found: Solution, other: Program) -> float:
+        """Return by how much the optimum of another program like this is larger, to first order.
+
+        Parameters
+        ----------
+        found : Solution
+            Of this program.
+        other : Program
+            With data that are little different.
+        """
+        at, working = found.optimum, list(found.working)
+        x = np.array([1.0, *at.x])
+        corners = np.subtract(*(p.bound(at)[working] for p in (other, self)))
+        lifted = sum(float((z * m).sum()) for z, m in zip(at.prices, corners, strict=False))
+        for z, p, q in zip(at.prices[len(working) :], other.pencils, self.pencils, strict=True):
+            lifted += float((z * np.tensordot(x, p - q, 1)).sum())
+        return -lifted - float(at.row_prices @ (other.rows - self.rows) @ x)
+
+    def bound(self, at: Optimum) -> Array:
+        """Return what is to be positive semidefinite at every vertex, (k, n, n).
+
+        Parameters
+        ----------
+        at : robust.Solution
+        """
+        every = self.falls.bound(np.array([1.0, *at.x[:-1]]), at.multipliers[0])
+        return np.asarray(every - self.spare + at.x[-1] * self.missed)
+
+    def _over_few(
+        self, likely: Sequence[int]
+    ) -> tuple[Optimum, tuple[int, ...], tuple[int, ...]] | None:
+        """Make the last parameter small at few vertices, and at more until all are kept.
+
+        Returns the optimum, these vertices, and which of them are tight there.
+        """
+        corners = self.falls.of_used()[1]
+        less = np.zeros((len(self.falls.there) + 1, *self.spare.shape))
+        less[0], less[-1] = self.spare, -self.missed
+        cost = [0.0] * len(self.falls.used) + [1.0]
+        working = list(likely) or [len(corners) - 1]
+        while True:
+            few = [corners[k].less(less) for k in working]
+            answer = optimise(
+                cost,
+                few,
+                rows=self.rows,
+                pencils=self.pencils,
+                shared=True,
+                tolerance=TOLERANCE,
+            )
+            if answer is None:
+                return None
+            values = np.linalg.eigvalsh(self.bound(answer))
+            lowest = values[:, 0] / np.abs(values).max(axis=1)
+            others = [int(k) for k in np.argsort(lowest) if k not in working]
+            broken = [k for k in others[:MOST_NEW] if lowest[k] < BROKEN]
+            if not broken:
+                return answer, tuple(working), tuple(k for k in working if lowest[k] < TIGHT)
+            working += broken
+
+
+def _likely(v: Vehicles) -> Array:
+    """Return 1 and weights as they may be: w2, w3, w4, a5 and a6, (6,)."""
+    w2, w3, w4 = LIKELY
+    lag = v.rotor_lag or 1.0
+    return np.array([1, w2, w3, w4, w4 / (lag * v.stiff**2), w3 / (lag * v.pace**2)])
 
 
 def solve(
@@ -319,71 +312,5 @@ def solve(
     -------
     Solution, or None if there is none
     """
-    if not np.isfinite(limits.lever).all() or limits.tilt >= 1:
-        return None
-    low, high = ball
-    found = falls(limits, Ball((low + high) / 2, (high - low) / 2), rate)
-    there, corners = found.of_used()
-    place = {name: there.index(name) for name in found.used}
-    size = len(there) + 1  # and the largest Ψ/ℓ of the starts, the last
-    spare = np.zeros_like(corners[0].S)
-    spare[0] = SPARE * np.eye(spare.shape[1]) / max(1.0, high)
-    corners = [c.less(spare) for c in corners]
-    r, two = limits.reach, 2 * level
-    w2, w3, w4 = (place[w] for w in (W2, W3, W4))
-    pencils = [
-        reciprocals(r.force**2 / two, {w2: 1, w3: 1}, size),
-        reciprocals(r.d3**2 / two, {w3: 1}, size),
-        reciprocals(r.turn**2 / two, {w3: 1, w4: 1}, size),
-        reciprocals(r.speed**2 / two - 1, {w2: 1}, size),
-    ]
-    inside = np.column_stack([-starts[:, there] / level, np.ones(len(starts))])
-    rows = np.vstack([inside, np.eye(size)[1:]])
-    shaken = {name: bound**2 / rate for name, bound in limits.disturbances()}
-    if shaken and np.isfinite(floor):
-        left = np.eye(size)[0] * floor
-        left -= sum(x * np.eye(size)[place[SHAKEN[name]]] for name, x in shaken.items())
-        rows = np.vstack([rows, left / max(floor, 1e-300)])
-    found_at = _over_few(size, corners, rows, pencils, likely)
-    if found_at is None or not (found_at[0].x[:-1] > 0).all():
-        return None
-    answer, tight = found_at
-    values = {name: float(answer.x[place[name] - 1]) for name in found.used}
-    return Solution(
-        weights=np.array([values[w] for w in (W2, W3, W4)]),
-        lag=np.array([values[TORQUE], values[THRUST]]) if TORQUE in values else None,
-        memory=values.get(MEMORY),
-        slope=values[SLOPE],
-        multipliers=answer.multipliers[0],
-        level=level,
-        noise={name: values[SHAKEN[name]] for name in shaken},
-        floor=sum(x * values[SHAKEN[name]] for name, x in shaken.items()),
-        start=float(answer.x[-1]) * level,
-        tight=tight,
-    )
-
-
-def _over_few(
-    size: int,
-    corners: Sequence[Inequality],
-    rows: Array,
-    pencils: Sequence[Array],
-    likely: Sequence[int],
-) -> tuple[Optimum, tuple[int, ...]] | None:
-    """Make the last parameter small at few vertices, and at more until all are kept.
-
-    Returns the optimum and the vertices that are tight there.
-    """
-    cost, working = [0.0] * (size - 2) + [1.0], list(likely) or [len(corners) - 1]
-    while True:
-        few = [corners[k] for k in working]
-        answer = optimise(cost, few, rows=rows, pencils=pencils, shared=True)
-        if answer is None:
-            return None
-        x = [1.0, *answer.x[:-1]]
-        values = np.linalg.eigvalsh([c.at(x).bound(answer.multipliers[0]) for c in corners])
-        lowest = values[:, 0] / np.abs(values).max(axis=1)
-        broken = [int(k) for k in np.argsort(lowest)[:2] if lowest[k] < BROKEN and k not in working]
-        if not broken:
-            return answer, tuple(k for k in working if lowest[k] < TIGHT)
-        working += broken
+    program = Program.of(limits, ball, rate, level, starts, floor)
+    return None if program is None else program.solve(likely)

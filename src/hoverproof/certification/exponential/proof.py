@@ -19,7 +19,7 @@ from hoverproof.certification.exponential.candidate import Candidate
 from hoverproof.certification.exponential.draft import Parts, draft
 from hoverproof.certification.exponential.form import derive_form
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.search import SETTLED, Search
+from hoverproof.certification.exponential.search import ROOM, SETTLED, Near, Search
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.exponential.verdict import Exponential, Settling
 from hoverproof.certification.verdict import Undecided
@@ -40,7 +40,7 @@ def converge(
     *,
     starts: Sequence[Start] | None = None,
     progress: Progress | None = None,
-    near: tuple[Array, float] | None = None,
+    near: Near | None = None,
 ) -> Exponential | Undecided:
     """Prove that every vehicle within tolerance converges from some starts.
 
@@ -51,8 +51,8 @@ def converge(
         Sets of states; by default the start of the mission.
     progress : callable, optional
         Is told what is being done.
-    near : (x, rate), optional
-        Where to set out, bare numbers and 1/s; see `Candidate`.
+    near : Near, optional
+        Where there are weights: nothing else is tried then.
 
     Raises
     ------
@@ -61,12 +61,13 @@ def converge(
     """
     tell = progress or (lambda text: None)
     wanted = tuple(starts or [Start.of(mission)])
-    _require(mission, wanted)
+    require_question(mission, wanted)
     scene, vehicles = Scene.of(mission), Vehicles.of(mission)
     reason, whole = "", Search.of(vehicles, scene, wanted)
-    for wider, highest in ROOMS:
+    for wider, highest in ROOMS if near is None else ROOMS[:1]:
         tell("searching for weights")
         search = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
+        search = search if near is None else near.of(search)
         search, found = _settled(search, near)
         if isinstance(found, str):
             reason = reason or found
@@ -99,7 +100,7 @@ def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> 
     InputError
         See `converge`.
     """
-    _require(mission, starts)
+    require_question(mission, starts)
     whole = Search.of(Vehicles.of(mission), Scene.of(mission), tuple(starts))
     wider, highest = ROOMS[0]
     search = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
@@ -107,8 +108,19 @@ def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> 
     return found if found is not None and search.sees(found) else None
 
 
-def _require(mission: Mission, starts: Sequence[Start]) -> None:
-    """Refuse what poses no question."""
+def require_question(mission: Mission, starts: Sequence[Start]) -> None:
+    """Refuse what poses no question.
+
+    Parameters
+    ----------
+    mission : Mission
+    starts : sequence of Start
+
+    Raises
+    ------
+    InputError
+        See `converge`.
+    """
     if any(end != 0 for ends in hover_goal(mission).centroid[:2] for end in ends):
         key = "goal.centroid" if mission.goal.height is None else "goal.height"
         raise InputError(
@@ -117,22 +129,24 @@ def _require(mission: Mission, starts: Sequence[Start]) -> None:
     require_starts(mission, starts)
 
 
-def _settled(search: Search, near: tuple[Array, float] | None) -> tuple[Search, Candidate | str]:
+def _settled(search: Search, near: Near | None) -> tuple[Search, Candidate | str]:
     """Search until a radius is found in which noise leaves the vehicle."""
     found = _found(search, near)
-    for share in SETTLED[1:] if search.vehicles.is_shaken else ():
+    for share in SETTLED[1:] if search.vehicles.is_shaken and near is None else ():
         if isinstance(found, str):
             search = replace(search, settled=share)
             found = _found(search, near)
     return search, found
 
 
-def _found(search: Search, near: tuple[Array, float] | None) -> Candidate | str:
+def _found(search: Search, near: Near | None) -> Candidate | str:
     """Return a candidate that holds the starts, or why there is none."""
     terms = search.terms()
     first = None
     if near is not None:
-        first = search.at(np.minimum(near[0], [np.log(search.ends[1]), np.inf]), near[1], terms)
+        first = search.at(np.minimum(near.x, [np.log(search.ends[1]), np.inf]), near.rate, terms)
+    if first is not None and first.solution.fill <= 1 - ROOM / 2 and search.sees(first):
+        return search.quietest(first, terms)
     if first is None or first.solution.fill > 1:
         first = search.deepest(terms)
     if first is None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +14,8 @@ from numpy.typing import NDArray
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.certification.attraction.potential import sphere
 from hoverproof.certification.attraction.starts import Start
-from hoverproof.certification.exponential.candidate import Candidate, Tilted
-from hoverproof.certification.exponential.positions import Balls, Scene
-from hoverproof.certification.exponential.program import (
+from hoverproof.certification.exponential.candidate import LOUDEST, Asked, Candidate, Tilted
+from hoverproof.certification.exponential.inequality import (
     MEMORY,
     PARAMETERS,
     THRUST,
@@ -23,8 +23,9 @@ from hoverproof.certification.exponential.program import (
     W2,
     W3,
     W4,
-    solve,
 )
+from hoverproof.certification.exponential.positions import Balls, Scene
+from hoverproof.certification.exponential.program import Program
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 from hoverproof.descent import Ends, descend
 
@@ -46,8 +47,6 @@ first of them that it allows."""
 NEAR = 0.1
 """Share of |σ - σ*| there that is spared for the proof."""
 DIRECTIONS = 300
-LOUDEST = 0.5
-"""Share of Ψ where a vehicle has settled that noise may leave."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +68,9 @@ class Search:
         Share of s3*, dimensionless, that d is at most.
     settled : float
         One of `SETTLED`, dimensionless.
+    beyond : float
+        By which share, a bare number, d is exceeded before J leaves its ball: where J changes fast
+        it takes many cells to show that it does not.
     """
 
     vehicles: Vehicles
@@ -79,6 +81,7 @@ class Search:
     half_angle: float | None = None
     highest: float = HIGHEST
     settled: float = SETTLED[0]
+    beyond: float = 0.0
 
     @classmethod
     def of(cls, vehicles: Vehicles, scene: Scene, starts: tuple[Start, ...]) -> Search:
@@ -194,18 +197,36 @@ class Search:
         starts : (k, 11)
             See `terms`.
         likely : sequence of int
-            See `program.solve`, bare numbers.
+            See `Program.solve`, bare numbers.
         floor : float
             What ℓ∞ is at most, dimensionless.
+        """
+        asked = self.pose(x, rate, starts, floor)
+        return None if asked is None else asked.answer(likely)
+
+    def pose(
+        self,
+        x: Array,
+        rate: float,
+        starts: Array,
+        floor: float = np.inf,
+        fill: float | None = None,
+    ) -> Asked | None:
+        """Return d, the ball of J and the program for the weights; see `at`.
+
+        Parameters
+        ----------
+        x, rate, starts, floor
+            See `at`, bare numbers.
+        fill : float, optional
+            See `Program.of`.
         """
         d = float(np.exp(x[0]))
         if d > self.highest * self.scene.wanted:
             return None
-        low, high = self.balls.within(d * (1 + ROOM))
-        middle, radius = (low + high) / 2, (high - low) / 2 * (1 + self.wider)
-        if radius >= middle:
+        ball = self.ball(d)
+        if ball is None:
             return None
-        ball = middle - radius, middle + radius
         limits = self.limits(x, ball)
         if not np.isfinite(limits.lever).all() or not limits.tilt < 1:
             return None
@@ -215,10 +236,24 @@ class Search:
             return None
         factor = 1 + tilted.factor * limits.reach.force**2 / (2 * level)
         most = max(self.settled_offset - tilted.shift, 0) ** 2 / (2 * factor)
-        found = solve(limits, ball, rate, level, starts, likely, min(floor, LOUDEST * most))
-        if found is None:
-            return None
-        return Candidate(x, d, ball, rate, tilted, found)
+        floor = min(floor, LOUDEST * most)
+        program = Program.of(limits, ball, rate, level, starts, floor, fill)
+        return None if program is None else Asked(x, d, limits, rate, tilted, program)
+
+    def ball(self, d: float) -> tuple[float, float] | None:
+        """Return j - ϱ and j + ϱ as they are asked of the proof, 1/m; None if that is no bound.
+
+        Parameters
+        ----------
+        d : float
+            A bare number, dimensionless.
+        """
+        low, high = self.balls.within(d * (1 + ROOM))
+        middle, radius = (low + high) / 2, (high - low) / 2 * (1 + self.wider)
+        if self.beyond:
+            low, high = self.balls.within(d * (1 + self.beyond))
+            radius = max(radius, high - middle, middle - low)
+        return (middle - radius, middle + radius) if radius < middle else None
 
     def slow(self, d: float) -> float:
         """Return a slow rate, 1/s.
@@ -381,6 +416,33 @@ class Search:
         found : Candidate
         """
         return self.half_angle is None or self.seen(found) <= self.half_angle
+
+
+class Near(NamedTuple):
+    """Where there are weights, and the search that found them.
+
+    Attributes
+    ----------
+    x, rate
+        See `Candidate`.
+    settled, wider, beyond
+        See `Search`.
+    """
+
+    x: Array
+    rate: float
+    settled: float
+    wider: float
+    beyond: float
+
+    def of(self, search: Search) -> Search:
+        """Return a search as that was.
+
+        Parameters
+        ----------
+        search : Search
+        """
+        return replace(search, settled=self.settled, wider=self.wider, beyond=self.beyond)
 
 
 def _corners(start: Start) -> Array:

@@ -52,6 +52,8 @@ class Vehicles:
         Bound of the wind less the steady one, m/s².
     turned : bool
         Whether a late feature is turned to the present axes.
+    noise_of_velocity : float
+        Bound of the error of V, m/s.
     """
 
     law: Law
@@ -69,6 +71,7 @@ class Vehicles:
     gyro: float = 0.0
     gusts: float = 0.0
     turned: bool = True
+    noise_of_velocity: float = 0.0
 
     @classmethod
     def of(cls, mission: Mission) -> Vehicles:
@@ -98,6 +101,7 @@ class Vehicles:
             gyro=float(noise.rate),
             gusts=float(covered.gust),
             turned=mission.sensors.gyro_turned,
+            noise_of_velocity=float(noise.velocity),
         )
 
     def allowing(self, name: str, size: float) -> Vehicles:
@@ -111,6 +115,18 @@ class Vehicles:
             In its unit, a bare number.
         """
         return replace(self, **{name: size})  # type: ignore[arg-type]
+
+    def with_numbers(self, numbers: Array) -> Vehicles:
+        """Return them with another design, such as other gains.
+
+        Parameters
+        ----------
+        numbers : (13,)
+            Of the design.
+        """
+        slow = replace(self, numbers=numbers)
+        moved = float(slow.design.slowness - self.design.slowness)
+        return replace(slow, noise=self.noise + moved * self.noise_of_velocity)
 
     @cached_property
     def design(self) -> Design:

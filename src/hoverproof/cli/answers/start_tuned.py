@@ -1,4 +1,4 @@
-"""What `tune --objective start` answers: gains, and how soon they are proved to settle."""
+"""What `tune` answers by default: gains, and how soon they are proved to settle."""
 
 from __future__ import annotations
 
@@ -24,6 +24,22 @@ from hoverproof.cli.answers.words import (
 )
 from hoverproof.design.outcome import StartTuned
 
+UNITS = {
+    "settling_time": "s, to settling_radius for good, proved",
+    "settling_time_before": "s, in floating point",
+    "settling_time_before_rounding": "s, in floating point",
+    "settling_time_flown": "s, in a flight",
+    "settling_time_flown_before": "s, in a flight with the mission's own gains",
+    "settling_radius": "m from the goal",
+    "fill": "Ψ at the start over the level of the set",
+    "decay_rate": "1/s, of Ψ",
+    "tilt": "rad",
+    "thrust": "N, over the true mass, times the modelled",
+    "rotor_thrust": "N, of each rotor",
+    "field_of_view": "rad, from the optical axis",
+    "bandwidth": "rad/s",
+}
+
 
 @dataclass(frozen=True)
 class StartTunedAnswer(Answer):
@@ -36,7 +52,7 @@ class StartTunedAnswer(Answer):
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""
         found, proved = self.found, self.found.verdict
-        covers = found.mission.uncertainty.covers()
+        covers = found.mission.asks_to_cover()
         yield f"{found.mission.name}: tuned for its start, and proved (theorem 5)"
         yield f"  for every vehicle       {', '.join(covers) if covers else 'just as modelled'}"
         yield from gains_text(found.mission)
@@ -44,15 +60,23 @@ class StartTunedAnswer(Answer):
         yield f"    before rounding:         {number(found.estimate)} s (floating point)"
         own = "not found to settle" if found.before is None else f"{number(found.before)} s"
         yield f"    the mission's own gains: {own} (floating point)"
-        flown = "not as soon" if found.flown is None else f"after {number(found.flown)} s"
-        yield f"  settled, in a flight    {flown}"
+        yield f"  settled, in a flight    {_flown(found.flown)}"
+        yield f"    the mission's own gains: {_flown(found.flown_before)}"
         yield f"  Ψ at the start          {fill(found):.3g} of the level, falls as exp(-r t)"
         yield f"    r                        {number(proved.rate)} 1/s"
         degrees = math.degrees(proved.tilt)
         yield f"  tilt on the way         {number(proved.tilt)} rad ({degrees:.3g}°) or less"
         yield f"  thrust over mass, × m   in {interval(proved.thrust)} N"
+        yield f"  thrust of each rotor    in {interval(proved.rotor_thrust)} N"
+        if proved.field_of_view is not None:
+            seen = proved.field_of_view
+            wide = f"{number(seen)} rad ({math.degrees(seen):.3g}°)"
+            yield f"  points seen within      {wide} of the axis"
         yield from hover_error_text(found.hover_error, found.mission)
         yield from limits_text(found.uses)
+        binding = [use.name for use in found.uses if use.binds]
+        if not binding:
+            yield "  what binds: the inequality of Ψ alone"
         yield from written_text(self.written, self.certificate)
 
     def as_json(self) -> dict[str, Any]:
@@ -68,6 +92,10 @@ class StartTunedAnswer(Answer):
             "settling_time_before": found.before,
             "settling_time_before_rounding": found.estimate,
             "settling_time_flown": found.flown,
+            "settling_time_flown_before": found.flown_before,
+            "covers": found.mission.asks_to_cover(),
+            "rotor_thrust": numbers(proved.rotor_thrust),
+            "field_of_view": None if proved.field_of_view is None else float(proved.field_of_view),
             "fill": fill(found),
             "decay_rate": float(proved.rate),
             "tilt": float(proved.tilt),
@@ -77,20 +105,12 @@ class StartTunedAnswer(Answer):
             "hover_error": hover_error_as_json(found.hover_error),
             "out": self.written,
             "certificate": None if self.certificate is None else str(self.certificate),
-            "units": {
-                **gain_units(),
-                "settling_time": "s, to settling_radius for good, proved",
-                "settling_time_before": "s, in floating point",
-                "settling_time_before_rounding": "s, in floating point",
-                "settling_time_flown": "s, in a flight",
-                "settling_radius": "m from the goal",
-                "fill": "Ψ at the start over the level of the set",
-                "decay_rate": "1/s, of Ψ",
-                "tilt": "rad",
-                "thrust": "N, over the true mass, times the modelled",
-                "bandwidth": "rad/s",
-            },
+            "units": {**gain_units(), **UNITS},
         }
+
+
+def _flown(time: float | None) -> str:
+    return "not as soon" if time is None else f"after {number(time)} s"
 
 
 def fill(found: StartTuned) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -73,6 +74,10 @@ class InfeasibleAnswer(Answer):
         """Yield the lines for people."""
         yield f"{self.found.mission.name}: infeasible"
         yield from ("  " + part for part in self.found.reason.replace("; ", ";\n").split("\n"))
+        for advice in self.found.advice:
+            yield f"  would help: {advice.words}"
+            yield f"    proved to settle within {number(advice.time)} s, with"
+            yield from (f"    --set {shlex.quote(setting)}" for setting in advice.settings)
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""
@@ -127,5 +132,9 @@ def infeasible_as_json(found: Infeasible) -> dict[str, Any]:
         "status": found.status,
         "reason": found.reason,
         "needed_bandwidth": found.needed_bandwidth,
+        "advice": [
+            {"words": a.words, "set": list(a.settings), "settling_time": float(a.time)}
+            for a in found.advice
+        ],
         "best": None if found.best is None else tuned_as_json(found.best),
     }
