@@ -127,7 +127,7 @@ def test_a_flight_cut_short_has_status_1(capsys):
 def test_new_writes_a_mission_that_certifies_and_says_what_comes_next(capsys):
     status, out, _ = run(capsys, "new", "my-flyer.toml")
     assert status == 0
-    assert "hoverproof certify my-flyer.toml" in out
+    assert "hoverproof attraction my-flyer.toml" in out
     assert tomllib.loads(Path("my-flyer.toml").read_text())["name"] == "my-flyer"
     assert run(capsys, "certify", "my-flyer.toml")[0] == 0
     assert Path("my-flyer.cert.json").exists()

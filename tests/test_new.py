@@ -1,27 +1,39 @@
-"""`hoverproof new` in a terminal: a conversation that ends in a mission file, or in nothing."""
+"""`hoverproof new`: questions and options that end in a mission file, or in nothing."""
 
 from __future__ import annotations
 
+import math
 import os
+import random
+import re
 import sys
+import tomllib
+from fractions import Fraction
 from pathlib import Path
 
 import pexpect
 import pytest
 
 from hoverproof import cli
+from hoverproof.certification.convergence import attraction
 from hoverproof.certification.gains import certify
 from hoverproof.cli.console import app
-from hoverproof.cli.interview import QUESTIONS, interview
+from hoverproof.cli.first_mission import decided, first_gains, make, written
+from hoverproof.cli.interview import interview, without_asking
+from hoverproof.cli.questions import CONTROL_RATES, QUESTIONS, WORDS
+from hoverproof.errors import InputError
+from hoverproof.mission.presets import preset_text, with_conditions
 from hoverproof.mission.reading import load
+from hoverproof.simulation.flight import simulate, summary
 
 PROGRAM = Path(sys.executable).parent / "hoverproof"
+DEFAULTS = without_asking({})
 
 
-def converse(answers):
-    """Hold the interview with lists of answers by question; return text and what was said."""
-    left = {name: list(given) for name, given in answers.items()}
-    names = {question.words: question.name for question in QUESTIONS}
+def converse(typed, given=None):
+    """Hold the interview with lists of answers by question; return answers and what was said."""
+    left = {name: list(lines) for name, lines in typed.items()}
+    names = {words: name for name, words in WORDS.items()}
     said = []
 
     def ask(prompt):
@@ -29,62 +41,74 @@ def converse(answers):
         name = names[prompt.strip().rsplit(" [", 1)[0]]
         return left.get(name, []).pop(0) if left.get(name) else ""
 
-    text = interview("mine", ask, said.append)
+    answers = interview(given or {}, ask, said.append)
     assert not any(left.values())
-    return text, "\n".join(said)
+    return answers, "\n".join(said)
 
 
-def written(text):
-    Path("mine.toml").write_text(text, encoding="utf-8")
+def of(answers):
+    """Return the mission of answers, with gains that are no one's."""
+    Path("mine.toml").write_text(written(decided("mine", answers)), encoding="utf-8")
     return load("mine.toml")
 
 
-def test_enter_throughout_gives_the_vehicle_of_the_paper():
-    mission = written(converse({})[0])
-    model = load("x4-flyer")
-    assert mission.name == "mine"
-    for part in ("vehicle", "target", "goal", "gains", "start"):
-        assert getattr(mission, part) == getattr(model, part)
-    assert mission.bounds.thrust == model.bounds.thrust
+def beginning(**given):
+    """Return the mission that `new` writes for options."""
+    Path("mine.toml").write_text(make(Path("draft.toml"), "mine", without_asking(given)))
+    return load("mine.toml")
 
 
-def test_the_bounds_of_q_in_a_new_mission_are_proved_not_assumed():
-    mission = written(converse({})[0])
-    verdict = certify(mission)
-    assert mission.bounds.eigenvalues == "auto"
-    assert verdict.status == "proved"
-    assert verdict.problem.box is not None
+def test_enter_throughout_gives_what_is_written_without_asking():
+    assert converse({})[0] == DEFAULTS
+
+
+def test_every_question_has_an_option_that_gives_the_same_and_is_not_asked():
+    typed = {"mass": "0.031", "start": "0.1 0 -0.9", "autopilot": "crazyflie", "half_angle": "1.2"}
+    answers, said = converse({}, typed)
+    assert answers == converse({name: [line] for name, line in typed.items()})[0]
+    assert not any(WORDS[name] in said for name in typed)
 
 
 def test_answers_are_written_as_they_were_typed():
-    text, said = converse({"mass": ["0.0270"], "inertia": ["1.66e-5, 1.66e-5 2.93e-5"]})
-    mission = written(text)
-    assert "mass = 0.0270 " in text
+    answers, said = converse({"mass": ["0.0270"], "inertia": ["1.66e-5, 1.66e-5 2.93e-5"]})
+    mission = of(answers)
+    assert "mass = 0.0270 " in Path("mine.toml").read_text()
     assert mission.vehicle.mass * 1000 == 27
     assert [float(i) for i in mission.vehicle.inertia] == [1.66e-5, 1.66e-5, 2.93e-5]
     assert "kg m²" in said
     prompts = [line for line in said.splitlines() if line.endswith("]: ")]
+    assert len(prompts) == len(QUESTIONS)
     assert max(map(len, prompts)) <= 72  # leaves room for an answer in 80 columns
-    assert all(line.split("#")[1].strip() for line in text.splitlines() if " = " in line[8:])
 
 
-@pytest.mark.parametrize(
-    "answers",
-    [
-        {"mass": ["0.027"]},
-        {"mass": ["1.5"], "height": ["10"], "position": ["3 2 -14"]},
-        {"mass": ["1200"], "gravity": ["1.62"]},
-        {"side": ["0.4"], "height": ["0.6"]},
-    ],
-)
-def test_a_vehicle_scaled_by_similarity_keeps_its_proof(answers):
-    assert certify(written(converse(answers)[0])).status == "proved"
+def test_the_arm_is_the_lever_of_rotors_in_x_and_latency_is_all_that_ages_an_image():
+    mission = of(without_asking({"rotor_distance": "0.17", "autopilot": "px4"}))
+    assert mission.vehicle.arm == Fraction("0.1202")
+    assert mission.uncertainty.latency >= mission.sensors.latency + Fraction(1, 30) + Fraction(
+        1, 400
+    )
+    assert mission.sensors.control_rate == CONTROL_RATES["px4"]
+
+
+def test_a_vehicle_is_taken_from_a_mission_but_for_what_is_given():
+    taken, own = load("research-1.5kg"), of(without_asking({"vehicle": "research-1.5kg"}))
+    assert own.vehicle == taken.vehicle
+    heavier = of(without_asking({"vehicle": "research-1.5kg", "mass": "1.6"})).vehicle
+    assert heavier == taken.vehicle.model_copy(update={"mass": Fraction("1.6")})
+    _, said = converse({"vehicle": ["research-1.5kg"]})
+    assert WORDS["inertia"] not in said
+
+
+def test_each_number_has_a_comment():
+    text = written(decided("mine", DEFAULTS))
+    values = [line for line in text.splitlines() if re.match(r"\w+ = [\d.]", line)]
+    assert len(values) > 15
+    assert all("#" in line for line in values)
 
 
 @pytest.mark.parametrize(
     ("name", "slip", "reason"),
     [
-        ("name", "a name", "must be a short name of letters"),
         ("mass", "-3", "must be above 0 and at most 1e6 kg, not -3"),
         ("mass", "0.5 kg", "must be a number in kg, not '0.5 kg'"),
         ("mass", "0,5", "must be a number in kg"),
@@ -93,16 +117,84 @@ def test_a_vehicle_scaled_by_similarity_keeps_its_proof(answers):
         ("mass", "1\\n[x]", "must be a number in kg"),
         ("inertia", "1 2", "must be a list [I1, I2, I3]"),
         ("inertia", "1 1 5", "no rigid body has one moment above the sum"),
-        ("arm", "x", "must be a number in m"),
-        ("side", "0", "must be above 0 and at most 1e6 m, not 0"),
+        ("rotor_distance", "x", "must be a number in m"),
+        ("tag", "0", "must be above 0 and at most 1e6 m, not 0"),
         ("height", "-1", "must be above 0"),
-        ("position", "1 1 3", "must be above every target point (z is down)"),
+        ("frame_rate", "0", "must be above 0"),
+        ("half_angle", "wide", "must be a number in rad"),
+        ("thrust", "20", "must be from 0 to 0.999"),
+        ("wind", "10", "must be below gravity"),
+        ("autopilot", "betaflight", "must be one of none, crazyflie, px4, ardupilot"),
+        ("vehicle", "crazyfly", "did you mean"),
+        ("start", "1 1 3", "must be above every target point (z is down)"),
     ],
 )
 def test_a_slip_is_refused_on_the_spot_in_the_words_of_the_mission_file(name, slip, reason):
-    text, said = converse({name: [slip]})
+    answers, said = converse({name: [slip]})
     assert reason in said
-    assert written(text).vehicle == load("x4-flyer").vehicle
+    assert answers == DEFAULTS
+    with pytest.raises(InputError, match=f"--{name.replace('_', '-')}: "):
+        without_asking({name: slip})
+
+
+@pytest.mark.slow
+def test_a_start_out_of_reach_is_refused_with_one_that_is_held():
+    with pytest.raises(InputError, match="would be held") as refused:
+        beginning(start="3,0,-1.5")
+    start = re.search(r"\((.*?)\) would", str(refused.value))[1]
+    assert first_gains(of(without_asking({"start": start}))) is not None
+
+
+def sensible(seed):
+    """Draw a vehicle from 20 g to 20 kg over a tag of 8 cm to 2 m, a camera and tolerances."""
+    draw = random.Random(seed)
+    mass, tag = 0.02 * 1000 ** draw.random(), 0.08 * 25 ** draw.random()
+    height, turn = tag * draw.uniform(3, 12), draw.uniform(0, 2 * math.pi)
+    aside, up = height * draw.uniform(0, 0.45), height * draw.uniform(0.75, 1.4)
+    size = (mass / 0.5) ** (1 / 3)
+    numbers = {
+        "mass": mass,
+        "rotor_distance": 0.17 * size * draw.uniform(0.7, 1.4),
+        "rotor_lag": 0.03 * size * draw.uniform(0.6, 1.6),
+        "tag": tag,
+        "height": height,
+        "frame_rate": draw.choice([15, 20, 30, 60, 90, 120]),
+        "latency": draw.uniform(0.005, 0.08),
+        "thrust": draw.uniform(0, 0.3),
+        "torque": draw.uniform(0, 0.2),
+        "wind": draw.uniform(0, 0.3),
+        "yaw_rate": draw.uniform(0, 0.3),
+    }
+    start = aside * math.cos(turn), aside * math.sin(turn), -up
+    return {name: f"{value:.4g}" for name, value in numbers.items()} | {
+        "autopilot": draw.choice(list(CONTROL_RATES)),
+        "start": ",".join(f"{c:.4g}" for c in start),
+    }
+
+
+@pytest.mark.slow
+@pytest.mark.long
+def test_for_every_answer_that_makes_sense_the_mission_is_proved_and_flies_as_written(whole):
+    for seed in range(300 if whole else 3):
+        mission = beginning(**sensible(seed))
+        proof = attraction(mission)
+        assert proof.status == "proved", (seed, proof)
+        assert certify(mission).status == "proved", seed  # so that it can be exported
+        time = float(proof.settling.time)
+        flown = summary(simulate(mission, duration=time))
+        assert flown["outcome"] == "flown", seed
+        assert flown["settled_at"] < time, seed
+
+
+@pytest.mark.parametrize("name", ["x4-flyer"])
+def test_what_is_not_said_stands_in_comments_once_and_in_its_section(name):
+    for text in (preset_text(name), written(decided("mine", DEFAULTS))):
+        whole = with_conditions(text)
+        assert tomllib.loads(whole) == tomllib.loads(text)
+        shown = re.sub(r"(?m)^# (?=\[|\w+ = )", "", whole)
+        keys = {k: set(part) for k, part in tomllib.loads(shown).items() if isinstance(part, dict)}
+        assert {"law", "sensors", "rotors", "wind", "model_error", "scatter"} < keys.keys()
+        assert "heading_noise" in keys["sensors"]
 
 
 def spawn(*arguments):
@@ -111,26 +203,28 @@ def spawn(*arguments):
         list(arguments),
         env={**os.environ, "TERM": "dumb", "LC_ALL": "C.UTF-8"},
         encoding="utf-8",
-        timeout=60,
+        timeout=120,
     )
 
 
 def test_in_a_terminal_it_asks_and_writes():
-    terminal = spawn("new", "my-flyer.toml")
+    terminal = spawn("new", "my-flyer.toml", "--height", "1.0")
     for question in QUESTIONS:
-        terminal.expect_exact(question.words)
-        terminal.sendline("1.5" if question.name == "mass" else "")
+        if question.name != "height":
+            terminal.expect_exact(question.words)
+            terminal.sendline("1.5" if question.name == "mass" else "")
     terminal.expect("my-flyer.toml: written, own vehicle")
     terminal.expect(pexpect.EOF)
-    assert float(load("my-flyer.toml").vehicle.mass) == 1.5
+    mission = load("my-flyer.toml")
+    assert (float(mission.vehicle.mass), float(mission.goal.height)) == (1.5, 1.0)
 
 
 @pytest.mark.parametrize("key", ["c", "d"])
 def test_leaving_writes_nothing(key):
     terminal = spawn("new", "my-flyer.toml")
-    terminal.expect("name of the mission")
+    terminal.expect_exact(WORDS["vehicle"])
     terminal.sendline("")
-    terminal.expect("mass, kg")
+    terminal.expect_exact(WORDS["mass"])
     for _ in range(5):  # one that comes just before readline listens is lost
         terminal.sendcontrol(key)
         if terminal.expect(["interrupted", pexpect.TIMEOUT], timeout=5) == 0:
@@ -145,7 +239,7 @@ def test_leaving_writes_nothing(key):
 def test_nothing_is_asked_of_those_who_say_so(option):
     terminal = spawn("new", "my-flyer.toml", *option)
     terminal.expect(pexpect.EOF)
-    assert "[9.6]" not in terminal.before
+    assert WORDS["vehicle"] not in terminal.before
     assert load("my-flyer.toml").name == "my-flyer"
 
 
@@ -158,10 +252,25 @@ def test_an_existing_file_is_refused_before_the_first_question():
     assert Path("my-flyer.toml").read_text() == "mine"
 
 
-def test_what_it_names_next_are_commands_as_they_stand(capsys):
+def test_answers_do_not_go_with_a_preset(capsys):
     with pytest.raises(SystemExit):
-        cli.main(["new", "mine.toml"])
-    named = [line.split() for line in capsys.readouterr().out.splitlines() if line[:2] == "  "]
-    assert [words[1] for words in named] == ["certify", "tune", "simulate"]
+        cli.main(["new", "mine.toml", "--from", "x4-flyer", "--rotor-lag", "0.1"])
+    assert "--rotor-lag: does not go with --from" in capsys.readouterr().err
+    assert not Path("mine.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "verbs"),
+    [
+        ([], ["attraction", "tune", "simulate"]),
+        (["--from", "x4-flyer"], ["certify", "tune", "simulate"]),
+    ],
+)
+def test_what_it_names_next_are_commands_as_they_stand(options, verbs, capsys):
+    with pytest.raises(SystemExit):
+        cli.main(["new", "mine.toml", *options])
+    said = capsys.readouterr().out.splitlines()
+    named = [line.split() for line in said if line.startswith("  hoverproof")]
+    assert [words[1] for words in named] == verbs
     for words in named:
         app.parse_args(words[1:], exit_on_error=False, print_error=False)

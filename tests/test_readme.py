@@ -26,7 +26,7 @@ def blocks(language):
 @pytest.mark.long
 def test_the_commands_run_as_written():
     scripts = [block for block in blocks("sh") if "make " not in block]
-    assert len(scripts) == 4
+    assert len(scripts) == 5
     (Path.cwd() / "src").symlink_to(ROOT / "src")
     lines = [line.split(" #")[0].rstrip() for script in scripts for line in script.splitlines()]
     if not any(map(shutil.which, ("cc", "gcc", "clang"))):  # the firmware flies as compiled C only
@@ -38,6 +38,7 @@ def test_the_commands_run_as_written():
         said += words
     assert "x4-flyer: proved" in said
     assert "x4-flyer: refuted" in said
+    assert "proved: tuned for its start, and proved" in said
 
 
 @pytest.mark.slow

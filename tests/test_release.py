@@ -186,5 +186,5 @@ def test_the_wheel_works_alone_in_an_empty_environment(built, tmp_path):
     assert hoverproof_("certify", "mine.toml")["verdict"] == "proved"
     place = run(home / "python", "-c", "import hoverproof; print(hoverproof.__file__)", **options)
     assert place.startswith(str(tmp_path))
-    template = "from hoverproof.cli.interview import interview as i; i('a', lambda _: '')"
+    template = "from hoverproof.cli.interview import interview as i; i({}, lambda _: '')"
     assert "Your vehicle" in run(home / "python", "-c", template, **options)

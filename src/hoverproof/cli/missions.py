@@ -11,11 +11,12 @@ from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import preset_names
-from hoverproof.cli.console import Json, warn
-from hoverproof.cli.reading import mission_name
+from hoverproof.cli.console import Json, at_work, warn
+from hoverproof.cli.questions import Answers, Given
+from hoverproof.cli.reading import mission_name, refuse_given
 from hoverproof.errors import InputError
 
-AUTO = 'eigenvalues = "auto"          # of Q: proved over a box around start and goal'
+AUTO = 'eigenvalues = "auto"          # of Q or J: proved over a box around start and goal'
 
 
 def presets(
@@ -56,48 +57,72 @@ def new(
         str | None,
         Parameter(
             name="--from",
-            help="Preset to start from, without questions. [default: x4-flyer]",
+            help="Copy a preset in place of asking.",
             completer=preset_names,
         ),
     ] = None,
-    yes: Annotated[bool, Parameter(negative="", help="Ask nothing.")] = False,
+    given: Annotated[Given | None, Parameter(name="*", help="Answers, each an option.")] = None,
+    yes: Annotated[
+        bool, Parameter(negative="", help="Ask nothing: what is not given has its default.")
+    ] = False,
     force: Annotated[bool, Parameter(negative="", help="Replace an existing file.")] = False,
     json_: Json = False,
 ) -> int:
     """Write a commented mission file for your vehicle, or from a preset.
 
-    In a terminal it asks for the vehicle, its target and its start: mass, arm, inertia and so on,
-    each with its unit and a default. An answer that cannot be used is asked for again. Gains are
-    then those of x4-flyer, scaled by similarity. With --from, --yes or --json, or if it is not run
-    in a terminal, nothing is asked and the preset is written, but that its eigenvalue bounds of Q
-    are "auto": proved over a box around start and goal.
+    In a terminal it asks for vehicle, tag, camera, tolerances and start, each with its unit and a
+    default, but for what is given as an option. An answer that cannot be used is asked for again.
+    With --yes or --json, or if it is not run in a terminal, nothing is asked.
+
+    The mission has the law that needs neither depth nor thrust to be known, and gains that are
+    found to hold the start for every vehicle within the tolerances: `attraction` proves it.
 
     The file is written whole at the end, or, after Ctrl-C, not at all.
 
     Example: `hoverproof new my-flyer.toml`
 
+    Example: `hoverproof new my-flyer.toml --mass 0.5 --rotor-distance 0.17 --rotor-lag 0.05`
+
     Example: `hoverproof new my-flyer.toml --from x4-flyer --force`
     """
     from hoverproof.cli.answers.missions import NewAnswer
-    from hoverproof.cli.interview import interview
     from hoverproof.files import replacing
-    from hoverproof.mission.presets import conditions_text, preset_text
+    from hoverproof.mission.presets import with_conditions
     from hoverproof.mission.reading import load
 
+    answers = given.answers() if given else {}
+    if preset:
+        refuse_given(
+            {f"--{name.replace('_', '-')}": text for name, text in answers.items()},
+            "does not go with --from, which copies a preset",
+        )
     if path.exists() and not force:
         raise InputError(str(path), "", "exists already; --force replaces it")
     if not path.parent.is_dir():
         raise InputError(str(path), "", f"there is no folder {path.parent}")
     name = mission_name(path)
     asks = not (yes or json_ or preset) and sys.stdin.isatty() and sys.stdout.isatty()
-    source = "own vehicle" if asks else preset or "x4-flyer"
-    if asks:
-        text = interview(name)
-    else:
-        text = re.sub(r'(?m)^name = ".*"', f'name = "{name}"', preset_text(source), count=1)
-        text = re.sub(r"(?m)^eigenvalues = .*", AUTO, text, count=1)
     with replacing(path) as beside:
-        beside.write_text(text + conditions_text(), encoding="utf-8")
+        text = _copied(preset, name) if preset else _own(beside, name, answers, asks)
+        beside.write_text(with_conditions(text), encoding="utf-8")
         made = load(beside)  # nothing is put in place that does not load
-    warn(made.model_copy(update={"source": str(path)}))
-    return tell(NewAnswer(path, name, source, asks), json_)
+    made = made.model_copy(update={"source": str(path)})
+    warn(made)
+    return tell(NewAnswer(path, made, preset or "own vehicle"), json_)
+
+
+def _copied(preset: str, name: str) -> str:
+    from hoverproof.mission.presets import preset_text
+
+    text = re.sub(r'(?m)^name = ".*"', f'name = "{name}"', preset_text(preset), count=1)
+    return re.sub(r"(?m)^eigenvalues = .*", AUTO, text, count=1)
+
+
+def _own(beside: Path, name: str, given: Answers, asks: bool) -> str:
+    from hoverproof.cli.first_mission import make
+    from hoverproof.cli.interview import interview, without_asking
+
+    answers = interview(given) if asks else without_asking(given)
+    with at_work() as doing:
+        doing("looking for gains that hold the start")
+        return make(beside, name, answers)

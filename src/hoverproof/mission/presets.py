@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from importlib import resources
 
 from hoverproof.errors import InputError, suggestion
@@ -36,3 +37,26 @@ def preset_text(name: str) -> str:
 def conditions_text() -> str:
     """Return a TOML text, all comments, with the keys of law, sensors, rotors, wind and scatter."""
     return (resources.files("hoverproof") / "conditions.toml").read_text(encoding="utf-8")
+
+
+def with_conditions(text: str) -> str:
+    """Return a mission file with all that it does not say of law, sensors, rotors and so on.
+
+    That is comments: the keys of a section that is there at its end, all others after the rest.
+
+    Parameters
+    ----------
+    text : str
+        TOML.
+    """
+    for part in conditions_text().strip().split("\n\n"):
+        section = re.search(r"(?m)^# \[(\w+)\].*\n", part)
+        there = section and re.search(rf"(?ms)^\[{section[1]}\].*?(?=\n\n|\n*\Z)", text)
+        if not section or not there:
+            text = f"{text.rstrip()}\n\n{part}\n"
+            continue
+        said = re.findall(r"(?m)^(?:# )?(\w+) =", there[0])
+        keys = part[section.end() :].splitlines()
+        more = [line for line in keys if line[2:].split(" =")[0] not in said]
+        text = "\n".join([text[: there.end()], *more]) + text[there.end() :]
+    return text

@@ -59,6 +59,9 @@ class CertifyAnswer(Answer):
         yield from self._demanded()
         if self.path is not None:
             yield f"Next: hoverproof check {self.path}"
+        if self.verdict.proved and self.verdict.problem.box is None:
+            source = self.verdict.problem.mission.source
+            yield f"Then: hoverproof region {source}, for bounds that are proved"
 
     def _demanded(self) -> Iterator[str]:
         if self.demands is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -70,22 +71,31 @@ class PresetAnswer(Answer):
 
 @dataclass(frozen=True)
 class NewAnswer(Answer):
-    """A mission file that was written, from a preset or from what was ``asked``."""
+    """A mission file that was written, from a preset or from answers."""
 
     path: Path
-    name: str
+    mission: Mission
     source: str
-    asked: bool
+
+    @property
+    def _for_start(self) -> bool:
+        """Whether gains are searched by the start."""
+        return self.mission.law.feature == "scaled"
 
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""
-        path = self.path
-        yield f"{path}: written, {self.source if self.asked else f'from preset {self.source}'}"
-        yield "Next:" if self.asked else "Next: put in your vehicle, target and gains, then"
-        yield f"  hoverproof certify {path}"
-        yield f"  hoverproof tune {path} --out {path.with_stem(f'{path.stem}-tuned')}"
+        path, tuned = self.path, self.path.with_stem(f"{self.path.stem}-tuned")
+        own = self.source == "own vehicle"
+        yield f"{path}: written, {self.source if own else f'from preset {self.source}'}"
+        if self.mission.asks_to_cover():
+            words = f"for every vehicle within {', '.join(self.mission.asks_to_cover())}"
+            yield from textwrap.wrap(words, 80, initial_indent="  ", subsequent_indent="    ")
+        yield "Next:" if own else "Next: put in your vehicle, target and gains, then"
+        objective = "--objective start " if self._for_start else ""
+        yield f"  hoverproof {'attraction' if self._for_start else 'certify'} {path}"
+        yield f"  hoverproof tune {path} {objective}--out {tuned}"
         yield f"  hoverproof simulate {path}"
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""
-        return {"out": str(self.path), "name": self.name, "from": self.source}
+        return {"out": str(self.path), "name": self.mission.name, "from": self.source}

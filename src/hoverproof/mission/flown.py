@@ -1,0 +1,68 @@
+"""What a flight is flown with that a proof could cover: each tolerance that it takes."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import NamedTuple
+
+from hoverproof.mission.sections import Mission
+
+
+class Beyond(NamedTuple):
+    """A tolerance that a flight exceeds.
+
+    Attributes
+    ----------
+    name : str
+        Of `Mission.uncertainty`.
+    flown, covered : float
+        What it takes, and what the mission has, bare numbers in its unit.
+    """
+
+    name: str
+    flown: float
+    covered: float
+
+
+def beyond_tolerances(mission: Mission) -> list[Beyond]:
+    """Return the tolerances that are smaller than what a mission is flown with.
+
+    Noise, gusts, and what scatters are left out.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    taken = {
+        "thrust": _thrust(mission),
+        "torque": _torque(mission),
+        "latency": _latency(mission),
+        "rotor_lag": float(mission.rotors.time_constant),
+        "wind": _wind(mission),
+    }
+    each = [Beyond(n, x, float(getattr(mission.uncertainty, n))) for n, x in taken.items()]
+    return [it for it in each if it.flown > it.covered * (1 + 1e-9) + 1e-12]
+
+
+def _thrust(mission: Mission) -> float:
+    error = mission.model_error
+    mean = sum(error.rotors, Fraction(0)) / 4
+    return abs(float((1 + error.thrust) * (1 + mean) / (1 + error.mass) - 1))
+
+
+def _torque(mission: Mission) -> float:
+    error = mission.model_error
+    push = (1 + error.thrust) * (1 + error.arm)
+    return max(abs(float(push / (1 + share) - 1)) for share in error.inertia[:2])
+
+
+def _latency(mission: Mission) -> float:
+    sensors = mission.sensors
+    periods = (1 / rate for rate in (sensors.frame_rate, sensors.control_rate) if rate)
+    return float(sensors.latency + sum(periods, Fraction(0)))
+
+
+def _wind(mission: Mission) -> float:
+    true_mass = float(mission.vehicle.mass * (1 + mission.model_error.mass))
+    return float(mission.wind.drag) * math.hypot(*map(float, mission.wind.mean)) / true_mass

@@ -1,0 +1,76 @@
+"""What an answer names next: the step that is true of what was found."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from hoverproof import cli
+from hoverproof.cli.console import app
+from hoverproof.mission.flown import beyond_tolerances
+from hoverproof.mission.reading import load
+
+LAW = {"law.force": "measured"}
+
+
+def run(capsys, *arguments):
+    with pytest.raises(SystemExit) as exit_:
+        cli.main(list(arguments))
+    return exit_.value.code, capsys.readouterr().out
+
+
+def named(out):
+    """Return the tolerances of the command that comes next, which is one that parses."""
+    (command,) = re.findall(r"(?m)^Next: hoverproof (attraction .*)$", out)
+    app.parse_args(command.split(), exit_on_error=False, print_error=False)
+    return dict(re.findall(r"--set ([\w.]+)=(\S+)", command))
+
+
+@pytest.mark.parametrize(
+    ("flown", "name", "size"),
+    [
+        ({"model_error.mass": "0.25"}, "thrust", 0.2),
+        (
+            {"model_error.thrust": "-0.15", "model_error.inertia": "[-0.15, -0.15, 0]"},
+            "thrust",
+            0.15,
+        ),
+        ({"model_error.rotors": "[0.4, 0, 0, 0]"}, "thrust", 0.1),
+        ({"model_error.inertia": "[0, 0.25, 0.1]"}, "torque", 0.2),
+        ({"model_error.arm": "0.1"}, "torque", 0.1),
+        ({"sensors.latency": "0.04", "sensors.frame_rate": "25"}, "latency", 0.08),
+        ({"rotors.time_constant": "0.05"}, "rotor_lag", 0.05),
+        ({"wind.mean": "[3, 0, -4]", "wind.drag": "0.96"}, "wind", 0.5),
+    ],
+)
+def test_what_is_flown_is_the_tolerance_that_covers_it_and_no_other(flown, name, size):
+    (found,) = beyond_tolerances(load("x4-flyer", flown | LAW))
+    assert found.name == name
+    assert found.flown == pytest.approx(size, abs=1e-12)
+    assert found.covered == 0
+    assert not beyond_tolerances(load("x4-flyer", flown | LAW | {f"uncertainty.{name}": str(size)}))
+
+
+def test_after_a_crash_the_tolerance_that_would_have_said_so_is_named(capsys):
+    status, out = run(
+        capsys, "simulate", "x4-flyer", "--no-figures", "--set", "model_error.mass=0.02"
+    )
+    assert status == 1
+    assert "hit the height of the target" in out
+    sets = named(out)
+    assert float(sets["uncertainty.thrust"]) >= 1 - 1 / 1.02
+    load("x4-flyer", sets)  # which is not refused
+
+
+def test_after_a_flight_that_came_to_its_goal_none_is(capsys):
+    late = ("--set", "sensors.latency=0.01", "--duration", "600")
+    status, out = run(capsys, "simulate", "x4-flyer", "--no-figures", *late)
+    assert status == 0
+    assert "Next: hoverproof attraction" not in out
+
+
+@pytest.mark.parametrize(("option", "assumed"), [((), True), (("--over-box",), False)])
+def test_region_comes_next_where_bounds_are_assumed(option, assumed, capsys):
+    _, out = run(capsys, "certify", "x4-flyer", *option)
+    assert ("Then: hoverproof region x4-flyer" in out) is assumed
