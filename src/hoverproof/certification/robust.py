@@ -22,6 +22,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.certification.semidefinite import Multipliers, minimise, separate
+
 Array = NDArray[np.float64]
 
 RELATIVE = 1e-9
@@ -29,7 +31,6 @@ ROUNDING = 1e-15
 MOST_STEPS = 80
 MOST_TAU = 1e15
 REACH = 1.3
-TOLERANCE = 1e-11
 
 
 class Term(NamedTuple):
@@ -163,7 +164,7 @@ def _climbed(parts: Array, floor: float) -> tuple[Array, Array]:
     XᵀSX - r|uX||vX| for any unit vector X, so each point brings a bound from above too.
     """
     size = np.abs(parts[0]).max(axis=(1, 2))
-    blocks = [np.ascontiguousarray(parts[:, :, i][..., i]) for i in _blocks(parts)]
+    blocks = [np.ascontiguousarray(parts[:, :, i][..., i]) for i in separate(parts)]
     blocks = [b for i, b in enumerate(blocks) if not any(np.array_equal(b, a) for a in blocks[:i])]
     v, u = np.trace(parts[1:], axis1=2, axis2=3)
     with np.errstate(all="ignore"):
@@ -237,15 +238,6 @@ def _crossing(low: Array, high: Array) -> tuple[Array, Array]:
     at, height = (x.reshape(-1, len(low[0])) for x in (at, height))
     lowest = height.argmin(axis=0), np.arange(len(low[0]))
     return at[lowest], height[lowest]
-
-
-def _blocks(matrices: Array) -> list[NDArray[np.intp]]:
-    """Return the sets of coordinates between which no matrix has an entry."""
-    linked = (matrices != 0).any(axis=tuple(range(matrices.ndim - 2)))
-    linked |= np.eye(len(linked), dtype=bool)
-    for _ in range(len(linked).bit_length()):
-        linked = linked @ linked
-    return [np.flatnonzero(row) for row in sorted(set(map(tuple, linked.tolist())))]
 
 
 def worst_case(inequality: Inequality, tau: float) -> tuple[Array, Array]:
@@ -330,17 +322,57 @@ def optimise(
     -------
     Solution, or None if the solver finds none
     """
-    first, counts = 1 + len(cost), [len(c.terms) for c in corners]
-    places = [first] * len(corners) if shared else first + np.cumsum([0, *counts[:-1]])
-    size = int(places[-1]) + counts[-1]
-    matrices = [_pencil(c, int(p), size) for c, p in zip(corners, places, strict=True)]
-    matrices += [_lengthened(p, size) for p in pencils]
-    linear = np.zeros((size, 0)) if rows is None else _lengthened(np.transpose(rows), size)
-    x = _solved(_lengthened(np.array(cost, float), size - 1), linear, matrices)
+    posed, places = _posed(cost, corners, rows, pencils, shared)
+    x = minimise(*posed).x
     if x is None:
         return None
-    each = [x[p - 1 : p - 1 + k] for p, k in zip(places, counts, strict=True)]
+    each = [x[p - 1 : p - 1 + len(c.terms)] for p, c in zip(places, corners, strict=True)]
     return Solution(x[: len(cost)], each)
+
+
+def refuse(
+    cost: Sequence[float],
+    corners: Sequence[Inequality],
+    *,
+    rows: Array,
+    pencils: Sequence[Array] = (),
+) -> tuple[float, Multipliers] | None:
+    """Return how low `optimise`, with shared multipliers, comes, and what shows that it is no less.
+
+    What belongs to corners belongs to M with each uᵀu/τ a Schur complement: the rows of √(r/2) u
+    stand below S, in the order of the terms, and τ I beside them.
+
+    Parameters
+    ----------
+    cost, corners, rows, pencils
+        See `optimise`; numbers.
+
+    Returns
+    -------
+    The least cost, infinite if nothing is allowed, and the multipliers of rows, and of corners and
+    pencils; None if the solver comes to no end
+    """
+    x, multipliers = minimise(*_posed(cost, corners, rows, pencils, shared=True)[0])
+    if multipliers is None:
+        return None
+    return np.inf if x is None else float(np.dot(cost, x[: len(cost)])), multipliers
+
+
+def _posed(
+    cost: Sequence[float],
+    corners: Sequence[Inequality],
+    rows: Array | None,
+    pencils: Sequence[Array],
+    shared: bool,
+) -> tuple[tuple[Array, Array, list[Array]], list[int]]:
+    """Return cost, rows and pencils of (1, x, all τ), and the places of the first τ of corners."""
+    first, counts = 1 + len(cost), [len(c.terms) for c in corners]
+    places = [first + (0 if shared else sum(counts[:k])) for k in range(len(corners))]
+    size = places[-1] + counts[-1]
+    matrices = [_pencil(c, p, size) for c, p in zip(corners, places, strict=True)]
+    matrices += [_lengthened(p, size) for p in pencils]
+    linear = np.zeros((size, 0)) if rows is None else _lengthened(np.transpose(rows), size)
+    return (_lengthened(np.array(cost, float), size - 1), linear, matrices), places
 
 
 def _pencil(corner: Inequality, place: int, size: int) -> Array:
@@ -379,29 +411,3 @@ def reciprocals(most: float, factors: Mapping[int, float], size: int) -> Array:
         pencil[0, 0, i] = pencil[0, i, 0] = np.sqrt(factor / most)
         pencil[place, i, i] = 1
     return pencil
-
-
-def _solved(cost: Array, rows: Array, pencils: Sequence[Array]) -> Array | None:
-    """Minimise cost·x with rows and pencils times (1, x) positive and positive semidefinite."""
-    import clarabel
-    import scipy.linalg  # noqa: F401  clarabel loads it, and takes Ctrl-C for a fault of its own
-    from scipy.sparse import csc_array
-
-    triangles, cones = [rows.T], [clarabel.NonnegativeConeT(rows.shape[1])]
-    for pencil in pencils:
-        blocks = (np.ascontiguousarray(pencil[:, i][..., i]) for i in _blocks(pencil))
-        for block in {block.tobytes(): block for block in blocks}.values():
-            columns, lines = np.tril_indices(block.shape[1])
-            scale = np.where(lines == columns, 1.0, np.sqrt(2))
-            triangles.append((block[:, lines, columns] * scale).T)
-            cones.append(clarabel.PSDTriangleConeT(block.shape[1]))
-    stacked = np.concatenate(triangles)
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
-    none, matrix = csc_array((len(cost), len(cost))), csc_array(-stacked[:, 1:])
-    solver = clarabel.DefaultSolver(none, cost, matrix, stacked[:, 0], cones, settings)
-    solution = solver.solve()
-    if str(solution.status) not in ("Solved", "AlmostSolved"):
-        return None
-    return np.array(solution.x)

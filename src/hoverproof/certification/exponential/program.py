@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.exponential.form import ROWS, Variables, Weights, derive_form
-from hoverproof.certification.exponential.vehicles import Limits, Reach
+from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 from hoverproof.certification.robust import Inequality, Term, optimise, reciprocals
 from hoverproof.certification.robust import Solution as Optimum
 from hoverproof.servo.law import Law
@@ -105,6 +105,20 @@ class Sector:
         return np.asarray(flow.T @ flow - cross - cross.T)
 
 
+def variables(v: Vehicles) -> list[int]:
+    """Return the places of the variables that the inequality has, but for noise.
+
+    Parameters
+    ----------
+    v : Vehicles
+    """
+    late, lagged = v.latency > 0, v.rotor_lag > 0
+    there = {"errors": True, "flow": True, "ahead": late, "torque": lagged, "thrust": lagged}
+    every = range(Variables.size())
+    held = [place for name, has in there.items() if has for place in every[Variables.place(name)]]
+    return [place for place in held if place not in ALONG_Y]
+
+
 def falls(limits: Limits, slope: Ball | Sector, rate: float, potential: bool = False) -> Falls:
     """Return -Ψ' - r Ψ ⪰ 0 at every vertex, for all J or Q.
 
@@ -120,19 +134,7 @@ def falls(limits: Limits, slope: Ball | Sector, rate: float, potential: bool = F
     """
     v = limits.vehicles
     lagged, late, noisy = v.rotor_lag > 0, v.latency > 0, v.noise > 0
-    kept = [
-        place
-        for name, there in (
-            ("errors", True),
-            ("flow", True),
-            ("ahead", late),
-            ("torque", lagged),
-            ("thrust", lagged),
-        )
-        if there
-        for place in range(Variables.size())[Variables.place(name)]
-        if place not in ALONG_Y
-    ]
+    kept = variables(v)
     terms = limits.terms()
     L = np.eye(Variables.size())[:, kept]  # from the variables that are kept
     y, n = (L[Variables.place(name)] for name in ("flow", "ahead"))
@@ -232,6 +234,78 @@ class Solution:
         return Reach.of(self.weights, self.level)
 
 
+@dataclass(frozen=True)
+class Posed:
+    """The program for a reach: affine in (1, what is sought, the largest Ψ/ℓ of the starts).
+
+    Attributes
+    ----------
+    corners : list of Inequality
+        At each vertex.
+    there : list of int
+        What is sought, as places among (1, parameters); first 0.
+    level : float
+        ℓ, dimensionless.
+    starts : (k, ..)
+        What 1 and what is sought are multiplied by in Ψ of each start.
+    rows, pencils
+        See `optimise`, numbers: the first rows are of the starts, the pencils of the reach.
+    """
+
+    corners: list[Inequality]
+    there: list[int]
+    level: float
+    starts: Array
+    rows: Array
+    pencils: list[Array]
+
+    @property
+    def place(self) -> dict[int, int]:
+        """Where each of what is sought is among these."""
+        return {name: k for k, name in enumerate(self.there) if k}
+
+    @property
+    def cost(self) -> list[float]:
+        """The largest Ψ/ℓ of the starts."""
+        return [0.0] * (len(self.there) - 1) + [1.0]
+
+
+def pose(
+    limits: Limits,
+    ball: tuple[float, float],
+    rate: float,
+    level: float,
+    starts: Array,
+    floor: float = np.inf,
+) -> Posed:
+    """Pose the program.
+
+    Parameters
+    ----------
+    limits, ball, rate, level, starts, floor
+        See `solve`, numbers, 1/m and 1/s.
+    """
+    low, high = ball
+    found = falls(limits, Ball((low + high) / 2, (high - low) / 2), rate)
+    there, corners = found.of_used()
+    place = {name: there.index(name) for name in found.used}
+    size = len(there) + 1  # and the largest Ψ/ℓ of the starts, the last
+    r, two = limits.reach, 2 * level
+    w2, w3, w4 = (place[w] for w in (W2, W3, W4))
+    pencils = [
+        reciprocals(r.force**2 / two, {w2: 1, w3: 1}, size),
+        reciprocals(r.d3**2 / two, {w3: 1}, size),
+        reciprocals(r.turn**2 / two, {w3: 1, w4: 1}, size),
+        reciprocals(r.speed**2 / two - 1, {w2: 1}, size),
+    ]
+    inside = np.column_stack([-starts[:, there] / level, np.ones(len(starts))])
+    rows = np.vstack([inside, np.eye(size)[1:]])
+    if NOISE in place:
+        most = np.eye(size)[0] * floor * rate / limits.vehicles.noise**2
+        rows = np.vstack([rows, most - np.eye(size)[place[NOISE]]])
+    return Posed(corners, there, level, starts[:, there], rows, pencils)
+
+
 def solve(
     limits: Limits,
     ball: tuple[float, float],
@@ -266,32 +340,16 @@ def solve(
     """
     if not np.isfinite(limits.lever).all() or limits.tilt >= 1:
         return None
-    low, high = ball
-    found = falls(limits, Ball((low + high) / 2, (high - low) / 2), rate)
-    there, corners = found.of_used()
-    place = {name: there.index(name) for name in found.used}
-    size = len(there) + 1  # and the largest Ψ/ℓ of the starts, the last
+    posed = pose(limits, ball, rate, level, starts, floor)
+    corners, there, place = posed.corners, posed.there, posed.place
     spare = np.zeros_like(corners[0].S)
-    spare[0] = SPARE * np.eye(spare.shape[1]) / max(1.0, high)
+    spare[0] = SPARE * np.eye(spare.shape[1]) / max(1.0, ball[1])
     corners = [c.less(spare) for c in corners]
-    r, two = limits.reach, 2 * level
-    w2, w3, w4 = (place[w] for w in (W2, W3, W4))
-    pencils = [
-        reciprocals(r.force**2 / two, {w2: 1, w3: 1}, size),
-        reciprocals(r.d3**2 / two, {w3: 1}, size),
-        reciprocals(r.turn**2 / two, {w3: 1, w4: 1}, size),
-        reciprocals(r.speed**2 / two - 1, {w2: 1}, size),
-    ]
-    inside = np.column_stack([-starts[:, there] / level, np.ones(len(starts))])
-    rows = np.vstack([inside, np.eye(size)[1:]])
-    if NOISE in place:
-        most = np.eye(size)[0] * floor * rate / limits.vehicles.noise**2
-        rows = np.vstack([rows, most - np.eye(size)[place[NOISE]]])
-    found_at = _over_few(size, corners, rows, pencils, likely)
+    found_at = _over_few(len(there) + 1, corners, posed.rows, posed.pencils, likely)
     if found_at is None or not (found_at[0].x[:-1] > 0).all():
         return None
     answer, tight = found_at
-    values = {name: float(answer.x[place[name] - 1]) for name in found.used}
+    values = {name: float(answer.x[k - 1]) for name, k in place.items()}
     return Solution(
         weights=np.array([values[w] for w in (W2, W3, W4)]),
         lag=np.array([values[TORQUE], values[THRUST]]) if TORQUE in values else None,
