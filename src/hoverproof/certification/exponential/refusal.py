@@ -272,8 +272,8 @@ class Refusal:
             f"all weights of theorem 5 are refused by {_count(states, 'state')} of "
             f"{_count(len(self.corners), 'vehicle')} within tolerance, by exact arithmetic, for "
             f"this start, |J - {float(j):.3g} I| <= {float(radius):.3g} 1/m, r = "
-            f"{float(self.asked.rate):.3g} 1/s and the bounds of the errors in the file: so no "
-            "proof is there, which is not to say that a vehicle does not converge"
+            f"{float(self.asked.rate):.3g} 1/s and the bounds of the errors in the file: so "
+            "it proves nothing there, which is not to say that a vehicle does not converge"
         )
 
     def content(self) -> dict[str, Any]:
