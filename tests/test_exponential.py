@@ -216,7 +216,7 @@ def by_another_solver(limits, candidate, starts):
     limits_ += [cp.inv_pos(w[W2]) <= r.speed**2 / two - 1]
     limits_ += [start[there] @ value <= fill * s.level for start in starts]
     problem = cp.Problem(cp.Minimize(fill), limits_)
-    problem.solve(solver=cp.SCS, eps=1e-5, max_iters=10000)
+    problem.solve(solver=cp.SCS, eps=1e-5, max_iters=100_000)
     return float(fill.value)
 
 

@@ -166,6 +166,9 @@ class Case:
             setattr(self, name, float(Fraction(asked.get(name, "0"))))
         self.late_axes = asked.get("gyro_turned") == "false"
         first, second, third = self.inertia
+        self.arm, self.drag_ratio = (
+            float(Fraction(vehicle.get(key, "1"))) for key in ("arm", "drag_ratio")
+        )
         self.compensated = np.array([[0, (third - first) / second], [(second - third) / first, 0]])
         self.turn_radius = (1 + self.torque) * np.abs(self.compensated).max() + self.torque
         self.start = floats(mission["start"]["position"]) if "start" in mission else self.goal
@@ -184,6 +187,8 @@ class Case:
         self.level, self.r, self.start_level = (
             float(Fraction(claim[k])) for k in ("level", "rate", "start_level")
         )
+        self.cosine = None if claim.get("cone") is None else float(Fraction(claim["cone"]))
+        self.rotors = floats(claim["rotors"]) if "rotors" in claim else None
 
     def settling(self):
         """Return the radius that is claimed about the goal, m, and since when, s."""
@@ -313,12 +318,17 @@ class View:
 
     def commanded(self, level):
         """Return U, N/s, and e₃ × Γ/I, rad/s², of the controller with this level image."""
+        lift, torque = self.asked(level)
+        first, second, _ = self.case.inertia
+        return lift, np.stack([-torque[1] / second, torque[0] / first])
+
+    def asked(self, level):
+        """Return U, N/s, and Γ, N m, of the controller with this level image."""
         own = [*self.feature(level), *self.V, *self.rho, *self.Omega, self.x[THRUST]]
         if self.case.measured:
             own += list(self.felt)
         (lift,), torque = self.case.controller(own, self.case.design)
-        first, second, _ = self.case.inertia
-        return lift, np.stack([-torque[1] / second, torque[0] / first])
+        return lift, torque
 
     def errors(self):
         """Return δ1, δ2, δ3 and δ4, (11, N)."""

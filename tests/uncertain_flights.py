@@ -34,6 +34,8 @@ from uncertain_body import (
 
 LONGEST_STEP = 0.0075  # s
 NOTED = 8  # steps between two looks at the bounds
+OF_ROTORS = np.array([[-1, -1, -1], [-1, 1, 1], [1, -1, 1], [1, 1, -1]])
+"""How each rotor's thrust grows with Γ1, Γ2 and Γ3: rear right, rear left, front right, left."""
 
 
 def unit(a):
@@ -349,6 +351,7 @@ class Flown:
     cosine : of the largest angle of a point from the optical axis.
     pace : the slowest fall of Ψ over the whole flight, 1/s: ln(Ψ(0)/Ψ(T))/T.
     used : largest size of each bounded quantity over its bound, over all flights.
+    thrust : the least and the largest thrust that a rotor makes or is set to, N, over all flights.
     """
 
     ratio: np.ndarray
@@ -359,6 +362,33 @@ class Flown:
     cosine: np.ndarray
     pace: np.ndarray
     used: dict
+    thrust: list
+
+    def contradicts(self, case, duration=None):
+        """Say what of a claim flights contradict, each with how many; nothing if they do not.
+
+        Flights that are as long as the settling time are to have settled by then.
+        """
+        radius, soon = case.settling()
+        told = {
+            "start above the level": self.level > 1,
+            f"do not keep Ψ(t) <= Ψ(0) exp(-{case.r:.4g} t)": ~(self.ratio <= 1),
+            f"have a step in which Ψ falls more slowly than {case.r:.4g} 1/s": ~(
+                self.fall >= case.r
+            ),
+            "leave the domain": ~(self.offset <= case.offset),
+        }
+        if case.cosine is not None:
+            told["see a point outside of the proved cone"] = ~(self.cosine >= case.cosine)
+        if duration is not None and duration >= soon:
+            told[f"are not within {radius:.3g} m after {soon:.4g} s"] = ~(self.settled <= soon)
+        said = [f"{int(wrong.sum())} {what}" for what, wrong in told.items() if wrong.any()]
+        said += [f"{name} is {x:.4f} of its bound" for name, x in self.used.items() if not x <= 1]
+        if case.rotors is not None:
+            (low, high), (least, most) = case.rotors, self.thrust
+            if not low <= least <= most <= high:
+                said.append(f"rotors make {least:.4f} to {most:.4f} N")
+        return said
 
 
 def fly(case, rng, count, duration, radius, *, start=None):
@@ -386,12 +416,15 @@ def fly(case, rng, count, duration, radius, *, start=None):
         cosine=np.ones(n),
         pace=np.zeros(n),
         used={},
+        thrust=[np.inf, -np.inf],
     )
     for tick in range(1, round(duration / step) + 1):
         nature.befall((tick - 1) * step, view, ring)
         view.Omega[2] = nature.doubt.yaw
         if tick % NOTED == 1:
             _bounded(case, view, nature, ring, made.used)
+            least, most = _rotors(case, view, nature)
+            made.thrust = [min(made.thrust[0], least), max(made.thrust[1], most)]
         view = View(case, moved(view, nature, step), nature.doubt)
         ring.push(view)
         psi = view.energy() + ring.memory()
@@ -425,6 +458,28 @@ def _seen(case, view):
     axis = view.R[:, 2]
     rays = case.points.T[:, :, None] - view.x[POSITION][:, None]
     return (np.einsum("kn,kpn->pn", axis, rays) / np.sqrt((rays**2).sum(0))).min(0)
+
+
+def _rotors(case, view, nature):
+    """Return the least and the largest thrust of a rotor, N: what it makes, and is set to make.
+
+    Mass, inertia, arm and drag ratio are the mission's, and what is in doubt is in the rotors. What
+    a lag has them make comes to what they are set to, if that stays. Γ3 is made like the others.
+    """
+    doubt, (_, torque) = nature.doubt, view.asked(nature.used(view, 0))
+    first, second, _ = case.inertia
+    slow, angular = nature.slow > 0, np.stack([-torque[1] / second, torque[0] / first])
+    had = np.where(slow, view.x[ANGULAR], angular)
+    ahead = np.where(slow, nature.slow * doubt.gain * view.x[LIFT], 0)
+    ends = [np.inf, -np.inf]
+    for thrust, turning in ((view.x[THRUST], had), (view.x[THRUST] + ahead, angular)):
+        turning = turning + times(doubt.torque, turning)
+        sideways = np.stack([first * turning[1], -second * turning[0]]) / case.arm
+        for gain in (1 - case.torque, 1 + case.torque):
+            each = np.stack([*sideways, gain * torque[2] / case.drag_ratio])
+            rotors = (thrust + OF_ROTORS @ each) / 4
+            ends = [min(ends[0], float(rotors.min())), max(ends[1], float(rotors.max()))]
+    return ends
 
 
 def _bounded(case, view, nature, ring, used):

@@ -22,6 +22,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.certification.semidefinite import TOLERANCE, Multipliers, minimise, separate
+
 Array = NDArray[np.float64]
 
 RELATIVE = 1e-9
@@ -29,7 +31,6 @@ ROUNDING = 1e-15
 MOST_STEPS = 80
 MOST_TAU = 1e15
 REACH = 1.3
-TOLERANCE = 1e-11
 
 
 class Term(NamedTuple):
@@ -163,7 +164,7 @@ def _climbed(parts: Array, floor: float) -> tuple[Array, Array]:
     XᵀSX - r|uX||vX| for any unit vector X, so each point brings a bound from above too.
     """
     size = np.abs(parts[0]).max(axis=(1, 2))
-    blocks = [np.ascontiguousarray(parts[:, :, i][..., i]) for i in _blocks(parts)]
+    blocks = [np.ascontiguousarray(parts[:, :, i][..., i]) for i in separate(parts)]
     blocks = [b for i, b in enumerate(blocks) if not any(np.array_equal(b, a) for a in blocks[:i])]
     v, u = np.trace(parts[1:], axis1=2, axis2=3)
     with np.errstate(all="ignore"):
@@ -237,15 +238,6 @@ def _crossing(low: Array, high: Array) -> tuple[Array, Array]:
     at, height = (x.reshape(-1, len(low[0])) for x in (at, height))
     lowest = height.argmin(axis=0), np.arange(len(low[0]))
     return at[lowest], height[lowest]
-
-
-def _blocks(matrices: Array) -> list[NDArray[np.intp]]:
-    """Return the sets of coordinates between which no matrix has an entry."""
-    linked = (matrices != 0).any(axis=tuple(range(matrices.ndim - 2)))
-    linked |= np.eye(len(linked), dtype=bool)
-    for _ in range(len(linked).bit_length()):
-        linked = linked @ linked
-    return [np.flatnonzero(row) for row in sorted(set(map(tuple, linked.tolist())))]
 
 
 def worst_case(inequality: Inequality, tau: float) -> tuple[Array, Array]:
@@ -340,22 +332,59 @@ def optimise(
     -------
     Solution, or None if the solver finds none
     """
+    posed, places = _posed(cost, corners, rows, pencils, shared)
+    x, found = minimise(*posed, tolerance)
+    if x is None or found is None:
+        return None
+    each = [x[p - 1 : p - 1 + len(c.terms)] for p, c in zip(places, corners, strict=True)]
+    sizes = [c.S.shape[-1] for c in corners] + [p.shape[-1] for p in pencils]
+    prices = [z[:n, :n] for z, n in zip(found.pencils, sizes, strict=True)]
+    return Solution(x[: len(cost)], each, prices, found.rows)
+
+
+def refuse(
+    cost: Sequence[float],
+    corners: Sequence[Inequality],
+    *,
+    rows: Array,
+    pencils: Sequence[Array] = (),
+) -> tuple[float, Multipliers] | None:
+    """Return how low `optimise`, with shared multipliers, comes, and what shows that it is no less.
+
+    What belongs to corners belongs to M with each uᵀu/τ a Schur complement: the rows of √(r/2) u
+    stand below S, in the order of the terms, and τ I beside them.
+
+    Parameters
+    ----------
+    cost, corners, rows, pencils
+        See `optimise`; numbers.
+
+    Returns
+    -------
+    The least cost, infinite if nothing is allowed, and the multipliers of rows, and of corners and
+    pencils; None if the solver comes to no end
+    """
+    x, multipliers = minimise(*_posed(cost, corners, rows, pencils, shared=True)[0])
+    if multipliers is None:
+        return None
+    return np.inf if x is None else float(np.dot(cost, x[: len(cost)])), multipliers
+
+
+def _posed(
+    cost: Sequence[float],
+    corners: Sequence[Inequality],
+    rows: Array | None,
+    pencils: Sequence[Array],
+    shared: bool,
+) -> tuple[tuple[Array, Array, list[Array]], list[int]]:
+    """Return cost, rows and pencils of (1, x, all τ), and the places of the first τ of corners."""
     first, counts = 1 + len(cost), [len(c.terms) for c in corners]
-    places = [first] * len(corners) if shared else first + np.cumsum([0, *counts[:-1]])
-    size = int(places[-1]) + counts[-1]
-    matrices = [_pencil(c, int(p), size) for c, p in zip(corners, places, strict=True)]
+    places = [first + (0 if shared else sum(counts[:k])) for k in range(len(corners))]
+    size = places[-1] + counts[-1]
+    matrices = [_pencil(c, p, size) for c, p in zip(corners, places, strict=True)]
     matrices += [_lengthened(p, size) for p in pencils]
     linear = np.zeros((size, 0)) if rows is None else _lengthened(np.transpose(rows), size)
-    whole = _lengthened(np.array(cost, float), size - 1)
-    found = _solved(whole, linear, matrices, tolerance)
-    if found is None:
-        return None
-    x, row_prices, prices = found
-    each = [x[p - 1 : p - 1 + k] for p, k in zip(places, counts, strict=True)]
-    for k, corner in enumerate(corners):
-        n = corner.S.shape[-1]
-        prices[k] = prices[k][:n, :n]
-    return Solution(x[: len(cost)], each, prices, row_prices)
+    return (_lengthened(np.array(cost, float), size - 1), linear, matrices), places
 
 
 def _pencil(corner: Inequality, place: int, size: int) -> Array:
@@ -394,44 +423,3 @@ def reciprocals(most: float, factors: Mapping[int, float], size: int) -> Array:
         pencil[0, 0, i] = pencil[0, i, 0] = np.sqrt(factor / most)
         pencil[place, i, i] = 1
     return pencil
-
-
-def _solved(
-    cost: Array, rows: Array, pencils: Sequence[Array], tolerance: float
-) -> tuple[Array, Array, list[Array]] | None:
-    """Minimise cost·x with rows and pencils times (1, x) positive and positive semidefinite.
-
-    The unknowns of each pencil are measured so that its diagonal is about 1, without which the
-    solver goes wrong. Returns x and the dual solution: of the rows, and a matrix for each pencil.
-    """
-    import clarabel
-    import scipy.linalg  # noqa: F401  clarabel loads it, and takes Ctrl-C for a fault of its own
-    from scipy.sparse import csc_array
-
-    triangles, cones, places = [rows.T], [clarabel.NonnegativeConeT(rows.shape[1])], []
-    for k, pencil in enumerate(pencils):
-        blocks = ((i, np.ascontiguousarray(pencil[:, i][..., i])) for i in _blocks(pencil))
-        for i, block in {block.tobytes(): (i, block) for i, block in blocks}.values():
-            columns, lines = np.tril_indices(block.shape[1])
-            sizes = np.abs(np.diagonal(block, axis1=1, axis2=2)).max(axis=0)
-            units = 1 / np.sqrt(np.where(sizes > 0, sizes, 1))
-            twice = np.where(lines == columns, 1.0, np.sqrt(2)) * units[lines] * units[columns]
-            triangles.append((block[:, lines, columns] * twice).T)
-            cones.append(clarabel.PSDTriangleConeT(block.shape[1]))
-            once = twice / np.where(lines == columns, 1.0, 2.0)
-            places.append((k, i[lines], i[columns], once))
-    stacked = np.concatenate(triangles)
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
-    none, matrix = csc_array((len(cost), len(cost))), csc_array(-stacked[:, 1:])
-    solver = clarabel.DefaultSolver(none, cost, matrix, stacked[:, 0], cones, settings)
-    solution = solver.solve()
-    if str(solution.status) not in ("Solved", "AlmostSolved"):
-        return None
-    dual, prices = np.array(solution.z), [np.zeros(pencil.shape[1:]) for pencil in pencils]
-    end = rows.shape[1]
-    for k, lines, columns, scale in places:
-        part, end = dual[end : end + len(lines)] * scale, end + len(lines)
-        prices[k][lines, columns] = prices[k][columns, lines] = part
-    return np.array(solution.x), dual[: rows.shape[1]], prices

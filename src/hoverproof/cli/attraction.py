@@ -23,8 +23,10 @@ from hoverproof.errors import InputError
 if TYPE_CHECKING:
     from hoverproof.certification.attraction.starts import Start
     from hoverproof.certification.attraction.verdict import Attraction
+    from hoverproof.certification.convergence import Converges
     from hoverproof.certification.exponential.verdict import Exponential
     from hoverproof.certification.largest import Largest
+    from hoverproof.design.unproved import Unproved
 
 
 def attraction(
@@ -66,7 +68,9 @@ def attraction(
     That is proved for every vehicle within the tolerances in `[uncertainty]` of the mission.
     Writes NAME.attraction.cert.json, which `check` verifies without trusting this program. A start
     above the target from which the vehicle is shown to sink to the height of its lowest point is
-    refuted (status 1) in NAME.attraction.refutation.json. NAME is as for `certify`.
+    refuted (status 1) in NAME.attraction.refutation.json. Where vehicles within tolerances are not
+    proved, states that refuse all weights of the theorem, if any are found, are written to
+    NAME.attraction.refusal.json, and the worst is flown. NAME is as for `certify`.
 
     Example: `hoverproof attraction x4-flyer --start 20,0,-20`
 
@@ -79,6 +83,7 @@ def attraction(
     from hoverproof.certification.convergence import attraction as decide
     from hoverproof.certification.largest import largest as find
     from hoverproof.cli.answers.attraction import AttractionAnswer
+    from hoverproof.design.unproved import unproved
 
     loaded = load_mission(mission, set_)
     given = {"speed": speed, "tilt": tilt, "rate": rate, "thrust": thrust}
@@ -99,15 +104,26 @@ def attraction(
             verdict = decide(
                 loaded, objective=objective, starts=starts, barrier=barrier, progress=doing
             )
-    path = picture = search = None
+        told = unproved(verdict, starts, doing) if objective == "start" else None
+    stem = f"{certificate_stem(loaded, mission, set_)}.attraction"
+    path, picture, search = _saved(verdict, told, out, stem), None, None
+    if path is not None and figure and verdict.proved:
+        picture = _draw(verdict.proved, path)
+        search = _draw_search(found, path) if found is not None else None
+    return tell(AttractionAnswer(verdict, path, picture, found, search, told), json_, loaded)
+
+
+def _saved(verdict: Converges, told: Unproved | None, out: Path | None, stem: str) -> Path | None:
+    """Write the certificate, or what refuses one, and return where it is."""
     if verdict.certificate is not None:
-        stem = certificate_stem(loaded, mission, set_)
-        path = out or Path(f"{stem}.attraction.{verdict.ending}.json")
+        path = out or Path(f"{stem}.{verdict.ending}.json")
         verdict.certificate.save(path)
-        if figure and verdict.proved:
-            picture = _draw(verdict.proved, path)
-            search = _draw_search(found, path) if found is not None else None
-    return tell(AttractionAnswer(verdict, path, picture, found, search), json_, loaded)
+        return path
+    if told is None or told.refusal is None:
+        return None
+    path = out or Path(f"{stem}.refusal.json")
+    told.save(path)
+    return path
 
 
 def _draw_search(found: Largest, path: Path) -> Path:

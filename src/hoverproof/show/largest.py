@@ -19,24 +19,27 @@ def largest_figure(found: Largest) -> Figure:
     found : Largest
         From `hoverproof.certification.largest`.
     """
-    figure = Figure(figsize=(7, 4.6), layout="constrained")
+    figure = Figure(figsize=(5.2, 4.4), layout="constrained")  # to be read 390 px wide, too
     axes = figure.subplots()
-    value, fill = np.array([(float(v), f) for v, f in found.fills]).T
-    some = np.isfinite(fill)
-    axes.plot(value[some], fill[some], "o-", color=COLOURS[0], label="highest level found")
-    if not some.all():
-        top = max(1.1, 1.05 * float(fill[some].max(initial=1)))
-        axes.plot(value[~some], np.full((~some).sum(), top), "x", color=COLOURS[1], label="none")
-    axes.axhline(1, color="black", linestyle="--", label="the start is inside below this")
+    value, fill = np.array([(float(v), 100 * f) for v, f in found.fills]).T
+    some, unit = np.isfinite(fill), f" {UNITS[found.name]}".rstrip()
+    found_at = axes.plot(value[some], fill[some], "o-", color=COLOURS[0], clip_on=False, zorder=3)
+    found_at[0].set_label("of the highest level found")
     if found.verdict.proved is not None:
-        axes.axvline(float(found.value), color=COLOURS[2], label=f"proved: {float(found.value):g}")
-    unit = UNITS[found.name]
-    axes.set_xlabel(f"uncertainty.{found.name}{f' ({unit})' if unit else ''}")
-    axes.set_ylabel("Lyapunov function at the start over the level")
+        most = float(found.value)
+        axes.axvspan(0, most, color=COLOURS[2], alpha=0.15, lw=0)
+        axes.axvline(most, color=COLOURS[2], label=f"proved up to {most:g}{unit}")
+    if not some.all():
+        top = max(110, 1.05 * float(fill[some].max(initial=100)))
+        axes.plot(value[~some], np.full((~some).sum(), top), "x", color=COLOURS[1], label="none")
+    axes.axhline(100, color="black", linestyle="--", label="the start is inside below")
+    axes.set_xlabel(f"uncertainty.{found.name}{f' ({unit.strip()})' if unit else ''}")
+    axes.set_ylabel("Ψ at the start, % of the level")
     axes.set_title(f"{found.verdict.mission.name}: the largest {found.name.replace('_', ' ')}")
     axes.set_ylim(bottom=0)
+    axes.set_xlim(left=0)
     axes.grid(alpha=0.3)
-    axes.legend()
+    figure.legend(loc="outside lower center", ncols=2, fontsize="small")
     return figure
 
 

@@ -127,6 +127,20 @@ class Sector:
         return np.asarray(flow.T @ flow - cross - cross.T)
 
 
+def variables(v: Vehicles) -> list[int]:
+    """Return the places of the variables that the inequality has, but for disturbances.
+
+    Parameters
+    ----------
+    v : Vehicles
+    """
+    late, lagged = v.latency > 0, v.rotor_lag > 0
+    there = {"errors": True, "flow": True, "ahead": late, "torque": lagged, "thrust": lagged}
+    every = range(Variables.size())
+    held = [place for name, has in there.items() if has for place in every[Variables.place(name)]]
+    return [place for place in held if place not in ALONG_Y]
+
+
 def falls(limits: Limits, slope: Ball | Sector, rate: float, potential: bool = False) -> Falls:
     """Return -Ψ' - r Ψ ⪰ 0 at every vertex, for all J or Q.
 
@@ -141,15 +155,7 @@ def falls(limits: Limits, slope: Ball | Sector, rate: float, potential: bool = F
         See `derive_form`; then r is to be 0.
     """
     v = limits.vehicles
-    lagged, late = v.rotor_lag > 0, v.latency > 0
-    has = {"ahead": late, "torque": lagged, "thrust": lagged}
-    kept = [
-        place
-        for name in Variables.sizes()
-        if has.get(name, True)
-        for place in range(Variables.size())[Variables.place(name)]
-        if place not in ALONG_Y
-    ]
+    lagged, late, kept = v.rotor_lag > 0, v.latency > 0, variables(v)
     shaken = [name for name, _ in limits.disturbances()]
     L, own = _variables(kept, shaken)
     y, n = (np.pad(x, ((0, 0), (0, L.shape[1] - len(kept)))) for x in _flow_and_ahead(kept))

@@ -184,6 +184,11 @@ class Program:
         spare = SPARE / max(1.0, high) * np.eye(len(missed))
         return cls(found, spare, missed, rows, pencils, level, ball, starts[:, there], shaken)
 
+    @property
+    def cost(self) -> list[float]:
+        """What is made small: the last parameter, dimensionless."""
+        return [0.0] * len(self.falls.used) + [1.0]
+
     def solve(self, likely: Sequence[int] = ()) -> Solution | None:
         """Solve it.
 
@@ -250,12 +255,11 @@ class Program:
         corners = self.falls.of_used()[1]
         less = np.zeros((len(self.falls.there) + 1, *self.spare.shape))
         less[0], less[-1] = self.spare, -self.missed
-        cost = [0.0] * len(self.falls.used) + [1.0]
         working = list(likely) or [len(corners) - 1]
         while True:
             few = [corners[k].less(less) for k in working]
             answer = optimise(
-                cost,
+                self.cost,
                 few,
                 rows=self.rows,
                 pencils=self.pencils,

@@ -178,6 +178,27 @@ class Search:
         d = float(np.exp(x[0]))
         return Limits(v, Reach(d, force, 0.75 * force, 1.75 * force, 6 * d), ball[1])
 
+    def asked(self, x: Array) -> tuple[tuple[float, float], Limits, float] | None:
+        """Return the ball of J, the limits and ℓ that go with a point; None if it is too far out.
+
+        Parameters
+        ----------
+        x : (2,)
+            See `Candidate`.
+        """
+        d = float(np.exp(x[0]))
+        if not d <= self.highest * self.scene.wanted:
+            return None
+        ball = self.ball(d)
+        if ball is None:
+            return None
+        limits = self.limits(x, ball)
+        if not np.isfinite(limits.lever).all() or not limits.tilt < 1:
+            return None
+        tilted = Tilted.of(limits)
+        level = ((d - tilted.shift) ** 2 - tilted.factor * limits.reach.force**2) / 2
+        return (ball, limits, float(level)) if d > tilted.shift and level > 0 else None
+
     def at(
         self,
         x: Array,
@@ -221,19 +242,11 @@ class Search:
         fill : float, optional
             See `Program.of`.
         """
-        d = float(np.exp(x[0]))
-        if d > self.highest * self.scene.wanted:
+        asked = self.asked(x)
+        if asked is None:
             return None
-        ball = self.ball(d)
-        if ball is None:
-            return None
-        limits = self.limits(x, ball)
-        if not np.isfinite(limits.lever).all() or not limits.tilt < 1:
-            return None
-        tilted = Tilted.of(limits)
-        level = ((d - tilted.shift) ** 2 - tilted.factor * limits.reach.force**2) / 2
-        if d <= tilted.shift or level <= 0:
-            return None
+        ball, limits, level = asked
+        d, tilted = float(np.exp(x[0])), Tilted.of(limits)
         factor = 1 + tilted.factor * limits.reach.force**2 / (2 * level)
         most = max(self.settled_offset - tilted.shift, 0) ** 2 / (2 * factor)
         floor = min(floor, LOUDEST * most)

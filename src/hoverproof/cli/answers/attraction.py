@@ -15,9 +15,10 @@ from hoverproof.certification.convergence import Converges, not_covered
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.certification.largest import UNITS, Largest
 from hoverproof.certification.verdict import Undecided
-from hoverproof.cli.answers import exponential
+from hoverproof.cli.answers import exponential, unproved
 from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import interval, number, numbers
+from hoverproof.design.unproved import Unproved
 from hoverproof.mission.uncertainty import Uncertainty
 
 OF_A_PROOF = (
@@ -50,6 +51,7 @@ class AttractionAnswer(Answer):
     picture: Path | None
     largest: Largest | None = None
     search: Path | None = None
+    unproved: Unproved | None = None
 
     @property
     def status(self) -> int:
@@ -73,6 +75,8 @@ class AttractionAnswer(Answer):
                 *(f"would help: {a}" for a in verdict.advice),
             ):
                 yield textwrap.fill(words, 80, initial_indent="  ", subsequent_indent="    ")
+            if self.unproved is not None:
+                yield from unproved.lines(self.unproved, self.path)
             return
         if isinstance(verdict, Sinks):
             yield from _motion(verdict)
@@ -94,7 +98,7 @@ class AttractionAnswer(Answer):
         return {
             "mission": verdict.mission.name,
             "verdict": verdict.status,
-            "certificate": None if self.path is None else str(self.path),
+            "certificate": str(self.path) if self.path and verdict.certificate else None,
             "not_covered": list(not_covered(verdict)),
             "advice": list(verdict.advice),
             **dict.fromkeys(OF_A_PROOF),
@@ -103,6 +107,7 @@ class AttractionAnswer(Answer):
             "motion": verdict.refuted and verdict.refuted.certificate.content["motion"],
             "reason": verdict.reason,
             "covers": [],
+            "unproved": self.unproved and unproved.as_json(self.unproved, self.path),
             "largest": self.largest and _largest_as_json(self.largest),
             "search_figure": None if self.search is None else str(self.search),
             **(proved_as_json(verdict.proved) if verdict.proved else {}),
