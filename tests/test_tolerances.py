@@ -52,6 +52,7 @@ def resealed(content):
 def test_every_tolerance_is_read_exactly_and_told_with_its_unit():
     mission = load("x4-flyer", ASKED)
     told = mission.exact()["uncertainty"]
+    assert told.pop("gyro_turned") == "false"  # as nothing in [sensors] says that it is
     assert told.pop("noise") == {key: str(Fraction(value)) for key, value in NOISE.items()}
     assert told == {key: str(Fraction(value)) for key, value in TOLERANCES.items()}
     assert mission.exact()["camera"] == {"half_angle": "7/10"}
@@ -199,3 +200,24 @@ def test_the_report_lists_what_was_asked_and_is_not_considered():
     )
     assert asked[title] == [("[uncertainty], [camera]", "torque ±20 %")]
     assert title not in plain
+
+
+@pytest.mark.parametrize("turned", ["true", "false"])
+def test_a_mission_written_back_says_as_before_whether_a_late_image_is_turned(tmp_path, turned):
+    path = tmp_path / "late.toml"
+    plain = load("x4-flyer", {"uncertainty.latency": "0.03", "sensors.gyro_turned": turned})
+    path.write_text(mission_text(plain), encoding="utf-8")
+    if turned == "true":
+        path.write_text(mission_text(plain.model_copy(update={"source": "?"})), encoding="utf-8")
+    assert load(path).exact() == plain.exact()
+    assert ("gyro_turned" in plain.exact()["uncertainty"]) == (turned == "false")
+
+
+def test_new_keys_leave_older_missions_as_they_were():
+    """No key that came later is in what is hashed unless it is set."""
+    told = load("x4-flyer", {"uncertainty.thrust": "0", "uncertainty.torque": "0.1"}).exact()
+    assert not {"gust", "gyro_turned"} & told["uncertainty"].keys()
+    assert "vertical" not in told["uncertainty"]["noise"]
+    more = {"uncertainty.gust": "0.1", "uncertainty.noise.vertical": "0.01"}
+    told = load("x4-flyer", more).exact()["uncertainty"]
+    assert (told["gust"], told["noise"]["vertical"]) == ("1/10", "1/100")
