@@ -10,10 +10,13 @@ from fractions import Fraction
 from importlib import resources
 from pathlib import Path
 
+import numpy as np
+
 from hoverproof.algebra.decimals import decimal_above
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import candidate
-from hoverproof.certification.exponential.search import ROOM
+from hoverproof.certification.exponential.search import HIGHEST, ROOM
 from hoverproof.cli.questions import CONTROL_RATES, NONE, Answers
 from hoverproof.design.limits import designed_gains
 from hoverproof.errors import InputError
@@ -82,7 +85,10 @@ def first_gains(mission: Mission) -> Mission | None:
     mission : Mission
         Its gains do not count.
     """
-    near = None
+    near, scene = None, Scene.of(mission)
+    start = np.array([[float(c) for c in mission.start.position]])
+    if np.linalg.norm(scene.offset(start)) >= HIGHEST * scene.wanted:
+        return None  # J is bounded no further, whatever the gains
     for slower in SLOWER:
         tried = mission.model_copy(update={"gains": _gains(mission, slower * _quickest(mission))})
         found = candidate(tried, (Start.of(tried),), near)
