@@ -58,6 +58,7 @@ bench: .venv/installed-dev
 	$(BIN)/python benchmarks/firmware.py --write
 	$(BIN)/python benchmarks/design.py --write
 	$(BIN)/python benchmarks/commands.py --write
+	$(BIN)/python benchmarks/tolerances.py --write
 
 # Ten million calls of the firmware with hostile inputs, under sanitizers (needs clang).
 fuzz: .venv/installed-dev
