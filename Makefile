@@ -25,12 +25,12 @@ checked: .venv/installed-compare
 quick: .venv/installed-dev
 	$(BIN)/pytest -n auto -m "not slow"
 
-# Random trials that `make test` runs in part, whole: 3,000 missions against brute force, 1,500 flights.
+# Trials that `make test` runs in part, whole: 3,000 missions against brute force, 1,500 flights.
+TRIALS := attraction brute_force brute_force_laws exponential exponential_checker firmware \
+	firmware_target hostile hostile_attraction hostile_exponential hostile_laws random_missions \
+	refutation region_gains tuning uncertain_flights
 trials: .venv/installed-dev
-	$(BIN)/pytest -n auto --whole tests/test_brute_force.py tests/test_brute_force_laws.py \
-		tests/test_attraction.py tests/test_region_gains.py tests/test_uncertain_flights.py \
-		tests/test_exponential.py tests/test_exponential_checker.py \
-		tests/test_hostile_exponential.py
+	$(BIN)/pytest -n auto --whole $(TRIALS:%=tests/test_%.py)
 
 lint: .venv/installed-dev
 	$(BIN)/ruff check .

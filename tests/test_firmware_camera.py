@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import pairwise
 
 import casadi as ca
@@ -36,8 +37,13 @@ def rates_at(t):
     return np.array([1.2 * np.cos(3 * t), 0.9 * np.sin(4 * t), 0.5 + 0.4 * np.sin(2 * t)])
 
 
-def turns(times, fine=200):
+def turns(times):
     """The rotation body to world at each time, by steps much finer than those of the firmware."""
+    return turned(tuple(times))
+
+
+@cache
+def turned(times, fine=200):
     rotation, found = Rotation.identity(), [Rotation.identity()]
     for a, b in pairwise(times):
         for k in range(fine):
@@ -53,10 +59,14 @@ def image_at(rotation):
     return rays[:, :2] / rays[:, 2:]
 
 
+@pytest.fixture(scope="module", params=[BEST, ("centroid", "image", "modelled")], ids="/".join)
+def of_a_law(request, tmp_path_factory):
+    return request.param, watching(tmp_path_factory.mktemp("camera"), request.param)
+
+
 @pytest.mark.parametrize("age", [0.0, 0.4 * DT, DT, 2.7 * DT, 20 * DT, 60.5 * DT])
-@pytest.mark.parametrize("choices", [BEST, ("centroid", "image", "modelled")], ids="/".join)
-def test_a_frame_of_any_age_is_turned_to_the_step(choices, age, tmp_path):
-    firmware = watching(tmp_path, choices)
+def test_a_frame_of_any_age_is_turned_to_the_step(of_a_law, age):
+    choices, firmware = of_a_law
     firmware.watch(0.5)
     times = np.arange(120) * DT
     rotations = turns(times)
