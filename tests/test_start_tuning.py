@@ -25,6 +25,7 @@ from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import slowest_rate
 from small_kit import small_vehicle
+from start_trials import sooner, vehicle
 
 DOUBTS = (
     "{thrust = 0.2, torque = 0.2, latency = 0.06, rotor_lag = 0.03, wind = 0.2, yaw_rate = 0.5}"
@@ -196,3 +197,16 @@ def test_tune_writes_a_mission_and_a_certificate_that_holds_its_start(small, cap
     ].items()
     assert slowest_rate(tuned) > 0
     assert "the controller may be switched on" in checker.check_file(answer["certificate"])
+
+
+@pytest.mark.slow
+def test_none_of_many_random_gains_settles_two_percent_sooner(whole):
+    better, _ = sooner(vehicle(3), 10_000 if whole else 20)
+    assert better == []
+
+
+@pytest.mark.slow
+def test_nine_in_ten_random_vehicles_get_gains_that_are_proved_for_their_start(whole):
+    numbers = range(50 if whole else 2)
+    held = [tune(vehicle(number)).status == "tuned" for number in numbers]
+    assert sum(held) >= 0.9 * len(held)

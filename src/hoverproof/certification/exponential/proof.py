@@ -78,7 +78,12 @@ def converge(
         except NotShown as error:
             reason = str(error)
             continue
-        certificate = seal(mission, "exponential", parts.content, model_fingerprint(vehicles.law))
+        model = model_fingerprint(vehicles.law)
+        try:
+            certificate = seal(mission, "exponential", parts.content, model)
+        except InputError as error:
+            reason = str(error)
+            continue
         reason = rejection(certificate)
         if not reason:
             return _verdict(mission, certificate, parts, wanted)
