@@ -29,6 +29,7 @@ Progress = Callable[[str], None]
 TOLERANCES = "thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate"
 MOST = 3
 """So many changes are told of."""
+SCALED: tuple[str, tuple[str, ...]] = "the scaled feature", ("law.feature=scaled",)
 HALVINGS = 4
 NEAREST, LARGEST, WIDEST = 0.05, 8.0, Fraction("1.4")
 """The nearest start, as a share of its way; the largest target, in times; the widest lens, rad."""
@@ -84,14 +85,11 @@ def what_helps(
     other = scaled(mission)
     if other is not None:
         tell("what would help: the scaled feature")
-        words, settings = "the scaled feature", ("law.feature=scaled",)
         found = proved(other)
         if found is not None:
-            return (Advice(words, settings, found.verdict.settling.time),)
-        before = [f"{words} and "], settings
+            return (Advice(SCALED[0], SCALED[1], found.verdict.settling.time),)
         mission, point = other, None
-    else:
-        before = [""], ()
+    words, first = ("", ()) if other is None else (f"{SCALED[0]} and ", SCALED[1])
     found_each: list[Advice] = []
     for change in _changes(mission, point, search):
         if len(found_each) == MOST:
@@ -102,9 +100,9 @@ def what_helps(
             made = change.to(part)
             tuned = None if made is None else proved(made[0])
             if made is not None and tuned is not None:
-                settings = (*before[1], *change.settings(made[0]))
+                settings = (*first, *change.settings(made[0]))
                 time = tuned.verdict.settling.time
-                found_each.append(Advice(before[0][0] + made[1], settings, time))
+                found_each.append(Advice(words + made[1], settings, time))
                 break
     return tuple(found_each)
 
