@@ -205,9 +205,7 @@ def _larger(mission: Mission) -> Change:
 
     def to(part: float) -> tuple[Mission, str] | None:
         times = decimal_above(LARGEST**part, 2)
-        new = tuple(
-            tuple(m + times * (c - m) for c, m in zip(p, middle, strict=True)) for p in points
-        )
+        new = [tuple(m + times * (c - m) for c, m in zip(p, middle, strict=True)) for p in points]
         target = mission.target.model_copy(update={"points": new})
         size = max(float(max(axis) - min(axis)) for axis in zip(*new, strict=True))
         words = f"a target of {size:.3g} m, {float(times):g} times as large"

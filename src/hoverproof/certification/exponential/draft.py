@@ -23,6 +23,8 @@ from hoverproof.plant.goal import hover_goal
 BITS = 64
 START_ROOM = 3e-3
 DIGITS = 8
+RATE_ROOM = 1e-4
+"""Share of the rate that is given up, so that the inequality holds with rounded weights."""
 CONE_ROOMS = 0.01, 0.05
 """By which shares the angle to the vertical under which points are seen is widened, in turn."""
 WIDEST = math.pi / 2 - 1e-3
@@ -104,7 +106,7 @@ class Rounded:
             ball=(decimal_above(found.ball[0], 5), decimal_below(found.ball[1], 5)),
             offset=decimal_above(float(tilted.offset(weights, float(level))) * (1 + SPARE), DIGITS),
             level=level,
-            rate=short(found.rate),
+            rate=short(found.rate * (1 - RATE_ROOM)),
             limits=limits,
             tilted=tilted,
             noise={name: short(x) for name, x in s.noise.items()},

@@ -30,7 +30,7 @@ from hoverproof.certification.robust import Solution as Optimum
 from hoverproof.certification.robust import optimise, reciprocals
 
 Array = NDArray[np.float64]
-SPARE = 1e-6
+SPARE = 4e-6
 """What -(E' + …) is asked to be above, as a share of 2 E and of the other squares."""
 BROKEN, TIGHT = -1e-10, 1e-7
 """Lowest over largest eigenvalue below which a vertex is not kept, and above which it is free."""
