@@ -71,7 +71,7 @@ class Descent:
     value: Callable[[Array], Value | None]
     slopes: Callable[[Array, Value], Array]
     highest: Array
-    enough: Callable[[Value], bool] = lambda at: False
+    enough: Callable[[Value], bool] | None = None
 
     def run(self, z: Array, at: Value, evaluations: int) -> tuple[Array, Value]:
         """Return the best place that is found, and what is there.
@@ -88,7 +88,7 @@ class Descent:
         radius, bend = FIRST, CURVED * np.eye(len(z))
         slopes = self.slopes(z, at)
         for _ in range(evaluations):
-            if self.enough(at):
+            if self.enough is not None and self.enough(at):
                 break
             step, prices, promised = _step(at, slopes, bend, radius, self.highest - z)
             if promised < ENOUGH or radius < SMALLEST:

@@ -293,7 +293,7 @@ class Solution(NamedTuple):
         By how much the cost falls at most, to first order, as M(τ) of each corner grows, and then
         each pencil: for a small change A of it by the trace of prices times A.
     row_prices : (j,)
-        The same of the rows.
+        The same of the rows, bare numbers.
     """
 
     x: Array

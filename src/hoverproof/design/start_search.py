@@ -51,9 +51,6 @@ OWN, FEW = 14, 25
 """So many, at most, for the mission's own gains, and to find out whether any hold the start."""
 KEEPS = 2e-3
 """A limit is kept that is exceeded by less than that share."""
-HIGHEST, FARTHER = 0.5, 1.3
-"""Share of s3* that d is at most, or so many times as far as the start: for larger ones bounds of J
-take many cells to show."""
 SPARED = (0.35, 0.06), (0.6, 0.1)
 """By which shares the ball of J is widened, and d exceeded, for the proof, one after the other."""
 
@@ -74,7 +71,13 @@ class Point(NamedTuple):
 
 
 class Found(NamedTuple):
-    """What is at a point: the program and its solution."""
+    """What is at a point.
+
+    Attributes
+    ----------
+    asked : Asked
+    solution : Solution
+    """
 
     asked: Asked
     solution: Solution
@@ -115,8 +118,7 @@ class StartSearch:
         wider, beyond = SPARED[0]
         half = mission.camera.half_angle
         half_angle = None if half is None else float(half)
-        away = float(np.sqrt(2 * whole.terms()[:, 0].max())) / whole.scene.wanted
-        highest = min(max(HIGHEST, FARTHER * away), ROOMS[0][1])
+        highest = ROOMS[0][1]
         whole = replace(whole, highest=highest, half_angle=half_angle)
         whole = replace(whole, wider=wider, beyond=beyond)
         return cls(mission, limits, FirstCommand.of(mission), whole)

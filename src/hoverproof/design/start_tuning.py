@@ -31,7 +31,7 @@ from hoverproof.plant.goal import hover_goal
 from hoverproof.simulation.flight import simulate
 
 Progress = Callable[[str], None]
-OF_CELLS = 0.7
+OF_CELLS = 0.9
 """Of the cells that are checked, the part that bounds of J are to take; others need the rest."""
 NARROWED, PARTS, SPARE = 3, (0.85, 0.7, 0.55, 0.4), 1e-6
 """How often a smaller d is looked for, and which parts of the way from the least d to the last."""
@@ -81,7 +81,15 @@ def tune_start(
 
 @dataclass(frozen=True)
 class Failed:
-    """No gains, why, and the point that comes nearest, if there is one."""
+    """No gains.
+
+    Attributes
+    ----------
+    reason : str
+        Why.
+    point : Point or None
+        What comes nearest.
+    """
 
     reason: str
     point: Point | None
@@ -116,8 +124,6 @@ def attempt(mission: Mission, limits: Limits, tell: Progress) -> StartTuned | Fa
         if narrower is None:
             break
         search, point = narrower
-        if point.cost >= OUTSIDE:
-            break
     return Failed(reason, point)
 
 
@@ -131,10 +137,13 @@ def _narrower(search: StartSearch, point: Point) -> tuple[StartSearch, Point] | 
                 search.whole, wider=wider, beyond=beyond, highest=d * (1 + SPARE) / scene.wanted
             )
             if is_shown(search.mission, whole, d):
-                search = replace(search, whole=whole)
-                at = search.value(np.minimum(point.z, search.highest))
-                z = np.minimum(point.z, search.highest)
-                return search, search.point(z, None) if at is None else search.descend(z, at)
+                new = replace(search, whole=whole)
+                z = np.minimum(point.z, new.highest)
+                at = new.value(z)
+                found = new.point(z, None) if at is None else new.descend(z, at)
+                if found.cost < OUTSIDE:
+                    return new, found
+                break
     return None
 
 

@@ -130,8 +130,13 @@ class Asked:
 
     Attributes
     ----------
-    x, offset, rate, tilted
+    x : (2,)
         See `Candidate`.
+    offset : float
+        d, dimensionless.
+    rate : float
+        r, 1/s.
+    tilted : Tilted
     limits : Limits
         Of a reach that the weights are to keep to.
     program : Program

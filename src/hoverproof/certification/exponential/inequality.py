@@ -67,7 +67,7 @@ class Falls:
         Parameters
         ----------
         x : (j,)
-            What 1 and the parameters that are used are multiplied by.
+            Bare numbers: what 1 and the parameters that are used are multiplied by.
         tau : (number of terms,)
             Positive.
         """

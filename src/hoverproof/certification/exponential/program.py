@@ -113,8 +113,8 @@ class Program:
         Each times (1, parameters that are used, the last parameter) is 0 or more. The last is what
         is made small: the largest Ψ/ℓ of the starts, or the rate that is missing for it to be as
         wished, 1/s.
-    pencils : tuple of (1 + k, p, p)
-        Likewise positive semidefinite.
+    pencils : tuple of arrays, (1 + k, p, p)
+        Bare numbers; likewise positive semidefinite.
     level : float
         ℓ, dimensionless.
     ball : (low, high)
@@ -153,7 +153,7 @@ class Program:
         limits, ball, rate, level, starts, floor
             See `solve`, bare numbers.
         fill : float, optional
-            What the largest Ψ/ℓ of the starts is to be; by default it is what is made small.
+            What the largest Ψ/ℓ of the starts is to be, dimensionless; by default it is made small.
         """
         if not np.isfinite(limits.lever).all() or limits.tilt >= 1:
             return None

@@ -240,7 +240,7 @@ class Search:
         x, rate, starts, floor
             See `at`, bare numbers.
         fill : float, optional
-            See `Program.of`.
+            See `Program.of`, dimensionless.
         """
         asked = self.asked(x)
         if asked is None:
@@ -436,10 +436,12 @@ class Near(NamedTuple):
 
     Attributes
     ----------
-    x, rate
+    x : (2,)
         See `Candidate`.
-    settled, wider, beyond
-        See `Search`.
+    rate : float
+        r, 1/s.
+    settled, wider, beyond : float
+        See `Search`; shares, bare numbers.
     """
 
     x: Array
