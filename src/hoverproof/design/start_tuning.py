@@ -31,8 +31,8 @@ from hoverproof.plant.goal import hover_goal
 from hoverproof.simulation.flight import simulate
 
 Progress = Callable[[str], None]
-OF_CELLS = 0.9
-"""Of the cells that are checked, the part that bounds of J are to take; others need the rest."""
+OF_CELLS = 1.0
+"""Of the cells that are checked, the part that bounds of J may take."""
 NARROWED, PARTS, SPARE = 3, (0.85, 0.7, 0.55, 0.4), 1e-6
 """How often a smaller d is looked for, and which parts of the way from the least d to the last."""
 PROOFS = 2
