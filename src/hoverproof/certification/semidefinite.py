@@ -60,7 +60,7 @@ def minimise(
     pencils : sequence of (1 + k, p, p)
         Likewise, numbers.
     tolerance : float
-        Of the solver, as a share.
+        Of the solver, a bare number.
     """
     import clarabel
     import scipy.linalg  # noqa: F401  clarabel loads it, and takes Ctrl-C for a fault of its own

@@ -21,11 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.starts import Start
-from hoverproof.certification.exponential.candidate import VIEW_ROOM, Asked
+from hoverproof.certification.exponential.candidate import VIEW_ROOM, Asked, Near
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import Solution
 from hoverproof.certification.exponential.proof import ROOMS
-from hoverproof.certification.exponential.search import FAILED, OUTSIDE, ROOM, Near, Search
+from hoverproof.certification.exponential.search import FAILED, OUTSIDE, ROOM, Search
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.design.limits import FirstCommand, Limits
 from hoverproof.mission.sections import Mission

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -185,3 +185,23 @@ class Asked:
         last = max(offset - self.tilted.shift, 0.0) ** 2 / (2 * factor)
         last *= 1 - LOUDEST if self.limits.vehicles.is_shaken else 1.0
         return float(np.log(max(fill * level / last, 1.0)) / self.rate) if last else np.inf
+
+
+class Near(NamedTuple):
+    """Where there are weights, and the search that found them.
+
+    Attributes
+    ----------
+    x : (2,)
+        See `Candidate`.
+    rate : float
+        r, 1/s.
+    settled, wider, beyond : float
+        See `Search`; shares, bare numbers.
+    """
+
+    x: Array
+    rate: float
+    settled: float
+    wider: float
+    beyond: float

@@ -15,11 +15,11 @@ from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.attraction.draft import NotShown
 from hoverproof.certification.attraction.starts import Start, require_starts
 from hoverproof.certification.certificate import Certificate, rejection, seal
-from hoverproof.certification.exponential.candidate import Candidate
+from hoverproof.certification.exponential.candidate import Candidate, Near
 from hoverproof.certification.exponential.draft import Parts, draft
 from hoverproof.certification.exponential.form import derive_form
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.search import ROOM, SETTLED, Near, Search
+from hoverproof.certification.exponential.search import ROOM, SETTLED, Search
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.exponential.verdict import Exponential, Settling
 from hoverproof.certification.verdict import Undecided
@@ -67,7 +67,8 @@ def converge(
     for wider, highest in ROOMS if near is None else ROOMS[:1]:
         tell("searching for weights")
         search = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
-        search = search if near is None else near.of(search)
+        if near is not None:
+            search = replace(search, settled=near.settled, wider=near.wider, beyond=near.beyond)
         search, found = _settled(search, near)
         if isinstance(found, str):
             reason = reason or found

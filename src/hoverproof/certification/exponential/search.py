@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -429,35 +428,6 @@ class Search:
         found : Candidate
         """
         return self.half_angle is None or self.seen(found) <= self.half_angle
-
-
-class Near(NamedTuple):
-    """Where there are weights, and the search that found them.
-
-    Attributes
-    ----------
-    x : (2,)
-        See `Candidate`.
-    rate : float
-        r, 1/s.
-    settled, wider, beyond : float
-        See `Search`; shares, bare numbers.
-    """
-
-    x: Array
-    rate: float
-    settled: float
-    wider: float
-    beyond: float
-
-    def of(self, search: Search) -> Search:
-        """Return a search as that was.
-
-        Parameters
-        ----------
-        search : Search
-        """
-        return replace(search, settled=self.settled, wider=self.wider, beyond=self.beyond)
 
 
 def _corners(start: Start) -> Array:
