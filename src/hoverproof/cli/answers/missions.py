@@ -91,7 +91,7 @@ class NewAnswer(Answer):
             words = f"for every vehicle within {', '.join(self.mission.asks_to_cover())}"
             yield from textwrap.wrap(words, 80, initial_indent="  ", subsequent_indent="    ")
         yield "Next:" if own else "Next: put in your vehicle, target and gains, then"
-        objective = "--objective start " if self._for_start else ""
+        objective = "" if self._for_start else "--objective decay "
         yield f"  hoverproof {'attraction' if self._for_start else 'certify'} {path}"
         yield f"  hoverproof tune {path} {objective}--out {tuned}"
         yield f"  hoverproof simulate {path}"
