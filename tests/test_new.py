@@ -24,6 +24,7 @@ from hoverproof.cli.questions import CONTROL_RATES, QUESTIONS, WORDS
 from hoverproof.errors import InputError
 from hoverproof.mission.presets import preset_text, with_conditions
 from hoverproof.mission.reading import load
+from hoverproof.mission.uncertainty import Noise, Uncertainty
 from hoverproof.simulation.flight import simulate, summary
 
 PROGRAM = Path(sys.executable).parent / "hoverproof"
@@ -195,6 +196,13 @@ def test_what_is_not_said_stands_in_comments_once_and_in_its_section(name):
         keys = {k: set(part) for k, part in tomllib.loads(shown).items() if isinstance(part, dict)}
         assert {"law", "sensors", "rotors", "wind", "model_error", "scatter"} < keys.keys()
         assert "heading_noise" in keys["sensors"]
+
+
+def test_every_tolerance_is_named_in_what_is_written():
+    text = re.sub(r"(?m)^# (?=\w+ = )", "", written(decided("mine", DEFAULTS)))
+    named = tomllib.loads(text)["uncertainty"]
+    assert set(named) == set(Uncertainty.model_fields)
+    assert set(named["noise"]) == set(Noise.model_fields)
 
 
 def spawn(*arguments):
