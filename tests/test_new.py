@@ -199,7 +199,7 @@ def test_what_is_not_said_stands_in_comments_once_and_in_its_section(name):
 
 
 def test_every_tolerance_is_named_in_what_is_written():
-    text = re.sub(r"(?m)^# (?=\w+ = )", "", written(decided("mine", DEFAULTS)))
+    text = re.sub(r"(?m)^# (?=\[|\w+ = )", "", written(decided("mine", DEFAULTS)))
     named = tomllib.loads(text)["uncertainty"]
     assert set(named) == set(Uncertainty.model_fields)
     assert set(named["noise"]) == set(Noise.model_fields)
