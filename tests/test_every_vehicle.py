@@ -62,7 +62,7 @@ def test_the_answer_names_the_theorem_what_is_covered_and_when_it_is_over(proved
     assert f"every vehicle with {', '.join(COVERED)} converges to the goal (theorem 5" in words
     assert f"after {float(proved.settling.time):.6g} s: from then on within" in words
     assert "start (0.3, 0, -1.5) m, level hover" in words
-    assert "noise of the force" in words
+    assert "control in steps" in words
     assert "not considered" not in words
 
 

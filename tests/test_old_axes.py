@@ -97,7 +97,8 @@ def test_turning_the_image_costs_less(proofs):
     with pytest.MonkeyPatch.context() as patch:
         for key, value in FEW.items():
             patch.setattr(search, key, value)
-        assert proof.converge(load(MISSION, turned)).level < proofs("inertial").level
+        sooner = proof.converge(load(MISSION, turned)).settling.time
+    assert sooner < proofs("inertial").settling.time
 
 
 def test_a_certificate_is_about_its_own_class(proofs):

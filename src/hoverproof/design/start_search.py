@@ -331,7 +331,12 @@ class StartSearch:
             [math.log(low * (high / low) ** part), share, math.log(self.with_gains(four).slow(low))]
             for part, share in itertools.product((0.6, 0.85), (-1.7, -3.0))
         ]
-        return self.best_for(four, np.array(near))
+        best = Point(FAILED, np.zeros(7))
+        for z in near:
+            best = min(best, self.best_for(four, np.array([z])), key=lambda point: point.cost)
+            if best.cost < OUTSIDE:
+                break
+        return best
 
     @property
     def settled_before(self) -> float | None:

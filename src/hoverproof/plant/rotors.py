@@ -1,10 +1,13 @@
 """Four rotors: where they are, and the thrust and torque they make.
 
-The body axes are x forward, y right, z down. A rotor at r makes the force f = -T e3, hence the
-torque r × f, and by its drag a torque about z against the sense in which it turns.
+The body axes are x forward, y right, z down. A rotor at r = (x, y, 0) makes the force f = -T e3,
+hence the torque r × f = (-y T, x T, 0), and by its drag one about z against the sense in which it
+turns.
 """
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import casadi as ca
 
@@ -17,7 +20,7 @@ PLACES = {
     "front left": (1, -1),
 }
 """Where each rotor is, (x, y) in levers, body frame."""
-SENSES = {"rear right": -1, "front right": 1, "rear left": 1, "front left": -1}
+SENSES = {"rear left": 1, "front right": 1, "front left": -1, "rear right": -1}
 """The sign of its drag torque about z, + for a rotor that turns to the left, seen from above."""
 ROTORS = tuple(PLACES)
 """Their names, in their order."""
@@ -35,13 +38,23 @@ def wrench(rotor_thrusts: ca.SX, arm: ca.SX, drag_ratio: ca.SX) -> ca.SX:
     drag_ratio : SX
         κ, drag torque over thrust of a rotor, m.
     """
-    torque = ca.SX(3, 1)
-    for i, name in enumerate(ROTORS):
-        x, y = PLACES[name]
-        force = ca.vertcat(0, 0, -rotor_thrusts[i])
-        torque += arm * ca.cross(ca.vertcat(x, y, 0), force)
-        torque[2] += drag_ratio * SENSES[name] * rotor_thrusts[i]
-    return ca.vertcat(ca.sum1(rotor_thrusts), torque)
+    each = dict(zip(ROTORS, ca.vertsplit(rotor_thrusts), strict=True))
+    first, *others = each.values()
+    return ca.vertcat(
+        sum(others, first),
+        arm * _balance(each, {name: -y for name, (_, y) in PLACES.items()}),
+        arm * _balance(each, {name: x for name, (x, _) in PLACES.items()}),
+        drag_ratio * _balance(each, SENSES),
+    )
+
+
+def _balance(each: Mapping[str, ca.SX], signs: Mapping[str, int]) -> ca.SX:
+    """Return the thrusts that count for one side less those that count for the other."""
+    ahead, behind = ([each[n] for n, sign in signs.items() if sign == side] for side in (1, -1))
+    total = sum(ahead[1:], ahead[0])
+    for thrust in behind:
+        total = total - thrust
+    return total
 
 
 def rotor_thrusts(thrust: ca.SX, torque: ca.SX, arm: ca.SX, drag_ratio: ca.SX) -> ca.SX:
