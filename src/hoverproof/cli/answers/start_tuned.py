@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from hoverproof.cli.answers.answer import Answer
+from hoverproof.cli.answers.attraction import considered
 from hoverproof.cli.answers.words import (
     gain_units,
     gains_as_json,
@@ -20,6 +21,7 @@ from hoverproof.cli.answers.words import (
     limits_text,
     number,
     numbers,
+    wrapped,
     written_text,
 )
 from hoverproof.design.outcome import StartTuned
@@ -49,12 +51,16 @@ class StartTunedAnswer(Answer):
     written: str | None
     certificate: Path | None
 
+    @property
+    def considered(self) -> list[str]:
+        """What the proof covers."""
+        return considered(self.found.verdict)
+
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""
-        found, proved = self.found, self.found.verdict
-        covers = found.mission.asks_to_cover()
+        found, proved, covers = self.found, self.found.verdict, self.considered
         yield f"{found.mission.name}: tuned for its start, and proved (theorem 5)"
-        yield f"  for every vehicle       {', '.join(covers) if covers else 'just as modelled'}"
+        yield from wrapped("for every vehicle", ", ".join(covers) or "just as modelled")
         yield from gains_text(found.mission)
         yield f"  settled, proved         {settled_text(found)}"
         yield f"    before rounding:         {number(found.estimate)} s (floating point)"
