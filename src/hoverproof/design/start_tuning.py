@@ -249,6 +249,7 @@ def _why_not(search: StartSearch, point: Point | None) -> Iterator[str]:
     mission = search.mission
     if mission.law.feature == "centroid":
         yield ill_conditioned(mission)
+        yield "--objective decay asks for the decay of L alone, whatever the start"
     if not low < high:
         most = search.known
         away = float(np.sqrt(2 * search.whole.terms()[:, 0].max()))
