@@ -14,7 +14,7 @@ from hoverproof import checker, cli
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.inequality import Ball, falls
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.program import solve
+from hoverproof.certification.exponential.program import Program
 from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.design.limits import Limits
@@ -80,9 +80,8 @@ def test_few_vertices_give_the_weights_of_all(small):
     limits = search.limits(first.x, first.ball)
     every = range(len(list(limits.vertices())))
     level = first.solution.level
-    few, whole = (
-        solve(limits, first.ball, rate, level, search.terms(), likely) for likely in ((), every)
-    )
+    program = Program.of(limits, first.ball, rate, level, search.terms())
+    few, whole = (program.solve(likely) for likely in ((), every))
     assert len(few.tight) < len(every)
     assert few.fill == pytest.approx(whole.fill, rel=1e-5)
     middle, radius = sum(first.ball) / 2, (first.ball[1] - first.ball[0]) / 2

@@ -23,10 +23,10 @@ from hoverproof.design.start_search import Point, StartSearch
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import with_tolerance
 from hoverproof.mission.sections import Mission
+from hoverproof.mission.uncertainty import TOLERANCES
 from hoverproof.plant.goal import hover_goal
 
 Progress = Callable[[str], None]
-TOLERANCES = "thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate"
 MOST = 3
 """So many changes are told of."""
 SCALED: tuple[str, tuple[str, ...]] = "the scaled feature", ("law.feature=scaled",)

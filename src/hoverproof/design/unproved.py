@@ -17,7 +17,6 @@ from hoverproof.design.worst_vehicle import Flown, worst_flight
 from hoverproof.errors import InputError
 from hoverproof.files import write_text
 
-TOLERANCES = "thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate"
 Progress = Callable[[str], None]
 
 
@@ -71,8 +70,7 @@ def unproved(
     Unproved, or None if it is decided, or for a mission without tolerances of the vehicle
     """
     mission = verdict.mission
-    doubt = any(getattr(mission.uncertainty, name) for name in TOLERANCES)
-    if not isinstance(verdict, Undecided) or not doubt:
+    if not isinstance(verdict, Undecided) or not mission.uncertainty.is_tolerant:
         return None
     progress("looking for what refuses all weights")
     try:

@@ -7,6 +7,8 @@ from typing import Annotated
 
 from hoverproof.mission.fields import Section, quantity, shown
 
+TOLERANCES = "thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate"
+"""Keys of `Uncertainty` that leave a vehicle at rest where it is: all but noise and gusts."""
 _ZERO = Fraction(0)
 
 _Share = Annotated[Fraction, quantity("(a share: 0.2 is 20 %)", "0", "0.999")]
@@ -79,6 +81,11 @@ class Uncertainty(Section):
     def is_shaken(self) -> bool:
         """Whether something is in doubt that keeps a vehicle from coming to rest."""
         return bool(self.gust) or self.noise != Noise()
+
+    @property
+    def is_tolerant(self) -> bool:
+        """Whether something is in doubt of the vehicles themselves: one of `TOLERANCES`."""
+        return any(getattr(self, name) for name in TOLERANCES)
 
     @property
     def is_none(self) -> bool:

@@ -29,9 +29,9 @@ from hoverproof.certification.exponential.program import SPARE
 from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
 from hoverproof.certification.robust import Inequality, optimise, reciprocals
 from hoverproof.mission.sections import Mission
+from hoverproof.mission.uncertainty import TOLERANCES
 
 Array = NDArray[np.float64]
-TOLERANCES = "thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate"
 D3_SHARE, TURN = 0.65, 2.0
 """Bounds of |δ3| and |ζ| over that of |δ3 - δ2|."""
 DIGITS = 10
@@ -347,9 +347,7 @@ def is_plain(mission: Mission) -> bool:
     ----------
     mission : Mission
     """
-    return mission.law.is_papers and not any(
-        getattr(mission.uncertainty, name) for name in TOLERANCES
-    )
+    return mission.law.is_papers and not mission.uncertainty.is_tolerant
 
 
 def posed(mission: Mission) -> tuple[Potential, Loop]:

@@ -150,8 +150,18 @@ class Program:
 
         Parameters
         ----------
-        limits, ball, rate, level, starts, floor
-            See `solve`, bare numbers.
+        limits : Limits
+            Of a reach that the weights are to keep to.
+        ball : (low, high)
+            j - ϱ and j + ϱ, 1/m.
+        rate : float
+            r, 1/s.
+        level : float
+            ℓ, dimensionless.
+        starts : (k, 11)
+            What (1, parameters) are multiplied by in Ψ of each start; see `Search.terms`.
+        floor : float
+            What ℓ∞ is at most, where there is noise, dimensionless.
         fill : float, optional
             What the largest Ψ/ℓ of the starts is to be, dimensionless; by default it is made small.
         """
@@ -195,7 +205,7 @@ class Program:
         Parameters
         ----------
         likely : sequence of int
-            See `solve`, bare numbers.
+            The numbers of the vertices that were tight in a program like this.
         """
         found_at = self._over_few(likely)
         if found_at is None or not (found_at[0].x[:-1] > 0).all():
@@ -282,39 +292,3 @@ def _likely(v: Vehicles) -> Array:
     w2, w3, w4 = LIKELY
     lag = v.rotor_lag or 1.0
     return np.array([1, w2, w3, w4, w4 / (lag * v.stiff**2), w3 / (lag * v.pace**2)])
-
-
-def solve(
-    limits: Limits,
-    ball: tuple[float, float],
-    rate: float,
-    level: float,
-    starts: Array,
-    likely: Sequence[int] = (),
-    floor: float = np.inf,
-) -> Solution | None:
-    """Find the weights that bring the starts as deep as can be below a level.
-
-    Parameters
-    ----------
-    limits : Limits
-        Of a reach that the weights are to keep to.
-    ball : (low, high)
-        j - ϱ and j + ϱ, 1/m.
-    rate : float
-        r, 1/s.
-    level : float
-        ℓ, dimensionless.
-    starts : (k, 11)
-        What (1, parameters) are multiplied by in Ψ of each start; see `starts.terms`.
-    likely : sequence of int
-        The numbers of the vertices that were tight in a program like this.
-    floor : float
-        What ℓ∞ is at most, where there is noise, dimensionless.
-
-    Returns
-    -------
-    Solution, or None if there is none
-    """
-    program = Program.of(limits, ball, rate, level, starts, floor)
-    return None if program is None else program.solve(likely)

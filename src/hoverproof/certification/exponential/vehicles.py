@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.mission.sections import Mission
+from hoverproof.mission.uncertainty import TOLERANCES
 from hoverproof.servo.law import Design, Law
 from hoverproof.servo.laws.hamel_mahony import law_of
 from hoverproof.servo.uncertain import kappa
@@ -84,8 +85,7 @@ class Vehicles:
         law, covered = law_of(mission), mission.uncertainty
         feature = law.goal_feature(mission)
         numbers = np.array([float(x) for x in law.design.values(mission, feature)])
-        names = ("thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate")
-        each = {name: float(getattr(covered, name)) for name in names}
+        each = {name: float(getattr(covered, name)) for name in TOLERANCES}
         noise, goal, mass = covered.noise, float(feature[2]), mission.vehicle.mass
         error = noise.feature + mass / mission.gains.k1 * noise.velocity
         leaned = goal * float(noise.vertical) if law.goal.name == "inertial" else 0.0
