@@ -120,7 +120,7 @@ def law_text(mission: Mission, options: Options, law: FlightLaw) -> LawText:
     results = {
         "thrust_rate": ["out->thrust_rate"],
         "torque": [f"out->torque[{i}]" for i in range(3)],
-        "rotor": [f"out->rotor[{i}]" for i in range(4)],
+        "rotor": [f"out->rotor[{i}]" for i in range(len(mission.vehicle.frame.names))],
     }
     gap = {"hover_gap": f"const {options.precision.c_type} hover_gap"}
     return LawText(

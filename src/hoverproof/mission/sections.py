@@ -316,6 +316,16 @@ class Mission(_Section):
         return self
 
     @model_validator(mode="after")
+    def _knows_its_rotors(self) -> Self:
+        shares, names = self.model_error.rotors, self.vehicle.frame.names
+        if shares and len(shares) != len(names):
+            raise _reject(
+                f"must be a list [{', '.join(names)}], not {len(shares)} entries",
+                key="model_error.rotors",
+            )
+        return self
+
+    @model_validator(mode="after")
     def _can_cover(self) -> Self:
         wind, gravity = self.uncertainty.wind, self.vehicle.gravity
         if wind >= gravity:
@@ -380,6 +390,8 @@ class Mission(_Section):
         numbers = self.model_dump(exclude_none=True, exclude=left_out)
         if not as_written:
             numbers["vehicle"] = self.vehicle.as_flown()
+        elif not self.vehicle.reversed:
+            del numbers["vehicle"]["reversed"]
         text: dict[str, Any] = _as_text(numbers)
         for part, key in (
             (text.get("uncertainty"), "gust"),

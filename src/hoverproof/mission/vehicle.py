@@ -8,17 +8,23 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, PlainValidator, model_validator
 
-from hoverproof.mission.fields import Section, array, one_of, quantity, reject, shown
-from hoverproof.mission.frame import LAYOUTS, PLUS, Frame, X, h_frame, lever_of, mean_distance
+from hoverproof.mission import frame as frames
+from hoverproof.mission.fields import Section, array, one_of, quantity, reject, shown, true_or_false
+from hoverproof.mission.frame import LAYOUTS, ROTORS, Frame, X
 
 _LENGTH = quantity("m", "0", "1e6", open_low=True)
 _PositiveLength = Annotated[Fraction, _LENGTH]
+_Coordinate = Annotated[Fraction, quantity("m", "-1e6", "1e6")]
 _Inertia = Annotated[Fraction, quantity("kg m²", "0", "1e6", open_low=True, least="1e-15")]
-_WANTED = {
-    "x": "a length in m, from the centre of mass to each rotor",
-    "plus": "a length in m, from the centre of mass to each rotor",
-    "h": "[forward, sideways] in m, from the centre of mass to each rotor",
+_ARM = "a length in m, from the centre of mass to each rotor"
+_WANTED = dict.fromkeys(LAYOUTS, _ARM) | {
+    "h": "[forward, sideways] in m, from the centre of mass to each rotor"
 }
+_TURN = {"ccw": 1, "cw": -1}
+_NEEDED = (
+    f"is missing: give layout ({', '.join(LAYOUTS)}) with arm (m, from the centre of mass to a "
+    "rotor), lever (m, of each rotor of an X frame about roll and pitch axis), or rotors (a list)"
+)
 
 
 def _one_or_two(value: object) -> Fraction | tuple[Fraction, Fraction]:
@@ -32,12 +38,46 @@ def _one_or_two(value: object) -> Fraction | tuple[Fraction, Fraction]:
     return number
 
 
+def _spin(value: object) -> str:
+    """Read how a rotor turns, seen from above."""
+    known = {"ccw": "ccw", "cw": "cw", 1: "ccw", -1: "cw"}
+    if isinstance(value, bool) or not isinstance(value, str | int) or value not in known:
+        raise reject(f'must be "ccw" (1) or "cw" (-1), seen from above, not {shown(value)}')
+    return known[value]
+
+
+def _listed(value: object) -> object:
+    """Accept a list of so many entries as a vehicle may have rotors."""
+    least, most = ROTORS
+    if not isinstance(value, list) or not least <= len(value) <= most:
+        raise reject(
+            f"must be a list of {least} to {most} rotors {{position = [x, y, z], spin}}, "
+            f"not {shown(value)}"
+        )
+    return value
+
+
+class Rotor(Section):
+    """A rotor: position m (body axes, x forward, y right, z down), spin, drag_ratio m.
+
+    The spin is "ccw" (or 1) or "cw" (or -1), seen from above. The drag ratio is that of the
+    vehicle, unless it is said here.
+    """
+
+    position: Annotated[
+        tuple[_Coordinate, _Coordinate, _Coordinate], BeforeValidator(array("x", "y", "z"))
+    ]
+    spin: Annotated[Any, PlainValidator(_spin)]
+    drag_ratio: _PositiveLength | None = None
+
+
 class Vehicle(Section):
     """The vehicle: mass kg, inertia kg m² (principal), its rotors, drag_ratio m, gravity m/s².
 
-    Where the rotors are is said in one of two ways: `lever`, m, of each rotor about the roll and
-    the pitch axis, the d of the paper, in an X frame; or `layout`, "x", "plus" or "h", with `arm`,
-    m, from the centre of mass to each rotor, of "h" [forward, sideways].
+    Where the rotors are is said in one of three ways: `lever`, m, of each rotor about the roll and
+    the pitch axis, the d of the paper, in an X frame; `layout`, "x", "plus", "h", "hex" or "octo",
+    with `arm`, m, from the centre of mass to each rotor, of "h" [forward, sideways], and `reversed`
+    if propellers turn the other way; or a list `rotors`.
     """
 
     mass: Annotated[Fraction, quantity("kg", "0", "1e6", open_low=True)]
@@ -45,8 +85,10 @@ class Vehicle(Section):
         tuple[_Inertia, _Inertia, _Inertia], BeforeValidator(array("I1", "I2", "I3"))
     ]
     lever: _PositiveLength | None = None
-    layout: Annotated[Literal["x", "plus", "h"], one_of(*LAYOUTS)] | None = None
+    layout: Annotated[Literal["x", "plus", "h", "hex", "octo"], one_of(*LAYOUTS)] | None = None
     arm: Annotated[Any, PlainValidator(_one_or_two)] = None
+    reversed: Annotated[bool, true_or_false()] = False
+    rotors: Annotated[list[Rotor], BeforeValidator(_listed)] | None = None
     drag_ratio: _PositiveLength
     gravity: Annotated[Fraction, quantity("m/s²", "0", "1e3", open_low=True)]
 
@@ -62,15 +104,16 @@ class Vehicle(Section):
     @model_validator(mode="after")
     def _says_where_rotors_are(self) -> Self:
         layout, arm = self.layout, self.arm
+        if self.rotors is not None:
+            more = [k for k in ("lever", "layout", "arm", "reversed") if getattr(self, k)]
+            if more:
+                raise reject("goes without rotors, which say all of it", key=more[0])
+            return self
         if layout is None:
             if arm is not None:
                 raise reject(_two_readings(arm), key="arm")
             if self.lever is None:
-                raise reject(
-                    'is missing: give layout ("x", "plus" or "h") with arm (m, from the centre of '
-                    "mass to a rotor), or lever (m, of each rotor about roll and pitch axis)",
-                    key="layout",
-                )
+                raise reject(_NEEDED, key="layout")
             return self
         if self.lever is not None:
             raise reject("is of an X frame without layout; with one, give arm", key="lever")
@@ -81,6 +124,27 @@ class Vehicle(Section):
             raise reject(f"must be {_WANTED[layout]} for layout {layout!r}, not {given}", key="arm")
         return self
 
+    @model_validator(mode="after")
+    def _can_hover(self) -> Self:
+        if self.rotors is None:
+            return self
+        try:
+            lifts = [row[0] for row in frames.shares(self.frame)]
+        except ZeroDivisionError:
+            raise reject(
+                "cannot make every thrust and torque: some must be in front and behind, right and "
+                "left, and turn to either side, and not all alike",
+                key="rotors",
+            ) from None
+        for i, (name, lift) in enumerate(zip(self.frame.names, lifts, strict=True), 1):
+            if lift <= 0:
+                raise reject(
+                    f"rotor {i} ({name}) would have to pull down in hover: "
+                    "positions are from the centre of mass",
+                    key="rotors",
+                )
+        return self
+
     @property
     def weight(self) -> Fraction:
         """m g, N."""
@@ -89,29 +153,53 @@ class Vehicle(Section):
     @cached_property
     def frame(self) -> Frame:
         """Where its rotors are, in multiples of `reach`, and how they turn."""
-        if self.layout == "plus":
-            return PLUS
-        return h_frame(*self.arm) if isinstance(self.arm, tuple) else X
+        if self.rotors is not None:
+            placed = [rotor.position for rotor in self.rotors]
+            return Frame(
+                frames.names(placed),
+                tuple((x / self.reach, y / self.reach) for x, y, _ in placed),
+                tuple(
+                    _TURN[r.spin] * (r.drag_ratio or self.drag_ratio) / self.drag_ratio
+                    for r in self.rotors
+                ),
+            )
+        frame = frames.h_frame(*self.arm) if self.layout == "h" else X
+        if self.layout is not None and self.layout != "h":
+            frame = frames.of_layout(self.layout)
+        return frames.turned_round(frame) if self.reversed else frame
 
     @cached_property
     def reach(self) -> Fraction:
         """The length that places of the frame are multiples of, m: in an X frame its lever."""
+        if self.rotors is not None:
+            longest = max(abs(c) for rotor in self.rotors for c in rotor.position[:2])
+            return longest or Fraction(1)
         arm: Fraction = self.arm[1] if isinstance(self.arm, tuple) else self.arm
         if self.layout is None:
             return self.lever or Fraction(0)
-        return lever_of(arm) if self.layout == "x" else arm
+        return frames.lever_of(arm) if self.layout == "x" else arm
 
     @property
     def distance(self) -> float:
         """Root mean square of the distances of the rotors from the centre of mass, m."""
-        return float(self.reach) * mean_distance(self.frame)
+        return float(self.reach) * frames.mean_distance(self.frame)
+
+    @cached_property
+    def hover_thrusts(self) -> tuple[Fraction, ...]:
+        """What each rotor gives in hover, N."""
+        return tuple(row[0] * self.weight for row in frames.shares(self.frame))
 
     def as_flown(self) -> dict[str, Any]:
         """Return what counts of it: `arm`, the lever of an X frame, m, or all rotors.
 
         A rotor is [x, y, turn]: where it is, m, and how it turns, as in `Frame`.
         """
-        held = self.model_dump(include={"mass", "inertia", "drag_ratio", "gravity"})
+        held: dict[str, Any] = {
+            "mass": self.mass,
+            "inertia": self.inertia,
+            "drag_ratio": self.drag_ratio,
+            "gravity": self.gravity,
+        }
         if self.frame == X:
             return held | {"arm": self.reach}
         places, turns = self.frame.places, self.frame.turns
@@ -130,5 +218,5 @@ def _two_readings(arm: Fraction | tuple[Fraction, Fraction]) -> str:
     return (
         f"has two readings: lever = {length} is what it was, each rotor {length} m from the roll "
         f'and the pitch axis (layout = "x" with arm = {across}); layout = "x" with arm = {length} '
-        f"is {length} m from the centre of mass (lever = {float(lever_of(arm)):.4g})"
+        f"is {length} m from the centre of mass (lever = {float(frames.lever_of(arm)):.4g})"
     )

@@ -7,6 +7,7 @@ behind the rest in its memory, parameters and records, so that the others stay w
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import casadi as ca
 
@@ -132,12 +133,12 @@ class Surroundings(Packed):
         return camera.body_points(points, body.position, body.rotation @ mounted)
 
     def thrusts(self, commanded: ca.SX) -> ca.SX:
-        """Return what rotors push with that the controller takes to push so, (4, 1), N.
+        """Return what rotors push with that the controller takes to push so, (n, 1), N.
 
         Parameters
         ----------
         commanded : SX
-            (4, 1), N.
+            (n, 1), N.
         """
         return commanded
 
@@ -149,7 +150,7 @@ class Surroundings(Packed):
         frame : Frame
             Of the rotors.
         commanded : SX
-            What the controller takes to be the thrust of each rotor, (4, 1), N.
+            What the controller takes to be the thrust of each rotor, (n, 1), N.
         """
         return rotors.wrench(frame, commanded, self.arm, self.drag_ratio)
 
@@ -191,7 +192,7 @@ class FurtherSurroundings(Surroundings):
         What shares an accelerometer that lags keeps of its value over a step, and takes of the
         specific force at the end of it; dimensionless.
     rotor_shares : SX
-        Thrust of each rotor over what the controller takes it to be, (4, 1), dimensionless.
+        Thrust of each rotor over what the controller takes it to be, (n, 1), dimensionless.
     true_arm : SX
         Where `arm` is what the controller knows, m.
     """
@@ -209,7 +210,7 @@ class FurtherSurroundings(Surroundings):
         Parameters
         ----------
         commanded : SX
-            (4, 1), N.
+            (n, 1), N.
         """
         return self.rotor_shares * commanded
 
@@ -221,7 +222,7 @@ class FurtherSurroundings(Surroundings):
         frame : Frame
             Of the rotors.
         commanded : SX
-            (4, 1), N.
+            (n, 1), N.
         """
         return rotors.wrench(frame, self.thrusts(commanded), self.true_arm, self.drag_ratio)
 
@@ -253,6 +254,29 @@ class HeadedSurroundings(FurtherSurroundings):
 
     heading_bias: ca.SX = scalar("rad")
     heading_noise: ca.SX = scalar("rad")
+
+
+@cache
+def of_rotors(around: type[FurtherSurroundings], rotors: int) -> type[FurtherSurroundings]:
+    """Return the layout for so many rotors.
+
+    Parameters
+    ----------
+    around : type of FurtherSurroundings
+        For four.
+    rotors : int
+        Their number.
+    """
+    if rotors == 4:
+        return around
+
+    class Sized(around):  # type: ignore[misc, valid-type]
+        @classmethod
+        def sizes(cls) -> dict[str, int]:
+            own: dict[str, int] = super().sizes()
+            return own | {"rotor_shares": rotors}
+
+    return Sized
 
 
 @dataclass(frozen=True)
@@ -288,37 +312,45 @@ class Features:
     rotors_differ: bool = False
     lag: bool = False
 
-    def layout(self, law: Law) -> dict[str, int]:
+    def layout(self, law: Law, rotors: int = 4) -> dict[str, int]:
         """Return the parts of a vehicle's memory and their sizes, those of `LAYOUT` first.
 
         Parameters
         ----------
         law : Law
+        rotors : int
+            Their number.
         """
         turning = GYRO_LAYOUT if self.turned else {}
         lagging = ACCELEROMETER_LAYOUT if self.lags(law) else {}
-        return LAYOUT | turning | lagging | (NORTH_LAYOUT if law.sees_north else {})
+        own = {"rotors": rotors, "rotor_commands": rotors}
+        return LAYOUT | own | turning | lagging | (NORTH_LAYOUT if law.sees_north else {})
 
-    def record(self, law: Law) -> dict[str, int]:
+    def record(self, law: Law, rotors: int = 4) -> dict[str, int]:
         """Return the parts of a record and their sizes, those of `RECORD` first.
 
         Parameters
         ----------
         law : Law
+        rotors : int
+            Their number.
         """
-        return RECORD | ({"specific_force": 3} if law.force.sensed else {})
+        felt = {"specific_force": 3} if law.force.sensed else {}
+        return RECORD | {"rotor_thrust": rotors} | felt
 
-    def surroundings(self, law: Law) -> type[Surroundings]:
+    def surroundings(self, law: Law, rotors: int = 4) -> type[Surroundings]:
         """Return the layout of what surrounds a law.
 
         Parameters
         ----------
         law : Law
+        rotors : int
+            Their number.
         """
         if law.has_compass:
-            return HeadedSurroundings
+            return of_rotors(HeadedSurroundings, rotors)
         further = self.rotors_differ or law.force.sensed
-        return FurtherSurroundings if further else Surroundings
+        return of_rotors(FurtherSurroundings, rotors) if further else Surroundings
 
     def lags(self, law: Law) -> bool:
         """Tell whether an accelerometer has a memory.
