@@ -40,6 +40,7 @@ VERSION = 2
 MAX_BYTES = 1_000_000
 MAX_DIGITS = 80  # of a numerator or denominator
 MAX_POINTS = 64
+MAX_ROTORS = 16
 MAX_STARTS = 16
 MAX_WORK = 800_000  # cells times (points + 5) times what one costs, over all trees
 MAX_STEPS = 500  # of a motion, times (points + 3)
@@ -318,7 +319,14 @@ interval = such([number] * 2, lambda x: x[0] <= x[1], "the ends of an interval a
 VECTOR, BOX = [number] * 3, [interval] * 3
 TREE = word("[0-3]+", "a tree is not written in 0, 1, 2 and 3")  # see `cover`
 GAINS = ("k1", "k2", "k3", "k4", "k_yaw")  # k1 kg m/s, k2 1/m, k3 and k4 kg/s
-VEHICLE = ("mass", "arm", "drag_ratio", "gravity")  # kg, m, m, m/s²
+BODY = {
+    **dict.fromkeys(("mass", "drag_ratio", "gravity"), positive),  # kg, m, m/s²
+    "inertia": [positive] * 3,  # kg m²
+}
+VEHICLE = (  # m: the lever of each rotor of an X frame; or where each is, (x, y), and how it turns
+    BODY | {"arm": positive},
+    BODY | {"rotors": several(VECTOR, MAX_ROTORS)},
+)
 AUTO = word("auto", "bounds that are assumed have no box")
 ASSUMED = {"eigenvalues": maybe([number] * 2, "auto")}, {"eigenvalues": AUTO, "box": BOX}  # 1/m, m
 FORCE = {"thrust": [number] * 2}, {"level": positive}  # N; of L
@@ -353,7 +361,7 @@ ANGLE = {"heading": number}  # rad
 HEADINGS: tuple[dict[str, Any], ...] = {}, ANGLE, ANGLE | {"heading_from": IMAGE}
 PLAIN = {
     "name": word(r"[\w.-]{1,64}", "the mission has no proper name"),
-    "vehicle": dict.fromkeys(VEHICLE, positive) | {"inertia": [positive] * 3},  # kg m²
+    "vehicle": VEHICLE,
     "target": {"points": several(VECTOR, MAX_POINTS)},  # world axes, z down, m
     "goal": tuple(where | more for where in WHERE for more in HEADINGS),
     "gains": tuple(dict.fromkeys((*GAINS, *more), positive) for more in ((), ("k_heading",))),
@@ -1589,12 +1597,31 @@ def state_of(start: Object) -> str:
 # of which has |σ - s*| > d >= √(2ℓA) + b, or J in its ball; those at the faces have the first. So
 # no motion leaves it. At a start, |F| <= f0 and sin φ <= (f0 + m w')/(m g).
 #
-# A vehicle whose mass, inertia, arm d and drag ratio κd are the mission's makes the thrust T, which
+# A vehicle whose mass, inertia, rotors and drag ratio κd are the mission's makes the thrust T, that
 # is within f + m w' of m g, and torques Γ1, Γ2 that are the moments of inertia times at most
 # (1 + γ')|a| + Ω3' ((1 + γ')ρ' + γ')|ζ|h, a = h (σn + K Pn - πζ + Ω3 e3×P(δ3 - n)). With lag it is
 # set to what it would settle at, which is τ T' ahead, |T'| <= (1 + θ)|Ua|, and to these torques.
 # |Γ3| <= (1 + γ')(k_yaw Ω3' + k_heading + |I2 - I1| |Ω1 Ω2|), k_heading if there is a heading.
-# Each rotor has T/4 ± Γ1/(4d) ± Γ2/(4d) ± Γ3/(4κd).
+# A rotor at (x, y) that turns in the sense s has its entry of Bᵀ(BBᵀ)⁻¹(T, Γ1, Γ2, Γ3), where its
+# column of B is (1, -y, x, s κd): in an X frame, (±d, ±d), T/4 ± Γ1/(4d) ± Γ2/(4d) ± Γ3/(4κd).
+
+
+def rotor_shares(vehicle: Any) -> list[Row]:
+    """Return the rows of Bᵀ(BBᵀ)⁻¹: what a rotor takes over of T, Γ1, Γ2 and Γ3."""
+    placed = getattr(vehicle, "rotors", None)
+    if placed is None:
+        d = vehicle.arm
+        placed = [[d, d, 1], [d, -d, -1], [-d, d, -1], [-d, -d, 1]]
+    columns = [[Fraction(1), -y, x, turn * vehicle.drag_ratio] for x, y, turn in placed]
+    rows = [[dot(a, b) for b in zip(*columns, strict=True)] for a in zip(*columns, strict=True)]
+    rows = [[*row, *(Fraction(i == j) for j in range(4))] for i, row in enumerate(rows)]
+    for k in range(4):
+        require(rows[k][k] > 0, "the rotors cannot make every thrust and torque")
+        rows[k] = [entry / rows[k][k] for entry in rows[k]]
+        for i in range(4):
+            if i != k:
+                rows[i] = minus(rows[i], [rows[i][k] * entry for entry in rows[k]])
+    return [[dot(column, row[4:]) for row in rows] for column in columns]
 
 
 class Wedges:
@@ -2273,11 +2300,14 @@ class Exponential(Tolerant):
         if self.heading:  # its gain is this one unless it is given
             yaw += getattr(c.mission.gains, "k_heading", min(k_yaw**2 / (4 * i3), k_yaw))
         yaw += abs(i2 - i1) * (self.quick * self.turn + self.spun) ** 2 / 2
-        aside = square_root(i1**2 + i2**2)[1] * turned / vehicle.arm
-        aside += (1 + may.torque) * yaw / vehicle.drag_ratio
         ahead = may.rotor_lag * (1 + may.thrust) * self.stiffness * self.kappa
-        swing = self.force + self.push + ahead * (self.sink + self.missed) + aside
-        return (self.weight - swing) / 4, (self.weight + swing) / 4
+        swing = self.force + self.push + ahead * (self.sink + self.missed)
+        ends: list[Fraction] = []
+        for lift, roll, pitch, spin in rotor_shares(vehicle):
+            aside = square_root((roll * i1) ** 2 + (pitch * i2) ** 2)[1] * turned
+            aside += abs(lift) * swing + abs(spin) * (1 + may.torque) * yaw
+            ends += [lift * self.weight - aside, lift * self.weight + aside]
+        return min(ends), max(ends)
 
     def verify_settling(self) -> None:
         """Verify that the vehicle is near the hover in time, where |σ - s*| is no longer large."""
@@ -2345,6 +2375,7 @@ class Exponential(Tolerant):
         turning = f", while |Ω3| <= {about(self.may.yaw_rate)} rad/s"
         starts = "; or ".join(map(self.state, claim.starts))
         s3 = f"{float(sum(self.goal) / 2):.12g}"
+        placed = "arm" if hasattr(c.mission.vehicle, "arm") else "rotors"
         return (
             f"For the mission {self.name} ({self.of_another_law()}m = {self.m} kg, g = "
             f"{self.gravity} m/s², {self.gains()}, goal straight below where its feature is (0, 0, "
@@ -2355,8 +2386,8 @@ class Exponential(Tolerant):
             f"{about(claim.rate)} 1/s, for all t >= 0; the vehicle stays {self.place.words()}; and "
             f"after {about(soon.time)} s it is, and stays, within {about(soon.radius)} m of the "
             f"point ({hover}) m{last}{half}. On the way each rotor of a vehicle whose mass, "
-            f"inertia, arm and drag ratio are the mission's makes, and is set to make, a thrust in "
-            f"{about(*claim.rotors)} N{turning}."
+            f"inertia, {placed} and drag ratio are the mission's makes, and is set to make, a "
+            f"thrust in {about(*claim.rotors)} N{turning}."
         )
 
 

@@ -19,9 +19,9 @@ from hoverproof.export.law_text import LawText, VehicleText, law_text, vehicle_t
 from hoverproof.export.options import Options
 from hoverproof.export.precision import FLOAT32
 from hoverproof.export.vectors import InputBox, Vector, test_vectors
+from hoverproof.mission.frame import Place, mixing_rows
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
-from hoverproof.plant.rotors import PLACES
 from hoverproof.servo.hover_error import hover_error, rests_as_modelled
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
@@ -103,14 +103,14 @@ class Design:
     goal_centroid : sequence of Fraction
         q*, (3,), dimensionless.
     rotors : tuple of (str, (2,))
-        Names of the rotors and where they are, (x, y) in levers, in their order.
+        Names of the rotors and where they are, (x, y) in arms, in their order.
     """
 
     weight: Fraction
     gains: tuple[Fraction, ...]
     gains_text: str
     goal_centroid: Sequence[Fraction]
-    rotors: tuple[tuple[str, tuple[int, int]], ...]
+    rotors: tuple[tuple[str, Place], ...]
 
 
 @dataclass(frozen=True)
@@ -297,14 +297,14 @@ def _origin(mission: Mission, evidence: Evidence, text: LawText, law: Law) -> Or
 
 
 def _design(mission: Mission, law: Law) -> Design:
-    units, numbers = law.design.gains(), law.design.numbers(mission)
+    frame, units, numbers = mission.vehicle.frame, law.design.gains(), law.design.numbers(mission)
     words = ", ".join(f"{gain} {unit}" for gain, unit in units.items())
     return Design(
         weight=mission.vehicle.weight,
         gains=tuple(numbers[gain][0] for gain in units),
         gains_text=words.replace("²", "^2"),
         goal_centroid=law.goal_feature(mission),
-        rotors=tuple(PLACES.items()),
+        rotors=tuple(zip(frame.names, frame.places, strict=True)),
     )
 
 
@@ -375,8 +375,9 @@ def _adapter(mission: Mission, options: Options) -> Adapter:
         return FLOAT32.literal(value).replace("F", "f")
 
     v, (low, high) = mission.vehicle, options.rotor_limits
-    reach = 2 * (high - low)  # two rotors high and two low
-    torques = [reach * v.arm, reach * v.arm, reach * v.drag_ratio]
+    _, *rows = mixing_rows(v.frame)  # half of a lever's sum: one side high and the other low
+    most = [sum(map(abs, row), Fraction(0)) / 2 * (high - low) for row in rows]
+    torques = [a * b for a, b in zip(most, (v.reach, v.reach, v.drag_ratio), strict=True)]
     of_points = "points" in (options.sensing, options.camera)
     return Adapter(
         weight=single(v.weight),

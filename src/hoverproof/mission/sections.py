@@ -19,6 +19,7 @@ from hoverproof.mission.fields import quantity as _quantity
 from hoverproof.mission.fields import reject as _reject
 from hoverproof.mission.fields import shown as _shown
 from hoverproof.mission.uncertainty import Camera, Uncertainty
+from hoverproof.mission.vehicle import Vehicle
 
 MAX_POINTS = 64
 CONDITIONS = ("sensors", "rotors", "wind", "model_error", "scatter")
@@ -27,7 +28,6 @@ CONDITIONS = ("sensors", "rotors", "wind", "model_error", "scatter")
 
 _Length = Annotated[Fraction, _quantity("m", "-1e6", "1e6")]
 _PositiveLength = Annotated[Fraction, _quantity("m", "0", "1e6", open_low=True)]
-_Inertia = Annotated[Fraction, _quantity("kg m²", "0", "1e6", open_low=True, least="1e-15")]
 _Speed = Annotated[Fraction, _quantity("m/s", "-1e4", "1e4")]
 _Angle = Annotated[Fraction, _quantity("rad", "-3.1416", "3.1416")]
 _BodyRate = Annotated[Fraction, _quantity("rad/s", "-1e3", "1e3")]
@@ -37,32 +37,6 @@ _Direction = Annotated[Fraction, _quantity("", "-1e3", "1e3")]
 _MassPerTime = Annotated[Fraction, _quantity("kg/s", "0", "1e9", open_low=True)]
 
 Point = Annotated[tuple[_Length, _Length, _Length], BeforeValidator(_array("x", "y", "z"))]
-
-
-class Vehicle(_Section):
-    """The vehicle: mass kg, inertia kg m² (principal), arm m, drag_ratio m, gravity m/s²."""
-
-    mass: Annotated[Fraction, _quantity("kg", "0", "1e6", open_low=True)]
-    inertia: Annotated[
-        tuple[_Inertia, _Inertia, _Inertia], BeforeValidator(_array("I1", "I2", "I3"))
-    ]
-    arm: _PositiveLength
-    drag_ratio: _PositiveLength
-    gravity: Annotated[Fraction, _quantity("m/s²", "0", "1e3", open_low=True)]
-
-    @model_validator(mode="after")
-    def _is_a_body(self) -> Self:
-        a, b, c = sorted(self.inertia)
-        if a + b < c:
-            raise _reject(
-                "no rigid body has one moment above the sum of the other two", key="inertia"
-            )
-        return self
-
-    @property
-    def weight(self) -> Fraction:
-        """m g, N."""
-        return self.mass * self.gravity
 
 
 class Target(_Section):
@@ -389,15 +363,24 @@ class Mission(_Section):
         """Return in words what a proof is asked to cover beside the vehicle as modelled."""
         return [*self.uncertainty.covers(), *self.camera.covers()]
 
-    def exact(self) -> dict[str, Any]:
+    def exact(self, *, as_written: bool = False) -> dict[str, Any]:
         """Return the mission as nested dicts and lists, each number an exact string.
 
-        Sensors, rotors, wind, model_error and scatter are not in it: see `conditions`; but for
-        whether a late feature is turned, which stands under `uncertainty` if it is not.
+        The vehicle is what counts of it, `Vehicle.as_flown`, however a file says it. Sensors,
+        rotors, wind, model_error and scatter are not in it: see `conditions`; but for whether a
+        late feature is turned, which stands under `uncertainty` if it is not.
+
+        Parameters
+        ----------
+        as_written : bool
+            Whether the vehicle has the keys of a mission file.
         """
         said_by_none = ("law", "uncertainty", "camera")  # as in the missions before these sections
         left_out = {k for k in said_by_none if getattr(self, k) == type(getattr(self, k))()}
-        text: dict[str, Any] = _as_text(self.model_dump(exclude_none=True, exclude=left_out))
+        numbers = self.model_dump(exclude_none=True, exclude=left_out)
+        if not as_written:
+            numbers["vehicle"] = self.vehicle.as_flown()
+        text: dict[str, Any] = _as_text(numbers)
         for part, key in (
             (text.get("uncertainty"), "gust"),
             (text.get("uncertainty", {}).get("noise"), "vertical"),
