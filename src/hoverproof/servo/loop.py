@@ -217,7 +217,7 @@ def level_slope(n: int, law: Law) -> ca.Function:
     """
     points, position, q = ca.SX.sym("points", 3, n), ca.SX.sym("xi", 3), ca.SX.sym("q", 3)
     if ca.is_equal(law.feature.at(q, n), q):
-        return level_view(n).factory("level_slope", ["points", "xi"], ["Q"])
+        return level_view(n, law.feature.weights).factory("level_slope", ["points", "xi"], ["Q"])
     slope = -ca.jacobian(level_feature(n, law)(points, position), position)
     return ca.Function("level_slope", [points, position], [ca.densify(slope)])
 
