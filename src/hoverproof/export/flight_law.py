@@ -109,6 +109,7 @@ def flight_law(
         If the graph is not the derived controller, compared in exact arithmetic.
     """
     law, points = law or flown_law(mission), len(mission.target.points)
+    law = law.weighing(mission.target)
     return _flight_law(law, tuple(_design_values(mission, law)), (sensing, points), tunable)
 
 

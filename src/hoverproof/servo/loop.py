@@ -277,14 +277,14 @@ class LoopNumbers:
         ----------
         mission : Mission
         law : Law, optional
-            By default that of the mission.
+            By default that of the mission; it counts the target points as the mission does.
 
         Raises
         ------
         InputError
             If no level hover sees the goal of the mission.
         """
-        goal, law = hover_goal(mission), law or flown_law(mission)
+        goal, law = hover_goal(mission), (law or flown_law(mission)).weighing(mission.target)
         start = mission.start
         state = [
             *start.position,
