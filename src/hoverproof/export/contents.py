@@ -345,10 +345,10 @@ def _limits(
 
 
 def _spread(mission: Mission, options: Options) -> tuple[Fraction, Fraction]:
-    """Return the n² - |q|², n the sum of the weights, that a feature of the target's size is computed from.
+    """Return the n² - |q|² that a feature of the target's size is computed from.
 
-    The target is no smaller than what keeps rounding to about a thousandth; its points are before
-    the camera, so that their centroid is longer than n/25.
+    n is the sum of the weights. The target is no smaller than what keeps rounding to about a
+    thousandth; its points are before the camera, so that their centroid is longer than n/25.
     """
     n, q = mission.target.whole, hover_goal(mission).centroid_midpoint
     by_centroid = options.precision == FLOAT32 and "centroid" in (options.sensing, options.camera)

@@ -8,7 +8,7 @@ import casadi as ca
 
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.plant import camera
-from hoverproof.servo.law import Feature
+from hoverproof.servo.feature import Feature
 
 
 @dataclass(frozen=True)

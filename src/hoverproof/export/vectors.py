@@ -73,7 +73,7 @@ class InputBox:
             if sensing == "points"
             else {"centroid_length": [0, 1.01 * whole]}
         )
-        if self.spread is not None:  # whole times the root mean square of the angles from the middle
+        if self.spread is not None:  # times whole, of the angles from the middle
             radii = [math.sqrt(s) / whole for s in self.spread]
             seen = {**seen, "angular_radius_rad": radii}
         if self.specific_force is not None:
@@ -187,9 +187,7 @@ def random_step(
     down = np.array([*tilt, 1.0]) / np.sqrt(1 + tilt @ tilt)
     step = Step(
         seen=(
-            image
-            if sensing == "points"
-            else (counts * rays / np.linalg.norm(rays, axis=0)).sum(1)
+            image if sensing == "points" else (counts * rays / np.linalg.norm(rays, axis=0)).sum(1)
         ).astype(real),
         velocity=draw.normal(0, 0.5, 3).astype(real),
         rate=draw.normal(0, 0.2, 3).astype(real),

@@ -19,6 +19,7 @@ from hoverproof.mission.sections import Mission
 from hoverproof.mission.target import Target
 from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.goal import hover_goal
+from hoverproof.servo.feature import Feature
 from hoverproof.servo.heading import Heading
 from hoverproof.servo.layout import Packed, column, scalar
 
@@ -167,61 +168,6 @@ class WantedRates:
     d3_vertical: ca.SX
     d4: ca.SX
     yaw: ca.SX
-
-
-@dataclass(frozen=True)
-class Feature:
-    """What a law makes of the image.
-
-    Attributes
-    ----------
-    name : str
-    of : callable
-        (q (3, 1), W² - |q|² (1, 1), sum W of the weights) ↦ what stands in place of q, (3, 1). It
-        turns with the camera as q does.
-    weights : tuple
-        How much each target point counts in q; none if each counts once, and W is their number.
-    """
-
-    name: str
-    of: Callable[[ca.SX, ca.SX, float], ca.SX]
-    weights: tuple[float, ...] = ()
-
-    def whole(self, points: int) -> float:
-        """Return W, a bare number.
-
-        Parameters
-        ----------
-        points : int
-            Number of target points.
-        """
-        return sum(self.weights) if self.weights else points
-
-    def seen(self, directions: ca.SX) -> ca.SX:
-        """Return the feature of an image, (3, 1), without cancellation for a small target.
-
-        Parameters
-        ----------
-        directions : SX
-            p, (3, n), unit vectors.
-        """
-        weights = self.weights or None
-        q = camera.centroid(directions, weights)
-        size = camera.spread(directions, q, weights)
-        return self.of(q, size, self.whole(directions.shape[1]))
-
-    def at(self, centroid: ca.SX, points: int) -> ca.SX:
-        """Return the feature of a centroid, (3, 1).
-
-        Parameters
-        ----------
-        centroid : SX
-            q, (3, 1).
-        points : int
-            Number of target points.
-        """
-        whole = self.whole(points)
-        return self.of(centroid, whole**2 - ca.dot(centroid, centroid), whole)
 
 
 @dataclass(frozen=True)

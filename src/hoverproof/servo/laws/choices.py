@@ -8,7 +8,8 @@ import casadi as ca
 
 from hoverproof.plant import rigid_body
 from hoverproof.plant.rigid_body import E3, skew
-from hoverproof.servo.law import Design, Feature, Force, Goal, Measurement
+from hoverproof.servo.feature import Feature
+from hoverproof.servo.law import Design, Force, Goal, Measurement
 from hoverproof.servo.layout import column
 
 
