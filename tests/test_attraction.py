@@ -230,7 +230,7 @@ def test_a_barrier_needs_k3_large_enough():
 
 def test_a_goal_that_is_not_straight_below_is_refused():
     tilted = load("x4-flyer", {"goal": "{centroid = [0.3, 0.2, 3.5]}"})
-    with pytest.raises(InputError, match="axial"):
+    with pytest.raises(InputError, match="straight below"):
         attraction(tilted)
 
 

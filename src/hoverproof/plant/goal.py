@@ -20,6 +20,8 @@ from hoverproof.plant import camera
 
 Interval = tuple[Fraction, Fraction]
 _ZERO: Interval = (Fraction(0), Fraction(0))
+ASIDE = Fraction(1, 10**6)
+"""A hover that is so far aside, as a share of its height, is said to be."""
 SPARE = 64
 """What is added to the bound of how far the goal is from where it was found, as a factor."""
 
@@ -41,6 +43,18 @@ class HoverGoal:
     position: tuple[Fraction, ...]
     centroid: tuple[Interval, ...]
     exact: bool
+
+    def is_above_middle_of(self, mission: Mission) -> bool:
+        """Tell whether it is right above the mean of the target, as of one alike on all sides.
+
+        Parameters
+        ----------
+        mission : Mission
+            Whose hover it is.
+        """
+        x, y, _ = mission.target.mean
+        away = max(abs(self.position[0] - x), abs(self.position[1] - y))
+        return away <= ASIDE * (mission.height_of_target - self.position[2])
 
     @property
     def centroid_midpoint(self) -> list[Fraction]:

@@ -224,9 +224,9 @@ def off_the_vertical(mission: Mission) -> InputError:
     return InputError(
         mission.source,
         "goal.centroid",
-        "is not straight below: seen aside by a level camera, a goal turns with the heading, so "
-        "that hovers that see it are a circle, and convergence is shown to one place alone; "
-        "certify covers it, or give goal.height, or centroid = [0, 0, q3]",
+        "is not straight below: hovers that see it lie all around the target, one for each "
+        "heading, and convergence is shown to one place alone; certify is about such a goal too, "
+        "as long as it does not turn; or give goal.height, or centroid = [0, 0, q3]",
     )
 
 
