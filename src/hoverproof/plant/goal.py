@@ -261,7 +261,7 @@ def _solve(
     seen = np.array(look(points.T, xi)[0])[:, 0]
     if not np.abs((seen - wanted)[:free]).max() <= 1e-9:  # nor if it is not a number
         if free == 3:
-            raise _unseen(mission, wanted, xi)
+            raise _unseen(mission, wanted)
         raise InputError(
             mission.source,
             "goal.height",
@@ -271,8 +271,30 @@ def _solve(
     return [float(c) for c in xi]
 
 
-def _unseen(mission: Mission, wanted: np.ndarray, nearest: np.ndarray) -> InputError:
-    """Say why no hover sees a centroid w, given where the search for one ended.
+def _lowest(mission: Mission, wanted: np.ndarray) -> np.ndarray:
+    """Return where the convex Φ(ξ) + wᵀξ is least, (3,), m, wherever that is: by damped Newton."""
+    points, counts = (np.array(x, float) for x in (mission.target.points, mission.target.counts))
+    xi, damping = points.mean(axis=0) - [0, 0, np.ptp(points, axis=0).max()], 1e-3
+
+    def potential(at: np.ndarray) -> float:
+        return float((counts * np.linalg.norm(points - at, axis=1)).sum() + wanted @ at)
+
+    for _ in range(500):
+        rays = points - xi
+        shares = counts / np.maximum(np.linalg.norm(rays, axis=1), 1e-12)
+        u = rays / np.maximum(np.linalg.norm(rays, axis=1), 1e-12)[:, None]
+        slope = wanted - shares @ rays
+        bend = shares.sum() * (1 + damping) * np.eye(3) - (shares[:, None] * u).T @ u
+        step = -np.linalg.solve(bend, slope)
+        better = potential(xi + step) < potential(xi)
+        xi, damping = (xi + step, damping / 4) if better else (xi, damping * 4 + 1e-6)
+        if damping > 1e9:
+            break
+    return xi
+
+
+def _unseen(mission: Mission, wanted: np.ndarray) -> InputError:
+    """Say why no hover sees a centroid w.
 
     It is seen from where the convex Φ(ξ) + wᵀξ is least. If that is a target point, it is seen from
     nowhere; and it is target point k if |Σ wᵢ uᵢ - w| ≤ wₖ, uᵢ the unit vectors from there to the
@@ -280,8 +302,9 @@ def _unseen(mission: Mission, wanted: np.ndarray, nearest: np.ndarray) -> InputE
     """
     asked = f"no level hover sees the centroid {_shown(wanted)}"
     each = list(zip(mission.target.points, mission.target.counts, strict=True))
-    off = np.linalg.norm(np.array(mission.target.points, float) - nearest, axis=1)
-    for k in np.argsort(off, kind="stable")[:3]:  # the search ends near it
+    lowest = _lowest(mission, wanted)
+    off = np.linalg.norm(np.array(mission.target.points, float) - lowest, axis=1)
+    for k in np.argsort(off, kind="stable")[:3]:
         point, _ = each[k]
         others = [(p, count) for p, count in each if p != point]
         here = sum((count for p, count in each if p == point), Fraction(0))
@@ -298,8 +321,10 @@ def _unseen(mission: Mission, wanted: np.ndarray, nearest: np.ndarray) -> InputE
             return InputError(mission.source, "goal.centroid", f"{asked}: {reason}")
     highest = min(float(p[2]) for p in mission.target.points)
     reason = (
-        f"none was found above the highest target point, z = {highest:g} m; the search ended at "
-        f"{_shown(nearest)} m"
+        f"looking all round, it would be seen from {_shown(lowest)} m alone, which is not above the "
+        f"highest target point, z = {highest:g} m"
+        if lowest[2] >= highest
+        else f"none was found above the highest target point, z = {highest:g} m"
     )
     return InputError(mission.source, "goal.centroid", f"{asked}: {reason}")
 
