@@ -224,6 +224,17 @@ class Contents:
         return len(self.mission.target.points)
 
     @property
+    def centroid_words(self) -> str:
+        """What the image centroid is."""
+        by_weight = "" if self.mission.target.weights is None else ", each times its weight"
+        return f"sum of the unit vectors toward the {self.points} target points{by_weight}"
+
+    @property
+    def in_order(self) -> bool:
+        """Whether image points are to be in the order of the target."""
+        return self.law.from_image or self.mission.target.weights is not None
+
+    @property
     def tells_gains(self) -> bool:
         """Whether a step may have to say that nothing is proved of its gains."""
         return self.options.tunable or not self.evidence.certified
@@ -290,7 +301,7 @@ def _evidence(standing: Standing) -> Evidence:
 
 
 def _origin(mission: Mission, evidence: Evidence, text: LawText, law: Law) -> Origin:
-    flies = "" if law == HAMEL_MAHONY else f", law {law.name}"
+    flies = "" if law.name == HAMEL_MAHONY.name else f", law {law.name}"
     made = f"Made by hoverproof {__version__} from the mission {mission.name}{flies}. Do not edit."
     in_c = (
         f"mission {mission.name}; certificate SHA-256 {evidence.sha256}; law SHA-256 {text.sha256}"
@@ -341,18 +352,18 @@ def _limits(
             spread=spread,
             heading=None if law.source.heading is None else Fraction(1, 10),
         ),
-        centroid_square=(Fraction(101, 100) * len(mission.target.points)) ** 2,
-        feature_square=_longest_feature(law.source, len(mission.target.points), spread) ** 2,
+        centroid_square=(Fraction(101, 100) * mission.target.whole) ** 2,
+        feature_square=_longest_feature(law.source, mission.target.whole, spread) ** 2,
     )
 
 
 def _spread(mission: Mission, options: Options) -> tuple[Fraction, Fraction]:
     """Return the n² - |q|² that a feature of the target's size is computed from.
 
-    The target is no smaller than what keeps rounding to about a thousandth; its points are before
-    the camera, so that their centroid is longer than n/25.
+    n is the sum of the weights. The target is no smaller than what keeps rounding to about a
+    thousandth; its points are before the camera, so that their centroid is longer than n/25.
     """
-    n, q = len(mission.target.points), hover_goal(mission).centroid_midpoint
+    n, q = mission.target.whole, hover_goal(mission).centroid_midpoint
     by_centroid = options.precision == FLOAT32 and "centroid" in (options.sensing, options.camera)
     radius = Fraction(1, 100 if by_centroid else 10_000)
     if n**2 - sum(c**2 for c in q) < (2 * n * radius) ** 2:
@@ -365,11 +376,11 @@ def _spread(mission: Mission, options: Options) -> tuple[Fraction, Fraction]:
     return (n * radius) ** 2, n**2 * (1 - Fraction(1, 625))
 
 
-def _longest_feature(law: Law, n: int, spread: tuple[Fraction, Fraction] | None) -> Fraction:
+def _longest_feature(law: Law, n: Fraction, spread: tuple[Fraction, Fraction] | None) -> Fraction:
     """Return the longest feature that is accepted: a hundredth more than of the smallest target."""
     square = Fraction(0) if spread is None else spread[0]
     along = ca.SX([0, 0, math.sqrt(n**2 - square)])
-    feature = ca.evalf(law.feature.of(along, ca.SX(float(square)), n))
+    feature = ca.evalf(law.feature.of(along, ca.SX(float(square)), float(n)))
     return Fraction(101, 100) * Fraction(float(ca.norm_2(feature)))
 
 

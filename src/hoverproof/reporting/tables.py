@@ -18,6 +18,7 @@ from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.mission.frame import X
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.vehicle import Vehicle
+from hoverproof.plant.goal import hover_goal
 from hoverproof.plausibility import warnings
 from hoverproof.reporting.parts import Firmware, Flown, Missing
 from hoverproof.servo.hover_error import hover_error, rests_as_modelled
@@ -26,6 +27,10 @@ from hoverproof.servo.laws.hamel_mahony import law_of
 
 DIGITS = 4
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+MOST = 24
+"""So many target points are written out."""
 
 
 class Table(NamedTuple):
@@ -158,7 +163,10 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
     height, bounds = mission.goal.height, mission.bounds
     goal = "by its centroid" if height is None else f"{short(height)} m above the target"
     q = ", ".join(short(c, 6) for c in q_star)
-    points = "; ".join(place(p) for p in mission.target.points)
+    counts = mission.target.weights
+    points = "; ".join(place(p) for p in mission.target.points[:MOST])
+    if len(mission.target.points) > MOST:
+        points += f"; and {len(mission.target.points) - MOST} more"
     origin = "proved over a box" if bounds.eigenvalues == "auto" else "assumed"
     assumed = (
         ("thrust, assumed", f"{interval(bounds.thrust)} N")
@@ -194,7 +202,9 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
             "Target, goal and start (world frame, z down)",
             [
                 (f"{len(mission.target.points)} target points", points),
+                *([("weights", ", ".join(map(short, counts)))] if counts else []),
                 ("goal", goal),
+                ("hover there", place(hover_goal(mission).position)),
                 ("wanted centroid q*", f"({q})"),
                 ("start", place(start.position)),
                 *_moving(mission),

@@ -227,7 +227,7 @@ def level_slope(n: int, law: Law) -> ca.Function:
     """
     points, position, q = ca.SX.sym("points", 3, n), ca.SX.sym("xi", 3), ca.SX.sym("q", 3)
     if ca.is_equal(law.feature.at(q, n), q):
-        return level_view(n).factory("level_slope", ["points", "xi"], ["Q"])
+        return level_view(n, law.feature.weights).factory("level_slope", ["points", "xi"], ["Q"])
     slope = -ca.jacobian(level_feature(n, law)(points, position), position)
     return ca.Function("level_slope", [points, position], [ca.densify(slope)])
 
@@ -287,14 +287,14 @@ class LoopNumbers:
         ----------
         mission : Mission
         law : Law, optional
-            By default that of the mission.
+            By default that of the mission; it counts the target points as the mission does.
 
         Raises
         ------
         InputError
             If no level hover sees the goal of the mission.
         """
-        goal, law = hover_goal(mission), law or flown_law(mission)
+        goal, law = hover_goal(mission), (law or flown_law(mission)).weighing(mission.target)
         start = mission.start
         state = [
             *start.position,

@@ -37,9 +37,9 @@ from hoverproof.simulation.surroundings import (
 IMU_NOISE = 9
 """Numbers that a tick draws for gyro, velocity and gravity; see `imu_noise`."""
 
-IMU_CHANNEL, GUST_CHANNEL = 64, 72  # a camera has at most 64 points: channels 0 to 63
+IMU_CHANNEL, GUST_CHANNEL = 64, 72
 CAMERA_CHANNEL = 128
-"""Of a camera that tells the heading too, which draws three numbers more."""
+"""Of a camera that draws more than 64 pairs of numbers; a smaller one has channels 0 to 63."""
 
 
 @cache
@@ -95,7 +95,7 @@ def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY, frame: F
             "SEEN": 6 if north else 3,
             "NORTH": place(layout, "north" if north else "held").start,
             "CAMERA_NOISE": pixels.numel(),
-            "CAMERA_CHANNEL": CAMERA_CHANNEL if north else 0,
+            "CAMERA_CHANNEL": CAMERA_CHANNEL if north or n > IMU_CHANNEL else 0,
             "CAMERA_NOISY": int(features.camera_noise or (north and features.imu_noise)),
             "IMU_NOISE": imu.numel(),
             "IMU_CHANNEL": IMU_CHANNEL,
