@@ -315,6 +315,7 @@ class Mission(_Section):
                 f"must be below gravity, {_shown(gravity)} m/s², not {_shown(wind)}",
                 key="uncertainty.wind",
             )
+        self._covers_its_inertia()
         for key in ("thrust", "wind", "rotor_lag"):
             if self.law.force == "modelled" and getattr(self.uncertainty, key):
                 raise _reject(
@@ -323,6 +324,22 @@ class Mission(_Section):
                     key=f"uncertainty.{key}",
                 )
         return self
+
+    def _covers_its_inertia(self) -> None:
+        """Refuse tolerances that a vehicle with products of inertia cannot have covered."""
+        asked = self.uncertainty
+        keys = {
+            "torque": asked.torque,
+            "rotor_lag": asked.rotor_lag,
+            "noise.rate": asked.noise.rate,
+        }
+        for key, value in keys.items():
+            if value and self.vehicle.products is not None:
+                raise _reject(
+                    "must be 0 for a vehicle with products of inertia: the theorem about other "
+                    "torques is there for principal moments alone, three numbers",
+                    key=f"uncertainty.{key}",
+                )
 
     @property
     def title(self) -> str:
@@ -372,8 +389,10 @@ class Mission(_Section):
         numbers = self.model_dump(exclude_none=True, exclude=left_out)
         if not as_written:
             numbers["vehicle"] = self.vehicle.as_flown()
-        elif not self.vehicle.reversed:
-            del numbers["vehicle"]["reversed"]
+        else:
+            numbers["vehicle"] |= {} if self.vehicle.products is None else self.vehicle.as_matrix()
+            if not self.vehicle.reversed:
+                del numbers["vehicle"]["reversed"]
         text: dict[str, Any] = _as_text(numbers)
         for part, key in (
             (text.get("uncertainty"), "gust"),

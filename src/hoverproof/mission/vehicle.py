@@ -6,7 +6,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, PlainValidator, model_validator
+from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
 from hoverproof.mission import frame as frames
 from hoverproof.mission.fields import Section, array, one_of, quantity, reject, shown, true_or_false
@@ -20,6 +20,8 @@ _ARM = "a length in m, from the centre of mass to each rotor"
 _WANTED = dict.fromkeys(LAYOUTS, _ARM) | {
     "h": "[forward, sideways] in m, from the centre of mass to each rotor"
 }
+_MOMENT = quantity("kg m²", "-1e6", "1e6")
+_ASIDE = (0, 1), (0, 2), (1, 2)
 _TURN = {"ccw": 1, "cw": -1}
 _NEEDED = (
     f"is missing: give layout ({', '.join(LAYOUTS)}) with arm (m, from the centre of mass to a "
@@ -72,18 +74,20 @@ class Rotor(Section):
 
 
 class Vehicle(Section):
-    """The vehicle: mass kg, inertia kg m² (principal), its rotors, drag_ratio m, gravity m/s².
+    """The vehicle: mass kg, inertia kg m², its rotors, drag_ratio m, gravity m/s².
 
-    Where the rotors are is said in one of three ways: `lever`, m, of each rotor about the roll and
-    the pitch axis, the d of the paper, in an X frame; `layout`, "x", "plus", "h", "hex" or "octo",
-    with `arm`, m, from the centre of mass to each rotor, of "h" [forward, sideways], and `reversed`
-    if propellers turn the other way; or a list `rotors`.
+    The inertia is about the body axes: three moments, or a symmetric matrix of three rows, which is
+    kept as `inertia` and `products`. Where the rotors are is said in one of three ways: `lever`, m,
+    of each rotor about the roll and the pitch axis, the d of the paper, in an X frame; `layout`,
+    "x", "plus", "h", "hex" or "octo", with `arm`, m, from the centre of mass to each rotor, of "h"
+    [forward, sideways], and `reversed` if propellers turn the other way; or a list `rotors`.
     """
 
     mass: Annotated[Fraction, quantity("kg", "0", "1e6", open_low=True)]
     inertia: Annotated[
         tuple[_Inertia, _Inertia, _Inertia], BeforeValidator(array("I1", "I2", "I3"))
     ]
+    products: Annotated[tuple[Fraction, Fraction, Fraction] | None, Field(exclude=True)] = None
     lever: _PositiveLength | None = None
     layout: Annotated[Literal["x", "plus", "h", "hex", "octo"], one_of(*LAYOUTS)] | None = None
     arm: Annotated[Any, PlainValidator(_one_or_two)] = None
@@ -92,14 +96,60 @@ class Vehicle(Section):
     drag_ratio: _PositiveLength
     gravity: Annotated[Fraction, quantity("m/s²", "0", "1e3", open_low=True)]
 
+    @model_validator(mode="before")
+    @classmethod
+    def _apart(cls, data: Any) -> Any:
+        """Take a matrix of inertia apart: its diagonal, and what stands beside it."""
+        if not isinstance(data, dict):
+            return data
+        if "products" in data:
+            raise reject("unknown key; give inertia as a 3 x 3 matrix", key="products")
+        given = data.get("inertia")
+        if not isinstance(given, list) or not any(isinstance(row, list) for row in given):
+            return data
+        if not all(isinstance(row, list) and len(row) == 3 for row in given) or len(given) != 3:
+            raise reject("must be [I1, I2, I3] or a matrix of 3 rows of 3", key="inertia")
+        number: Any = _MOMENT.func
+        rows = [[number(entry) for entry in row] for row in given]
+        if any(rows[i][j] != rows[j][i] for i, j in _ASIDE):
+            raise reject("must be a symmetric matrix", key="inertia")
+        aside = tuple(rows[i][j] for i, j in _ASIDE)
+        diagonal = [rows[i][i] for i in range(3)]
+        return data | {"inertia": diagonal} | ({"products": aside} if any(aside) else {})
+
     @model_validator(mode="after")
     def _is_a_body(self) -> Self:
         a, b, c = sorted(self.inertia)
-        if a + b < c:
+        if self.products is None:
+            if a + b < c:
+                raise reject(
+                    "no rigid body has one moment above the sum of the other two", key="inertia"
+                )
+            return self
+        if not _is_semidefinite(self.matrix, strictly=True):
+            raise reject("must be positive definite, as that of a rigid body is", key="inertia")
+        half = sum(self.inertia, Fraction(0)) / 2
+        rest = [[half * (i == j) - self.matrix[i][j] for j in range(3)] for i in range(3)]
+        if not _is_semidefinite(rest):
             raise reject(
-                "no rigid body has one moment above the sum of the other two", key="inertia"
+                "no rigid body has one principal moment above the sum of the other two; are the "
+                "products of inertia in another unit?",
+                key="inertia",
             )
         return self
+
+    @property
+    def moments(self) -> tuple[Fraction, ...]:
+        """I11, I22, I33, kg m², and I12, I13, I23 if one of these is not zero."""
+        return (*self.inertia, *(self.products or ()))
+
+    @property
+    def matrix(self) -> list[list[Fraction]]:
+        """The matrix of inertia, (3, 3), kg m²."""
+        rows = [[self.inertia[i] * (i == j) for j in range(3)] for i in range(3)]
+        for (i, j), entry in zip(_ASIDE, self.products or (), strict=False):
+            rows[i][j] = rows[j][i] = entry
+        return rows
 
     @model_validator(mode="after")
     def _says_where_rotors_are(self) -> Self:
@@ -189,6 +239,10 @@ class Vehicle(Section):
         """What each rotor gives in hover, N."""
         return tuple(row[0] * self.weight for row in frames.shares(self.frame))
 
+    def as_matrix(self) -> dict[str, Any]:
+        """Return the inertia as a file says it with products of inertia, kg m²."""
+        return {"inertia": self.matrix}
+
     def as_flown(self) -> dict[str, Any]:
         """Return what counts of it: `arm`, the lever of an X frame, m, or all rotors.
 
@@ -200,6 +254,8 @@ class Vehicle(Section):
             "drag_ratio": self.drag_ratio,
             "gravity": self.gravity,
         }
+        if self.products is not None:
+            held["products"] = self.products
         if self.frame == X:
             return held | {"arm": self.reach}
         places, turns = self.frame.places, self.frame.turns
@@ -208,6 +264,15 @@ class Vehicle(Section):
             for (x, y), turn in zip(places, turns, strict=True)
         ]
         return held | {"rotors": rotors}
+
+
+def _is_semidefinite(rows: list[list[Fraction]], *, strictly: bool = False) -> bool:
+    """Tell whether a symmetric matrix of order 3 is positive (semi)definite, by its minors."""
+    (a, d, e), (_, b, f), (_, _, c) = rows
+    pairs = [a * b - d * d, a * c - e * e, b * c - f * f]
+    determinant = a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e)
+    minors = [a, b, c, *pairs, determinant]
+    return all(x > 0 if strictly else x >= 0 for x in minors)
 
 
 def _two_readings(arm: Fraction | tuple[Fraction, Fraction]) -> str:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 import casadi as ca
@@ -38,7 +39,7 @@ class Design(Packed):
     mass, gravity : SX
         kg and m/s².
     inertia : SX
-        Principal moments, (3, 1), kg m².
+        I11, I22, I33, (3, 1), kg m²; with products of inertia I12, I13, I23 besides, (6, 1).
     k1, k2, k3, k4, k_yaw : SX
         Gains: k1 in kg m/s, k2 in 1/m, k3 and k4 in kg/s, k_yaw in kg m²/s.
     goal_centroid : SX
@@ -75,7 +76,8 @@ class Design(Packed):
         """
         v = mission.vehicle
         gains = {name: (getattr(mission.gains, name),) for name in cls.gains()}
-        return {"mass": (v.mass,), "gravity": (v.gravity,), "inertia": v.inertia, **gains}
+        moments = v.moments[: cls.sizes()["inertia"]]
+        return {"mass": (v.mass,), "gravity": (v.gravity,), "inertia": moments, **gains}
 
     @classmethod
     def values(cls, mission: Mission, goal_centroid: Sequence[Fraction]) -> list[Fraction]:
@@ -104,6 +106,19 @@ class Design(Packed):
     def singular_thrust(self) -> ca.SX:
         """c q3*, N: at this thrust the paper's controller is singular."""
         return self.stiffness * self.goal_centroid[2]
+
+
+@cache
+def _with_moments(design: type[Design], moments: int) -> type[Design]:
+    """Return the layout for a vehicle with so many moments and products of inertia."""
+
+    class OfBody(design):  # type: ignore[misc, valid-type]
+        @classmethod
+        def sizes(cls) -> dict[str, int]:
+            own: dict[str, int] = super().sizes()
+            return own | {"inertia": moments}
+
+    return OfBody
 
 
 @dataclass(frozen=True)
@@ -283,6 +298,19 @@ class Law:
             return self
         weights = tuple(map(float, target.weights))
         return replace(self, feature=replace(self.feature, weights=weights))
+
+    def flying(self, mission: Mission) -> Law:
+        """Return the law with the weights of a mission's points and the inertia of its vehicle.
+
+        Parameters
+        ----------
+        mission : Mission
+        """
+        law, moments = self.weighing(mission.target), len(mission.vehicle.moments)
+        if law.design.sizes()["inertia"] == moments:
+            return law
+        design: type[Design] = _with_moments(law.design, moments)  # type: ignore[arg-type]
+        return replace(law, design=design)
 
     @property
     def has_compass(self) -> bool:

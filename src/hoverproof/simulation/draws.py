@@ -15,7 +15,7 @@ from hoverproof.simulation.flight_log import begin
 from hoverproof.simulation.plan import Plan
 from hoverproof.simulation.realistic import IMU_NOISE
 from hoverproof.simulation.step import flight_states
-from hoverproof.simulation.surroundings import HeadedSurroundings, of_rotors
+from hoverproof.simulation.surroundings import HeadedSurroundings, of_vehicle
 
 Array = NDArray[np.float64]
 
@@ -104,8 +104,8 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
     lag = [math.exp(-k * plan.step / time_constant) if time_constant else 0.0 for k in (0, 0.5, 1)]
     gust, kept = float(w.gust), math.exp(-plan.step / float(w.gust_time))
     period = plan.step if s.control_rate is None else 1 / float(s.control_rate)
-    inertia = np.array([float(i) for i in vehicle.inertia])
-    inertia_error = np.array([float(e) for e in wrong.inertia]) + drawn["inertia"]
+    inertia = np.array([float(i) for i in vehicle.moments])
+    inertia_error = _of_moments(np.array(wrong.inertia, float) + drawn["inertia"], len(inertia))
     strength = 1 + float(wrong.thrust) + drawn["thrust"]
     felt_late, felt_new = lag_shares(float(s.accelerometer_time_constant), plan.step)
     values: dict[str, Any] = {
@@ -146,10 +146,23 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
         "heading_noise": float(s.heading_noise),
         "true_arm": float(vehicle.reach) * (1 + float(wrong.arm) + drawn["arm"][:, 0]),
     }
+    whole = of_vehicle(HeadedSurroundings, plan.rotors, len(vehicle.moments))
     return {
         name: np.broadcast_to(np.reshape(values[name], (-1, size)), (count, size))
-        for name, size in of_rotors(HeadedSurroundings, plan.rotors).sizes().items()
+        for name, size in whole.sizes().items()
     }
+
+
+def _of_moments(shares: Array, moments: int) -> Array:
+    """Return by what share all moments change, (count, moments), from those of the diagonal.
+
+    A product of inertia changes so that the matrix stays that of a body.
+    """
+    if moments == 3:
+        return shares
+    root = np.sqrt(1 + shares)
+    pairs = [root[:, i] * root[:, j] - 1 for i, j in ((0, 1), (0, 2), (1, 2))]
+    return np.column_stack([shares, *pairs])
 
 
 def _scatter(plan: Plan, runs: NDArray[np.int64]) -> dict[str, Array]:

@@ -257,24 +257,28 @@ class HeadedSurroundings(FurtherSurroundings):
 
 
 @cache
-def of_rotors(around: type[FurtherSurroundings], rotors: int) -> type[FurtherSurroundings]:
-    """Return the layout for so many rotors.
+def of_vehicle(around: type[Surroundings], rotors: int, moments: int) -> type[Surroundings]:
+    """Return the layout for so many rotors and moments.
 
     Parameters
     ----------
-    around : type of FurtherSurroundings
-        For four.
+    around : type of Surroundings
+        For four rotors and three moments.
     rotors : int
         Their number.
+    moments : int
+        Of inertia, with products of inertia if there are any.
     """
-    if rotors == 4:
+    sizes = {"inertia": moments, "rotor_shares": rotors}
+    sizes = {name: size for name, size in sizes.items() if name in around.sizes()}
+    if sizes.items() <= around.sizes().items():
         return around
 
     class Sized(around):  # type: ignore[misc, valid-type]
         @classmethod
         def sizes(cls) -> dict[str, int]:
             own: dict[str, int] = super().sizes()
-            return own | {"rotor_shares": rotors}
+            return own | sizes
 
     return Sized
 
@@ -347,10 +351,9 @@ class Features:
         rotors : int
             Their number.
         """
-        if law.has_compass:
-            return of_rotors(HeadedSurroundings, rotors)
-        further = self.rotors_differ or law.force.sensed
-        return of_rotors(FurtherSurroundings, rotors) if further else Surroundings
+        further = FurtherSurroundings if self.rotors_differ or law.force.sensed else Surroundings
+        kind = HeadedSurroundings if law.has_compass else further
+        return of_vehicle(kind, rotors, law.design.sizes()["inertia"])
 
     def lags(self, law: Law) -> bool:
         """Tell whether an accelerometer has a memory.

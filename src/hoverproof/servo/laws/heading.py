@@ -130,4 +130,4 @@ def flown_law(mission: Mission) -> Law:
     headed = HEADED[law.feature.name, law.goal.name, law.force.name]
     if mission.goal.heading_from == "image":
         headed = replace(headed, heading=FROM_IMAGE)
-    return headed.weighing(mission.target)
+    return headed.flying(mission)
