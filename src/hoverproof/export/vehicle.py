@@ -20,7 +20,7 @@ def rate_function(moments: int = 3) -> ca.Function:
     Parameters
     ----------
     moments : int
-        Of inertia, with products of inertia if there are any.
+        Number of moments of inertia, with products of inertia if there are any.
     """
     x, T = ca.SX.sym("x", BODY_SIZE), ca.SX.sym("T")
     torque, vehicle = ca.SX.sym("torque", 3), ca.SX.sym("vehicle", 2 + moments)

@@ -267,7 +267,7 @@ def of_vehicle(around: type[Surroundings], rotors: int, moments: int) -> type[Su
     rotors : int
         Their number.
     moments : int
-        Of inertia, with products of inertia if there are any.
+        Number of moments of inertia, with products of inertia if there are any.
     """
     sizes = {"inertia": moments, "rotor_shares": rotors}
     sizes = {name: size for name, size in sizes.items() if name in around.sizes()}
