@@ -96,7 +96,7 @@ def down(
     kind : str
         Of the file.
     bodies : list of (mass, centre, inertia about it)
-        See `of_bodies`.
+        kg, (3,) in m and (3, 3) in kg m².
     rotors : list of (position, spin)
         (3,) in m, and as in `RotorSaid`.
     **more
