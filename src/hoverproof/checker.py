@@ -346,7 +346,12 @@ UNCERTAINTY = also(  # what a proof is asked to cover; without it, nothing
     gust=positive,  # m/s²
     gyro_turned=word("false", "a late image is turned by the gyroscope unless this is false"),
 )
-CAMERA = {"half_angle": positive}  # rad
+LENS = also(  # it bears on no claim
+    dict.fromkeys(("width", "height", "fx", "fy", "cx", "cy"), positive),  # px
+    distortion_model=word("equidistant", "no such distortion"),
+    distortion=several(number, 5),
+)
+CAMERA = also({}, half_angle=positive, position=VECTOR, rotation=VECTOR, lens=LENS)  # rad, m
 WHERE = {"height": number}, {"centroid": VECTOR}  # m; q*
 IMAGE = word("image", "a heading that is not from a compass is from the image")
 ANGLE = {"heading": number}  # rad
