@@ -127,7 +127,7 @@ def _flight_law(
     at_samples = numbers.at_samples(expressions)
     for i, sample in enumerate(numbers.samples):
         assert_is_the_controller(by_feature, sample, [values[i] for values in at_samples], law)
-    seen = seen_feature(law.feature, *sensing)
+    seen = seen_feature(law, *sensing)
     function, after_checks = _functions(chain, numbers, seen)
     tuned, rest = _gains_and_rest(law)
     (singular,) = numbers.at_samples(chain.singular)

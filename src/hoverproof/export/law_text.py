@@ -178,7 +178,7 @@ def _seen_heading(mission: Mission, options: Options, law: Law) -> tuple[str, ..
     if not (law.sees_north and options.of_points):
         return ()
     image, places = options.seen(len(mission.target.points)), ["in->heading[0]", "in->heading[1]"]
-    return north_seen(mission, options, image, "in->", places)
+    return north_seen(mission, options, law, image, "in->", places)
 
 
 def _law_sha256(law: FlightLaw) -> str:

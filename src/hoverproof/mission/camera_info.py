@@ -82,7 +82,9 @@ def _read(where: str) -> Any:
             raise InputError(where, "", f"is larger than {MAX_BYTES} bytes")
         return yaml.load(text, Loader=Exact)  # a SafeLoader
     except FileNotFoundError:
-        raise InputError(where, "", "no such file; camera.file is relative to the mission") from None
+        raise InputError(
+            where, "", "no such file; camera.file is relative to the mission"
+        ) from None
     except OSError as error:
         raise InputError(where, "", f"cannot be read: {error.strerror}") from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:

@@ -257,7 +257,9 @@ def sight_of(lens: LensModel) -> Sight | None:
     folded = not ((gap < ENOUGH**2).all() and (upright > 0).all() and _rises(lens, here))
     if folded or not np.isfinite(here).all():
         return None
-    points = np.array(ca.Function("point", [found, ray], [lens.point(found, ray)]).map(count)(here, rays))
+    points = np.array(
+        ca.Function("point", [found, ray], [lens.point(found, ray)]).map(count)(here, rays)
+    )
     edge = np.vstack([points[:, : grid.shape[1]], np.ones(grid.shape[1])])
     reach = float(np.linalg.norm(points, axis=0).max())
     return Sight(max(steps, 1), reach, edge / np.linalg.norm(edge, axis=0))

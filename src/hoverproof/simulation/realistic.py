@@ -67,7 +67,7 @@ def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY) -> Loop:
 
     seen = look(memory, around, points, pixels, law, rounded=features.rounded)
     decided = packed_with(memory, decide(memory, design, around, imu, law))
-    moved = packed_with(memory, move(memory, design, around, points, gust))
+    moved = packed_with(memory, move(memory, design, around, points, gust, law))
     record = recorded(memory, design, around, points, law)
     return Loop(
         {
@@ -144,7 +144,7 @@ def look(
     rounded : bool
         Whether image coordinates are rounded.
     """
-    seen = around.seen(RigidBodyState.from_vector(memory["state"]), points)
+    seen = around.seen(RigidBodyState.from_vector(memory["state"]), points, law)
     image = camera.pinhole(seen)
     size = ca.fabs(image)
     margin = ca.fmin(
@@ -155,8 +155,8 @@ def look(
     image = image + around.image_noise * ca.reshape(noise[:count], 2, points.shape[1])
     if rounded:
         image = ca.floor(image / around.image_resolution + 0.5) * around.image_resolution
-    directions = camera.spherical(image)
-    told = [law.feature.seen(directions)]
+    directions = law.in_body(camera.spherical(image))
+    told = [law.look(directions)]
     if law.sees_north:
         down = gravity_read(RigidBodyState.from_vector(memory["state"]), around, noise[count:])
         told.append(camera.north(directions, down, points))
@@ -317,7 +317,12 @@ def decide(
 
 
 def move(
-    memory: dict[str, ca.SX], design: Design, around: Any, points: ca.SX, noise: ca.SX
+    memory: dict[str, ca.SX],
+    design: Design,
+    around: Any,
+    points: ca.SX,
+    noise: ca.SX,
+    law: Law,
 ) -> dict[str, ca.SX]:
     """Return what one step of the integrator changes in the memory.
 
@@ -335,6 +340,7 @@ def move(
         (3, n), world frame, m.
     noise : SX
         (3, 1), standard normal: the gust.
+    law : Law
     """
     gap = memory["rotors"] - memory["rotor_commands"]
     left = (around.left_now, around.left_half, around.left_whole)
@@ -357,7 +363,7 @@ def move(
         ca.vertcat(runge_kutta(rate, now[:-1], around.step), wrenches[2][0])
     )
     before = RigidBodyState.from_vector(now)
-    depth = ca.mmin(around.seen(before, points)[2, :])
+    depth = ca.mmin(around.seen(before, points, law)[2, :])
     changes = {
         "state": RigidBodyState(
             after.position,

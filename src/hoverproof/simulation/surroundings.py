@@ -118,7 +118,7 @@ class Surroundings(Packed):
     velocity_noise: ca.SX = scalar("m/s")
     gravity_noise: ca.SX = scalar("rad")
 
-    def seen(self, body: RigidBodyState, points: ca.SX) -> ca.SX:
+    def seen(self, body: RigidBodyState, points: ca.SX, law: Law) -> ca.SX:
         """Return the target points in the frame of the camera as it is mounted, (3, n), m.
 
         Parameters
@@ -126,9 +126,13 @@ class Surroundings(Packed):
         body : RigidBodyState
         points : SX
             (3, n), world frame, m.
+        law : Law
+            Its camera sits where it says.
         """
-        mounted = ca.horzcat(self.camera_x, self.camera_y, self.camera_z)
-        return camera.body_points(points, body.position, body.rotation @ mounted)
+        axes, place = ca.horzcat(self.camera_x, self.camera_y, self.camera_z), body.position
+        if law.mount is not None:
+            place = place + body.rotation @ law.mount.arm()
+        return camera.body_points(points, place, body.rotation @ axes)
 
     def thrusts(self, commanded: ca.SX) -> ca.SX:
         """Return what rotors push with that the controller takes to push so, (4, 1), N.
