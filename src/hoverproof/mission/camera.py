@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from typing import Annotated, Any, Literal, Self
 
@@ -109,6 +110,11 @@ class Camera(Section):
         return any(self.position)
 
     @property
+    def arm(self) -> float:
+        """How far it is from the centre of mass, m."""
+        return math.hypot(*map(float, self.position))
+
+    @property
     def is_mounted(self) -> bool:
         """Whether it is anywhere else than at the centre of mass, its axes those of the body."""
         return self.has_arm or any(self.rotation)
@@ -118,6 +124,14 @@ class Camera(Section):
         """Bound of the angle from the z axis of the body to the optical axis, rad."""
         roll, pitch, _ = self.rotation
         return abs(roll) + abs(pitch)
+
+    @property
+    def about_vertical(self) -> Fraction | None:
+        """The half angle of a cone about the z axis of the body that is in the one said, rad.
+
+        Not positive where the camera leans by more; None if none is said.
+        """
+        return None if self.half_angle is None else self.half_angle - self.tilt
 
     def covers(self) -> list[str]:
         """Return what is sure to be seen in words, if it is said."""

@@ -171,7 +171,7 @@ def _found(search: Search, near: Near | None) -> Candidate | str:
 
 
 def _half_angle(mission: Mission) -> float | None:
-    half = mission.camera.half_angle
+    half = mission.camera.about_vertical
     return None if half is None else float(half)
 
 
