@@ -15,6 +15,7 @@ from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.errors import InputError
 from hoverproof.export.camera import CameraText, camera_text
 from hoverproof.export.flight_law import FlightLaw
+from hoverproof.export.lens import LensText, lens_text
 from hoverproof.export.law_text import LawText, VehicleText, law_text, vehicle_text
 from hoverproof.export.options import Options
 from hoverproof.export.precision import FLOAT32
@@ -189,6 +190,8 @@ class Contents:
     vehicle : VehicleText
     camera : CameraText or None
         If frames are kept between steps.
+    lens : LensText or None
+        If the mission has one, and points are taken in.
     adapter : Adapter
     hover_error : list of (str, str)
         What errors of thrust and mass do to the hover; empty where that is not known of the law.
@@ -208,6 +211,7 @@ class Contents:
     law: LawText
     vehicle: VehicleText
     camera: CameraText | None
+    lens: LensText | None
     adapter: Adapter
     hover_error: Sequence[tuple[str, str]]
     vectors: Sequence[Vector]
@@ -256,6 +260,7 @@ def contents(
         law=text,
         vehicle=vehicle_text(mission, options, law.source),
         camera=camera,
+        lens=lens_text(mission, options),
         adapter=_adapter(mission, options),
         hover_error=hover_error(mission, law.source).rows()
         if rests_as_modelled(law.source)

@@ -51,7 +51,7 @@ class Lens(Section):
     cx: _Pixels
     cy: _Pixels
     distortion_model: Annotated[Model, one_of(*COEFFICIENTS)] = "plumb_bob"
-    distortion: Annotated[list[_Coefficient], Field(max_length=5)] = []
+    distortion: Annotated[list[_Coefficient], Field(max_length=5, default_factory=list)]
 
     @model_validator(mode="after")
     def _hangs_together(self) -> Self:

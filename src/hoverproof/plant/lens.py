@@ -6,6 +6,7 @@ it is flown. Backward there is no formula; Newton's method finds the point whose
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache
 
@@ -301,6 +302,30 @@ def seeing_lens(mission: Mission) -> tuple[LensModel, Sight] | None:
         )
         raise InputError(mission.source, "camera.lens.distortion", reason)
     return lens, sight
+
+
+def check_cone(mission: Mission) -> None:
+    """Refuse a half angle that reaches beyond the image, where the lens is told.
+
+    Parameters
+    ----------
+    mission : Mission
+
+    Raises
+    ------
+    InputError
+        If it does, or a pixel of the image has no one direction.
+    """
+    seeing, half = seeing_lens(mission), mission.camera.half_angle
+    if seeing is None or half is None:
+        return
+    largest = seeing[1].half_angle(np.array([0.0, 0.0, 1.0]))
+    if half > largest:
+        reason = (
+            f"reaches beyond the image: the largest cone about the optical axis within it has "
+            f"{math.floor(1e4 * largest) / 1e4:g} rad, not {float(half):g}"
+        )
+        raise InputError(mission.source, "camera.half_angle", reason)
 
 
 def _edge(width: float, height: float) -> Array:

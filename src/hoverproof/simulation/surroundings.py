@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from hoverproof.plant import camera, rotors
+from hoverproof.plant.lens import LensModel
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, specific_force
 from hoverproof.servo.law import Law
 from hoverproof.servo.layout import Packed, column, scalar
@@ -276,6 +277,8 @@ class Features:
         Whether rotors or arms are not as the controller takes them to be.
     lag : bool
         Whether an accelerometer lags.
+    lens : LensModel, optional
+        What makes pixels of image points, and has edges; then noise and rounding are in px.
     """
 
     camera_noise: bool = False
@@ -286,6 +289,7 @@ class Features:
     turned: bool = False
     rotors_differ: bool = False
     lag: bool = False
+    lens: LensModel | None = None
 
     def layout(self, law: Law) -> dict[str, int]:
         """Return the parts of a vehicle's memory and their sizes, those of `LAYOUT` first.

@@ -26,6 +26,7 @@ from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
+from hoverproof.plant.lens import check_cone
 from hoverproof.servo.law import Law
 
 Array = NDArray[np.float64]
@@ -132,6 +133,7 @@ def require_question(mission: Mission, starts: Sequence[Start]) -> None:
         raise InputError(
             mission.source, key, "is not axial: this theorem needs q1* = q2* = 0 exactly"
         )
+    check_cone(mission)
     require_starts(mission, starts)
 
 
