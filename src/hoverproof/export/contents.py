@@ -15,8 +15,8 @@ from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.errors import InputError
 from hoverproof.export.camera import CameraText, camera_text
 from hoverproof.export.flight_law import FlightLaw
-from hoverproof.export.lens import LensText, lens_text
 from hoverproof.export.law_text import LawText, VehicleText, law_text, vehicle_text
+from hoverproof.export.lens import LensText, lens_text
 from hoverproof.export.options import Options
 from hoverproof.export.precision import FLOAT32
 from hoverproof.export.vectors import InputBox, Vector, test_vectors

@@ -64,7 +64,7 @@ def _distortion(where: str, data: Mapping[str, Any]) -> tuple[str, list[Any]]:
 def _read(where: str) -> Any:
     import yaml
 
-    class Exact(yaml.SafeLoader):
+    class Exact(yaml.SafeLoader):  # type: ignore[misc]
         """Reads a number as it is written."""
 
     def number(loader: Any, node: Any) -> Fraction | float:
@@ -114,7 +114,7 @@ def _numbers(
     held = _named(where, data, *names)
     held = held.get("data") if isinstance(held, Mapping) else held
     plain = isinstance(held, Sequence) and not isinstance(held, str)
-    numbers = list(map(_exact, held)) if plain else [None]
+    numbers = [_exact(x) for x in held] if plain and held is not None else [None]
     if not all(isinstance(x, int | Fraction) for x in numbers):
         raise InputError(where, names[0], f"must hold a list of numbers, not {shown(held)}")
     return numbers
