@@ -221,6 +221,7 @@ def test_the_law_without_heading_may_be_flown_by_name():
 # --- firmware -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tunable", [False, True])
 @EACH_LAW
 def test_the_printed_law_is_the_derived_one_exactly(choices, tunable):
@@ -283,6 +284,7 @@ def test_without_a_heading_the_step_flies_on_and_damps_yaw_alone(headed, heading
     assert out.thrust == pytest.approx(4.905, rel=1e-6)
 
 
+@pytest.mark.slow
 @BOTH
 def test_the_firmware_flies_as_the_simulation_does(choices):
     tool("cc")
@@ -335,6 +337,7 @@ def test_a_gain_of_a_heading_without_one_is_rejected():
         checker.check(content)
 
 
+@pytest.mark.slow
 def test_a_start_that_sinks_is_not_refuted_for_a_vehicle_that_turns():
     low = {"start.position": [0, 0, Fraction("-0.02")], "start.velocity": [0, 0, 3]}
     plain, headed = (

@@ -393,6 +393,7 @@ def test_a_statement_of_a_motion_names_the_target_and_the_mission(motions):
     refuses_more_keys(motions["box"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("points", [2, 4, 64])
 @pytest.mark.parametrize("k3", ["61/2", "100000"])
 def test_a_motion_without_an_end_is_soon_given_up(motions, points, k3):
@@ -419,9 +420,10 @@ def test_no_mutant_of_a_motion_is_accepted_unless_true(motions, name, whole):
     tried(content, tally, Sunk)
     assert tally["accepted"] == 1
     for number, mutant in mutants(content):
-        tried(mutant, tally, Sunk)
+        if whole or number % 3 == 0:
+            tried(mutant, tally, Sunk)
         if number % (STEP // 2 if whole else STEP) == 0:
             tried(remade(mutant), tally, Sunk)
     print(f"{name}:", dict(tally))
     assert tally["accepted"] > 20
-    assert tally["mutants"] >= 2000
+    assert tally["mutants"] >= (2000 if whole else 800)

@@ -93,10 +93,11 @@ STARTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("start", STARTS)
 def test_the_flight_agrees_with_an_independent_adaptive_integration(start):
     mission = load("x4-flyer", STARTS[start])
-    flight = simulate(mission, duration=200)
+    flight = simulate(mission, duration=60)
     q_star = flight.attrs["goal_centroid"]
     state = np.concatenate(
         [
@@ -280,6 +281,7 @@ def test_the_flight_file_opens_elsewhere_and_carries_units_and_mission(x4):
         assert len(flight.attrs["model_sha256"]) == 64
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", [{}, {"wind": "{mean = [1, 0, 0], drag = 0.2}"}])
 def test_the_flight_file_is_the_one_that_xarray_writes(x4, change):
     flight = flown(load("x4-flyer", change), Timing(duration=10))

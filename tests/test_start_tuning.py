@@ -63,6 +63,7 @@ def resized(mission, times):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mass_ratio", [0.04, 1, 40])
 def test_the_search_sets_out_near_for_vehicles_of_20_g_and_of_20_kg(small, mass_ratio):
     small()
@@ -92,6 +93,7 @@ def test_few_vertices_give_the_weights_of_all(small):
         assert np.linalg.eigvalsh(corner.at(x).bound(few.multipliers))[0] > 0
 
 
+@pytest.mark.slow
 def test_the_dual_tells_how_time_and_rate_change_with_gains_d_share_and_rate(small):
     search = StartSearch.of(small(), Limits(20.0))
     z, at = search.beginnings(lambda text: None)[0]
@@ -102,6 +104,7 @@ def test_the_dual_tells_how_time_and_rate_change_with_gains_d_share_and_rate(sma
         assert slopes[:, k] == pytest.approx(seen, rel=0.05, abs=0.02), k
 
 
+@pytest.mark.slow
 def test_a_candidate_is_made_faster_and_stays_inside(small):
     mission = small()
     search = replace(
