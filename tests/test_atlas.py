@@ -100,12 +100,12 @@ def test_random_cells_agree_with_certify(change, across, along):
 @pytest.mark.slow
 @pytest.mark.parametrize(("change", "across", "along"), [PAIRS[0], PAIRS[1]])
 def test_many_random_cells_of_a_full_atlas_agree_with_certify(change, across, along, whole):
-    """Of each map 50, and 250 with `make trials`."""
+    """Of each map 30, and 250 with `make trials`."""
     mission = load("x4-flyer", change)
     x, y = axis(mission, across), axis(mission, along)
     drawn = atlas(mission, x, y)
     rng = np.random.default_rng(5)
-    cells = rng.integers(0, 200, (250 if whole else 50, 2))
+    cells = rng.integers(0, 200, (250 if whole else 30, 2))
     assert {"proved", "refuted"} <= agree(mission, x, y, drawn, cells)
 
 

@@ -328,6 +328,6 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 def test_memory_does_not_grow_with_the_runs():
     few, many = (
         int(run_in_python(GROW, runs).stdout)
-        for runs in ("4000", "12000")  # 58 and 174 MB
+        for runs in ("3000", "9000")  # 44 and 131 MB
     )
     assert many < few + 60_000  # kB

@@ -25,6 +25,7 @@ from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.laws.hamel_mahony import LAWS, law_of
 from hoverproof.servo.laws.heading import HEADED, flown_law
 from hoverproof.simulation.runs import simulate_batch
+from sampling import mostly_whole
 from small_kit import small_vehicle
 
 PAPERS, BEST = ("centroid", "image", "modelled"), ("scaled", "inertial", "measured")
@@ -223,7 +224,7 @@ def test_the_law_without_heading_may_be_flown_by_name():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("tunable", [False, True])
-@EACH_LAW
+@pytest.mark.parametrize("choices", mostly_whole([(law,) for law in LAWS], every=3))
 def test_the_printed_law_is_the_derived_one_exactly(choices, tunable):
     mission = mission_of(choices)
     law = flight_law(mission, sensing="feature", tunable=tunable)

@@ -29,6 +29,7 @@ from hoverproof.servo.hover_error import hover_error
 from hoverproof.show.decay import decay_along
 from hoverproof.show.figures import features_figure
 from hoverproof.show.region import region_figure
+from sampling import mostly_whole
 from small_kit import small_vehicle
 
 SMALL = small_vehicle(bounds='"auto"', start="[0.1, 0, -1.3]")
@@ -36,6 +37,8 @@ PAPERS = ("centroid", "image", "modelled")
 BEST = ("scaled", "inertial", "measured")
 OTHERS = [law for law in hp.LAWS if law != PAPERS]
 ALL = pytest.mark.parametrize("law", hp.LAWS, ids="/".join)
+SOME = pytest.mark.parametrize("law", mostly_whole([(law,) for law in hp.LAWS], every=3))
+"""Each choice of a law is in one of them."""
 
 
 def named(law):
@@ -67,7 +70,7 @@ def symbol(law):
 
 
 @pytest.mark.slow
-@ALL
+@SOME
 def test_certify_and_region_say_their_law_and_what_is_bounded(law, capsys):
     name, of = "/".join(law), symbol(law)
     for command in ("certify", "region"):
@@ -93,7 +96,7 @@ def test_certify_and_region_say_their_law_and_what_is_bounded(law, capsys):
 
 
 @pytest.mark.slow
-@ALL
+@SOME
 def test_a_flight_says_its_law_in_its_file_and_in_its_figures(law, capsys):
     status, out, _ = run(capsys, "simulate", "small.toml", *options(law), "--no-figures", "--json")
     told = json.loads(out)
@@ -163,7 +166,11 @@ def test_what_is_about_the_law_of_the_paper_alone_refuses_another(law, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", [PAPERS, ("centroid", "inertial", "measured"), BEST], ids="/".join)
+@pytest.mark.parametrize(
+    "law",
+    [PAPERS, ("centroid", "inertial", "measured"), pytest.param(BEST, marks=pytest.mark.whole)],
+    ids="/".join,
+)
 def test_tuned_gains_certify_for_their_own_law(law):
     found = hp.tune(mission_of(law), objective="decay")
     assert found.status == "tuned"

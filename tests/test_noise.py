@@ -36,7 +36,10 @@ NOISES = {
 }
 
 
-@pytest.fixture(scope="module", params=NOISES)
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param("image", marks=pytest.mark.whole), "all", "late"],
+)
 def proved(tmp_path_factory, request):
     path = tmp_path_factory.mktemp("missions") / "tag.toml"
     path.write_text(MISSION, encoding="utf-8")

@@ -60,7 +60,7 @@ def proof(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["late", "lagged", pytest.param("all", marks=slow)])
+@pytest.mark.parametrize("name", ["late", "lagged", pytest.param("all", marks=pytest.mark.whole)])
 def test_the_start_is_proved_and_the_statement_names_the_tolerances(name, proofs):
     verdict = proofs(name)
     assert verdict.status == "proved"
@@ -80,7 +80,7 @@ def matrix(form, size):
     return made
 
 
-@pytest.mark.parametrize("name", ["late", "lagged", pytest.param("all", marks=slow)])
+@pytest.mark.parametrize("name", ["late", "lagged", pytest.param("all", marks=pytest.mark.whole)])
 def test_the_checker_writes_the_inequality_that_the_graph_gives(name, proofs):
     content = proofs(name).certificate.content
     claim = checker.claim_of(content)
@@ -244,7 +244,7 @@ def energy_of(view):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["late", "lagged", pytest.param("all", marks=slow)])
+@pytest.mark.parametrize("name", ["late", "lagged", pytest.param("all", marks=pytest.mark.whole)])
 def test_along_flights_at_the_corners_the_functional_falls(name, proofs, monkeypatch, whole):
     monkeypatch.setattr(kit.View, "energy", energy_of)
     case, count = Case(proofs(name).certificate.content), 150 if whole else 40

@@ -63,8 +63,9 @@ def test_random_missions_go_through_every_command_and_meet_every_verdict(tally):
 @pytest.mark.slow
 def test_a_random_mission_is_made_again_by_its_number():
     assert [case(i) for i in range(60)] == [case(i) for i in range(60)]
-    assert len({case(i).text for i in range(600)}) > 500
-    assert {n // 200 for n in Counter(case(i).kind for i in range(600)).values()} == {1}
+    many = [case(i) for i in range(600)]
+    assert len({one.text for one in many}) > 500
+    assert {n // 200 for n in Counter(one.kind for one in many).values()} == {1}
     assert {case(i).kind for i in range(3)} == set(KINDS)
 
 

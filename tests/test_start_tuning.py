@@ -140,7 +140,11 @@ def test_a_start_beyond_the_bounds_of_J_is_said_to_be(small):
 @pytest.mark.parametrize(
     ("start", "said"),
     [
-        ("[0.65, 0, -1.9]", ("sets of gains were searched", "what binds")),
+        pytest.param(
+            "[0.65, 0, -1.9]",
+            ("sets of gains were searched", "what binds"),
+            marks=pytest.mark.whole,
+        ),
         ("[0.9, 0, -2.2]", ("no gains were searched", "the most of which the search knows")),
     ],
 )
@@ -211,12 +215,12 @@ def test_tune_writes_a_mission_and_a_certificate_that_holds_its_start(small, cap
 
 @pytest.mark.slow
 def test_none_of_many_random_gains_settles_two_percent_sooner(whole):
-    better, _ = sooner(vehicle(3), 10_000 if whole else 20)
+    better, _ = sooner(vehicle(3), 10_000 if whole else 10)
     assert better == []
 
 
 @pytest.mark.slow
 def test_nine_in_ten_random_vehicles_get_gains_that_are_proved_for_their_start(whole):
-    numbers = range(50 if whole else 2)
+    numbers = range(50 if whole else 1)
     held = [tune(vehicle(number)).status == "tuned" for number in numbers]
     assert sum(held) >= 0.9 * len(held)

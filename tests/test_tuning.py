@@ -23,6 +23,7 @@ from hoverproof import checker, cli
 from hoverproof.certification.gains import certify
 from hoverproof.certification.problem import ONES, gain_problem
 from hoverproof.certification.verdict import Proved
+from hoverproof.design import tuning
 from hoverproof.design.gain_search import GainSearch, halton
 from hoverproof.design.limits import FirstCommand, Limits, highest_k4, uses
 from hoverproof.design.margins import Questions, margins
@@ -405,10 +406,23 @@ def test_an_option_out_of_range_is_refused(x4, option, value):
 # --- the curve ------------------------------------------------------------------------------------
 
 
+def curve_once():
+    """Return three points of the curve, and what was reported meanwhile."""
+
+    def made():
+        seen = []
+
+        def report(done, total):
+            seen.append((done, total))
+
+        return pareto(load("x4-flyer"), 3, bandwidth=8.0, report=report), seen
+
+    return kept_value("curve of decay", made)
+
+
 @pytest.mark.slow
 def test_decay_grows_with_bandwidth_along_the_curve(x4):
-    seen = []
-    points = pareto(x4, 3, bandwidth=8.0, report=lambda done, total: seen.append((done, total)))
+    points, seen = curve_once()
     rates = [t.verdict.decay_rate for _, t in points]
     assert rates == sorted(rates)
     assert [b for b, _ in points] == [0.4, 1.789, 8.0]
@@ -444,7 +458,8 @@ def test_an_infeasible_wish_has_status_1_and_writes_nothing(capsys):
 
 
 @pytest.mark.slow
-def test_the_curve_is_drawn(capsys):
+def test_the_curve_is_drawn(capsys, monkeypatch):
+    monkeypatch.setattr(tuning, "pareto", lambda *_, **__: curve_once()[0][:2])
     status, out, _ = run(capsys, *TUNE, "--pareto", 2, "--out", "curve.svg", "--json")
     assert status == 0
     assert len(json.loads(out)["points"]) == 2
