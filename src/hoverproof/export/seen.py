@@ -8,7 +8,7 @@ import casadi as ca
 
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.plant import camera
-from hoverproof.servo.law import Feature
+from hoverproof.servo.feature import Feature
 
 
 @dataclass(frozen=True)
@@ -53,13 +53,14 @@ def seen_feature(feature: Feature, sensing: str, points: int) -> SeenFeature:
     seen, spread = ca.SX.sym("centroid", 3), ca.SX.sym("spread")
     if sensing == "feature":
         return SeenFeature(seen, seen)
-    q, spread_of = seen, points**2 - ca.dot(seen, seen)
+    whole, weights = feature.whole(points), feature.weights or None
+    q, spread_of = seen, whole**2 - ca.dot(seen, seen)
     if sensing == "points":
         seen = ca.SX.sym("image", 2, points)
         directions = camera.spherical(seen)
-        q = camera.centroid(directions)
-        spread_of = camera.spread(directions, q)
-    found = feature.of(q, spread, points)
+        q = camera.centroid(directions, weights)
+        spread_of = camera.spread(directions, q, weights)
+    found = feature.of(q, spread, whole)
     if not ca.depends_on(found, spread):
         return SeenFeature(seen, found)
     return SeenFeature(seen, found, spread, spread_of)

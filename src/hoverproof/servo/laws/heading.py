@@ -128,4 +128,6 @@ def flown_law(mission: Mission) -> Law:
     if mission.goal.heading is None:
         return law
     headed = HEADED[law.feature.name, law.goal.name, law.force.name]
-    return replace(headed, heading=FROM_IMAGE) if mission.goal.heading_from == "image" else headed
+    if mission.goal.heading_from == "image":
+        headed = replace(headed, heading=FROM_IMAGE)
+    return headed.weighing(mission.target)
