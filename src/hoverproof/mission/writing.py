@@ -97,7 +97,7 @@ def _value(value: Any) -> str:
         return f"[{', '.join(map(_value, value))}]"
     if isinstance(value, dict):
         return f"{{{', '.join(f'{key} = {_value(entry)}' for key, entry in value.items())}}}"
-    return f'"{value}"' if value.isalpha() else decimal(Fraction(value))
+    return f'"{value}"' if value.replace("_", "").isalpha() else decimal(Fraction(value))
 
 
 def decimal(value: Fraction) -> str:

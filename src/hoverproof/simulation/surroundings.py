@@ -12,6 +12,7 @@ import casadi as ca
 
 from hoverproof.mission.frame import Frame
 from hoverproof.plant import camera, rotors
+from hoverproof.plant.lens import LensModel
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, specific_force
 from hoverproof.servo.law import Law
 from hoverproof.servo.layout import Packed, column, scalar
@@ -119,7 +120,7 @@ class Surroundings(Packed):
     velocity_noise: ca.SX = scalar("m/s")
     gravity_noise: ca.SX = scalar("rad")
 
-    def seen(self, body: RigidBodyState, points: ca.SX) -> ca.SX:
+    def seen(self, body: RigidBodyState, points: ca.SX, law: Law) -> ca.SX:
         """Return the target points in the frame of the camera as it is mounted, (3, n), m.
 
         Parameters
@@ -127,9 +128,13 @@ class Surroundings(Packed):
         body : RigidBodyState
         points : SX
             (3, n), world frame, m.
+        law : Law
+            Its camera sits where it says.
         """
-        mounted = ca.horzcat(self.camera_x, self.camera_y, self.camera_z)
-        return camera.body_points(points, body.position, body.rotation @ mounted)
+        axes, place = ca.horzcat(self.camera_x, self.camera_y, self.camera_z), body.position
+        if law.mount is not None:
+            place = place + body.rotation @ law.mount.arm()
+        return camera.body_points(points, place, body.rotation @ axes)
 
     def thrusts(self, commanded: ca.SX) -> ca.SX:
         """Return what rotors push with that the controller takes to push so, (4, 1), N.
@@ -277,6 +282,8 @@ class Features:
         Whether rotors or arms are not as the controller takes them to be.
     lag : bool
         Whether an accelerometer lags.
+    lens : LensModel, optional
+        What makes pixels of image points, and has edges; then noise and rounding are in px.
     """
 
     camera_noise: bool = False
@@ -287,6 +294,7 @@ class Features:
     turned: bool = False
     rotors_differ: bool = False
     lag: bool = False
+    lens: LensModel | None = None
 
     def layout(self, law: Law) -> dict[str, int]:
         """Return the parts of a vehicle's memory and their sizes, those of `LAYOUT` first.

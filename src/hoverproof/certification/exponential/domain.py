@@ -101,7 +101,7 @@ class Domain:
         bounds : (low, high)
             j - ϱ and j + ϱ, 1/m.
         """
-        ends = scene.reach(offset)
+        ends = _widened(scene.reach(offset)[None], scene.arm)[0]
         low = [decimal_below(SPARE * x if x < 0 else x / SPARE, 3) for x in ends[:, 0]]
         high = [decimal_above(x * SPARE, 3) for x in ends[:, 1]]
         both = swapped(target)
@@ -139,6 +139,10 @@ class Domain:
             return scaled.in_ball(sight.slope(), len(cells), *self.bounds)
         return self.scene.flow.hold(self.scene.target, self._boxes(cells), *self.bounds)
 
+    def _widened(self, cells: Array) -> Array:
+        """Return cells that hold all positions within the arm of the camera from cells."""
+        return _widened(cells, self.scene.arm)
+
     def _corners(self, cells: Array) -> Array:
         """Return the positions of the corners of wedges, (k, 8, 3), m."""
         ends = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3)
@@ -171,9 +175,9 @@ class Domain:
 
         def hold(cells: Array) -> Told:
             with np.errstate(all="ignore"):
-                sight = self._sight(cells)
+                sight = self._sight(self._widened(cells))
                 told = self._left_out(cells) | self._beyond(sight, len(cells), self.offset)
-                inner = self._held(cells, sight)
+                inner = self._held(cells, self._sight(cells) if self.scene.arm else sight)
             for k in range(3):
                 inner &= cells[:, k, 1] < whole[k, 1]
                 inner &= (cells[:, k, 0] > whole[k, 0]) | (k < 2 and whole[k, 0] == 0)
@@ -221,3 +225,19 @@ class Domain:
         start : Start
         """
         return "0"
+
+
+def _widened(cells: Array, arm: float) -> Array:
+    """Return cells that hold all positions within an arm, m, from cells, (k, 3, 2)."""
+    if not arm:
+        return cells
+    moved = arm * cells[:, 2, 1]
+    moved[moved >= 1] = np.nan  # then nothing is shown
+    wide = cells.copy()
+    low, high = (cells[:, :2, k] + (2 * k - 1) * moved[:, None] for k in (0, 1))
+    near, far = 1 - moved[:, None], 1 + moved[:, None]
+    wide[:, :2, 0] = low / np.where(low < 0, near, far)
+    wide[:, :2, 1] = high / np.where(high > 0, near, far)
+    wide[:, 2, 0] /= 1 + arm * cells[:, 2, 0]
+    wide[:, 2, 1] /= 1 - moved
+    return wide
