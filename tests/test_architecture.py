@@ -59,6 +59,7 @@ def imports(path):
             yield from (alias.name for alias in node.names)
 
 
+@pytest.mark.slow
 def test_imports_run_downward():
     def fault(path):
         part = path.relative_to(HOUSE).parts[0].removesuffix(".py")

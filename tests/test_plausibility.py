@@ -111,6 +111,7 @@ def test_a_command_warns_once_and_goes_on(capsys):
     assert (json.loads(out)["warnings"], err) == ([], "")
 
 
+@pytest.mark.slow
 def test_tune_warns_of_gains_that_no_rotor_follows(capsys):
     status, out, err = run(
         capsys, *["tune", "crazyflie-2.1", "--objective", "decay", "--bandwidth", "300", "--json"]

@@ -24,6 +24,7 @@ from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters
+from sampling import mostly_whole
 
 F = Fraction
 FALLING = {"start": "{position = [0.1, 0.2, -0.5], velocity = [0.1, 0, 1.5]}"}
@@ -97,9 +98,8 @@ def enclosures(p, step, count):
     return found
 
 
-@pytest.mark.parametrize(
-    "name", [*PRESETS[:2], *(pytest.param(n, marks=pytest.mark.slow) for n in PRESETS[2:])]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", mostly_whole(PRESETS, every=3))
 def test_the_enclosure_holds_the_motion(name, monkeypatch):
     """Another integrator stays near it; enclosures by other steps and orders overlap it."""
     mission = load(name, LEANING)
@@ -137,7 +137,8 @@ def test_a_product_of_series_is_enclosed(pairs):
 # --- which starts are refuted -------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", mostly_whole(PRESETS, every=2, first=1))
 def test_what_is_refuted_is_what_another_integrator_sees_sink(name, whole):
     """Of two starts, and with `make trials` of four."""
     for seed in range(4 if whole else 2):
@@ -234,7 +235,8 @@ def test_of_a_target_on_two_heights_the_lowest_point_counts():
 sides = st.tuples(*[st.fractions(-2, 2, max_denominator=8)] * 2).map(sorted)
 
 
-@settings(max_examples=300, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=100, deadline=None)
 @given(st.lists(sides, min_size=3, max_size=3), st.lists(sides, min_size=3, max_size=3))
 def test_a_start_that_is_shown_to_be_inhabited_has_a_state(axis, turning):
     if not checker.inhabited(axis, turning):
