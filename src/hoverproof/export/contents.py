@@ -16,6 +16,7 @@ from hoverproof.errors import InputError
 from hoverproof.export.camera import CameraText, camera_text
 from hoverproof.export.flight_law import FlightLaw
 from hoverproof.export.law_text import LawText, VehicleText, law_text, vehicle_text
+from hoverproof.export.lens import LensText, lens_text
 from hoverproof.export.options import Options
 from hoverproof.export.precision import FLOAT32
 from hoverproof.export.vectors import InputBox, Vector, test_vectors
@@ -195,6 +196,8 @@ class Contents:
     vehicle : VehicleText
     camera : CameraText or None
         If frames are kept between steps.
+    lens : LensText or None
+        If the mission has one, and points are taken in.
     adapter : Adapter
     hover_error : list of (str, str)
         What errors of thrust and mass do to the hover; empty where that is not known of the law.
@@ -214,6 +217,7 @@ class Contents:
     law: LawText
     vehicle: VehicleText
     camera: CameraText | None
+    lens: LensText | None
     adapter: Adapter
     hover_error: Sequence[tuple[str, str]]
     vectors: Sequence[Vector]
@@ -273,6 +277,7 @@ def contents(
         law=text,
         vehicle=vehicle_text(mission, options, law.source),
         camera=camera,
+        lens=lens_text(mission, options),
         adapter=_adapter(mission, options),
         hover_error=hover_error(mission, law.source).rows()
         if rests_as_modelled(law.source)
@@ -381,7 +386,8 @@ def _longest_feature(law: Law, n: Fraction, spread: tuple[Fraction, Fraction] | 
     square = Fraction(0) if spread is None else spread[0]
     along = ca.SX([0, 0, math.sqrt(n**2 - square)])
     feature = ca.evalf(law.feature.of(along, ca.SX(float(square)), float(n)))
-    return Fraction(101, 100) * Fraction(float(ca.norm_2(feature)))
+    beside = ca.norm_2(law.made_up(ca.SX.zeros(3)))
+    return Fraction(101, 100) * Fraction(float(ca.norm_2(feature) + beside))
 
 
 def _tilt(mission: Mission, excess: Fraction) -> tuple[Fraction, str]:

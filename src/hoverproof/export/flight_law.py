@@ -130,7 +130,7 @@ def _flight_law(
     for i, sample in enumerate(numbers.samples):
         at_sample = [values[i] for values in at_samples]
         assert_is_the_controller(by_feature, sample, at_sample, law, frame)
-    seen = seen_feature(law.feature, *sensing)
+    seen = seen_feature(law, *sensing)
     function, after_checks = _functions(chain, numbers, seen, frame)
     tuned, rest = _gains_and_rest(law)
     (singular,) = numbers.at_samples(chain.singular)

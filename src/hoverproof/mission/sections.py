@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
+from hoverproof.mission.camera import Camera
 from hoverproof.mission.conditions import ModelError, Rotors, Scatter, Sensors, Wind
 from hoverproof.mission.fields import Section as _Section
 from hoverproof.mission.fields import array as _array
@@ -19,7 +20,7 @@ from hoverproof.mission.fields import quantity as _quantity
 from hoverproof.mission.fields import reject as _reject
 from hoverproof.mission.fields import shown as _shown
 from hoverproof.mission.target import Point, Target, on_one_line
-from hoverproof.mission.uncertainty import Camera, Uncertainty
+from hoverproof.mission.uncertainty import Uncertainty
 from hoverproof.mission.vehicle import Vehicle
 
 CONDITIONS = ("sensors", "rotors", "wind", "model_error", "scatter")
@@ -308,6 +309,18 @@ class Mission(_Section):
         return self
 
     @model_validator(mode="after")
+    def _has_one_lens(self) -> Self:
+        lens, seen = self.camera.lens, self.sensors
+        for key in ("focal_length", "width", "height"):
+            if lens is not None and getattr(seen, key) is not None:
+                raise _reject("is told by camera.lens; leave it out", key=f"sensors.{key}")
+        in_pixels = ("width", "height", "pixel_noise", "pixel_resolution")
+        named = [key for key in in_pixels if getattr(seen, key)]
+        if named and seen.focal_length is None and lens is None:
+            raise _reject(f"is missing; {named[0]} in px needs it", key="sensors.focal_length")
+        return self
+
+    @model_validator(mode="after")
     def _can_cover(self) -> Self:
         wind, gravity = self.uncertainty.wind, self.vehicle.gravity
         if wind >= gravity:
@@ -400,6 +413,8 @@ class Mission(_Section):
         ):
             if part and part[key] == "0":  # as in the missions before these keys
                 del part[key]
+        if "camera" in text:
+            text["camera"] = _as_text(self.camera.told())
         if self.holds_old_axes:
             text["uncertainty"]["gyro_turned"] = "false"
         if text["goal"].get("heading_from") == "compass":

@@ -99,7 +99,7 @@ def _value(value: Any) -> str:
         return f"{{{', '.join(f'{key} = {_value(entry)}' for key, entry in value.items())}}}"
     if value in ("true", "false"):
         return str(value)
-    return f'"{value}"' if value.isalpha() else decimal(Fraction(value))
+    return f'"{value}"' if value.replace("_", "").isalpha() else decimal(Fraction(value))
 
 
 def decimal(value: Fraction) -> str:

@@ -290,7 +290,7 @@ def _lowest(mission: Mission, wanted: np.ndarray) -> np.ndarray:
         xi, damping = (xi + step, damping / 4) if better else (xi, damping * 4 + 1e-6)
         if damping > 1e9:
             break
-    return xi
+    return np.asarray(xi)
 
 
 def _unseen(mission: Mission, wanted: np.ndarray) -> InputError:
@@ -321,8 +321,8 @@ def _unseen(mission: Mission, wanted: np.ndarray) -> InputError:
             return InputError(mission.source, "goal.centroid", f"{asked}: {reason}")
     highest = min(float(p[2]) for p in mission.target.points)
     reason = (
-        f"looking all round, it would be seen from {_shown(lowest)} m alone, which is not above the "
-        f"highest target point, z = {highest:g} m"
+        f"looking all round, it would be seen from {_shown(lowest)} m alone, which is not above "
+        f"the highest target point, z = {highest:g} m"
         if lowest[2] >= highest
         else f"none was found above the highest target point, z = {highest:g} m"
     )

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from fractions import Fraction
-from functools import cache
 from typing import Any
 
 import casadi as ca
@@ -20,9 +19,10 @@ from hoverproof.mission.sections import Mission
 from hoverproof.mission.target import Target
 from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.goal import hover_goal
+from hoverproof.plant.mount import Mount
 from hoverproof.servo.feature import Feature
 from hoverproof.servo.heading import Heading
-from hoverproof.servo.layout import Packed, column, scalar
+from hoverproof.servo.layout import Packed, column, resized, scalar
 
 SMALLEST_SPREAD = Fraction(1, 10**12)
 """Of W² - |q|² at a goal: a target that is seen smaller, under some 1e-6 rad, is a point."""
@@ -106,19 +106,6 @@ class Design(Packed):
     def singular_thrust(self) -> ca.SX:
         """c q3*, N: at this thrust the paper's controller is singular."""
         return self.stiffness * self.goal_centroid[2]
-
-
-@cache
-def _with_moments(design: type[Design], moments: int) -> type[Design]:
-    """Return the layout for a vehicle with so many moments and products of inertia."""
-
-    class OfBody(design):  # type: ignore[misc, valid-type]
-        @classmethod
-        def sizes(cls) -> dict[str, int]:
-            own: dict[str, int] = super().sizes()
-            return own | {"inertia": moments}
-
-    return OfBody
 
 
 @dataclass(frozen=True)
@@ -263,6 +250,8 @@ class Law:
         What tells it from another law of the same choices.
     heading : Heading, optional
         By default yaw is damped alone.
+    mount : Mount, optional
+        Of its camera; by default at the centre of mass, its axes those of the body.
     """
 
     feature: Feature
@@ -275,6 +264,7 @@ class Law:
     design: type[Design] = Design
     variant: str = ""
     heading: Heading | None = None
+    mount: Mount | None = None
 
     @property
     def name(self) -> str:
@@ -309,7 +299,7 @@ class Law:
         law, moments = self.weighing(mission.target), len(mission.vehicle.moments)
         if law.design.sizes()["inertia"] == moments:
             return law
-        design: type[Design] = _with_moments(law.design, moments)  # type: ignore[arg-type]
+        design = resized(law.design, (("inertia", moments),))
         return replace(law, design=design)
 
     @property
@@ -327,6 +317,53 @@ class Law:
         """The layout of what it measures."""
         own = self.force.measurement
         return own if self.heading is None else self.heading.measurement(own)
+
+    def in_body(self, directions: ca.SX) -> ca.SX:
+        """Return directions that its camera sees in body axes, (3, n).
+
+        Parameters
+        ----------
+        directions : SX
+            (3, n), camera axes, of any unit.
+        """
+        return directions if self.mount is None else self.mount.in_body(directions)
+
+    def look(self, directions: ca.SX) -> ca.SX:
+        """Return the feature that it makes of an image, (3, 1), body axes.
+
+        Parameters
+        ----------
+        directions : SX
+            p, (3, n), unit vectors, body axes.
+        """
+        return self.made_up(self.feature.seen(directions))
+
+    def made_up(self, feature: ca.SX) -> ca.SX:
+        """Return a feature with what makes up for the place of its camera, (3, 1), body axes.
+
+        Parameters
+        ----------
+        feature : SX
+            That the camera sees, (3, 1), body axes.
+        """
+        return feature if self.mount is None else feature + self.mount.added()
+
+    def before_camera(self, points: ca.SX, position: ca.SX, rotation: ca.SX) -> ca.SX:
+        """Return the target points in the frame of its camera, (3, n), m.
+
+        Parameters
+        ----------
+        points : SX
+            P', (3, n), world frame, m.
+        position : SX
+            ξ, (3, 1), world frame, m.
+        rotation : SX
+            R, (3, 3), body to world.
+        """
+        if self.mount is not None:
+            position = position + rotation @ self.mount.arm()
+            rotation = rotation @ self.mount.axes()
+        return camera.body_points(points, position, rotation)
 
     def known(
         self,

@@ -69,11 +69,11 @@ def sense(
         That of the true vehicle, (3, 1), body frame, m/s², for a law that measures it; by default
         it follows from the model.
     """
-    seen = camera.body_points(points, state.position, state.rotation)
+    seen = law.before_camera(points, state.position, state.rotation)
     image = camera.pinhole(seen)
-    directions = camera.directions(seen) if all_round else camera.spherical(image)
+    directions = law.in_body(camera.directions(seen) if all_round else camera.spherical(image))
     measured = Measurement(
-        centroid=law.feature.seen(directions),
+        centroid=law.look(directions),
         velocity=state.velocity,
         gravity_direction=state.gravity_direction,
         rate=state.rate,

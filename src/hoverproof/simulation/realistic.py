@@ -16,6 +16,7 @@ import casadi as ca
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.mission.frame import Frame, X
 from hoverproof.plant import camera, rigid_body, rotors
+from hoverproof.plant.lens import LensModel, sight_of
 from hoverproof.plant.rigid_body import RigidBodyState, held_rate
 from hoverproof.servo.law import Design, Law, Measurement
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
@@ -69,9 +70,9 @@ def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY, frame: F
         outputs = [ca.densify(output) for output in ca.cse(outputs)]
         return share_reciprocals(ca.Function(f"hoverproof_{name}", inputs, outputs))
 
-    seen = look(memory, around, points, pixels, law, rounded=features.rounded)
+    seen = look(memory, around, points, pixels, law, features)
     decided = packed_with(memory, decide(memory, design, around, imu, law, frame))
-    moved = packed_with(memory, move(memory, design, around, points, gust, frame))
+    moved = packed_with(memory, move(memory, design, around, points, gust, (law, frame)))
     record = recorded(memory, design, around, points, law, frame)
     return Loop(
         {
@@ -126,8 +127,7 @@ def look(
     points: ca.SX,
     noise: ca.SX,
     law: Law,
-    *,
-    rounded: bool,
+    features: Features,
 ) -> tuple[ca.SX, ca.SX]:
     """Return what a frame tells, (3, 1), and a margin above 0 if all points are in it.
 
@@ -145,28 +145,49 @@ def look(
         (2 n, 1), standard normal, point by point; with three more of the gravity direction where
         the image tells the heading.
     law : Law
-    rounded : bool
-        Whether image coordinates are rounded.
+    features : Features
     """
-    seen = around.seen(RigidBodyState.from_vector(memory["state"]), points)
+    seen = around.seen(RigidBodyState.from_vector(memory["state"]), points, law)
     image = camera.pinhole(seen)
-    size = ca.fabs(image)
-    margin = ca.fmin(
-        ca.fmin(ca.mmin(around.half_width - size[0, :]), ca.mmin(around.half_height - size[1, :])),
-        ca.mmin(seen[2, :]),
-    )
-    count = 2 * points.shape[1]
+    count, lens = 2 * points.shape[1], features.lens
+    image, inside = projected(image, around, lens)
+    margin = ca.fmin(inside, ca.mmin(seen[2, :]))
     image = image + around.image_noise * ca.reshape(noise[:count], 2, points.shape[1])
-    if rounded:
+    if features.rounded:
         image = ca.floor(image / around.image_resolution + 0.5) * around.image_resolution
-    directions = camera.spherical(image)
-    told = [law.feature.seen(directions)]
+    if lens is not None and (sight := sight_of(lens)) is not None:
+        image = ca.horzcat(*(lens.undistorted(p, sight.steps) for p in ca.horzsplit(image)))
+    directions = law.in_body(camera.spherical(image))
+    told = [law.look(directions)]
     if law.sees_north:
         down = gravity_read(RigidBodyState.from_vector(memory["state"]), around, noise[count:])
         told.append(camera.north(directions, down, points))
     if "attitude" in memory:
         told = [held_still(memory["attitude"], vector) for vector in told]
     return ca.vertcat(*told), margin
+
+
+def projected(image: ca.SX, around: Surroundings, lens: LensModel | None) -> tuple[ca.SX, ca.SX]:
+    """Return what is read of an image, (2, n), and a margin above 0 if all of it is within edges.
+
+    It is in px through a lens, else the image itself.
+
+    Parameters
+    ----------
+    image : SX
+        (X/Z, Y/Z), (2, n).
+    around : Surroundings
+    lens : LensModel or None
+    """
+    if lens is None or (sight := sight_of(lens)) is None:
+        sides = ca.vertcat(around.half_width, around.half_height)
+        gap = ca.repmat(sides, 1, image.shape[1]) - ca.fabs(image)
+        return image, ca.fmin(ca.mmin(gap[0, :]), ca.mmin(gap[1, :]))
+    pixels = ca.horzcat(*map(lens.pixel, ca.horzsplit(image)))
+    size = ca.DM([lens.width, lens.height])
+    within = ca.mmin(ca.fmin(pixels, ca.repmat(size, 1, image.shape[1]) - pixels))
+    beyond = (1.02 * sight.reach) ** 2 - ca.sum1(image * image)  # there pixels may come back
+    return pixels, ca.fmin(within, ca.mmin(beyond))
 
 
 def gravity_read(body: RigidBodyState, around: Surroundings, noise: ca.SX) -> ca.SX:
@@ -329,7 +350,7 @@ def move(
     around: Any,
     points: ca.SX,
     noise: ca.SX,
-    frame: Frame,
+    made: tuple[Law, Frame],
 ) -> dict[str, ca.SX]:
     """Return what one step of the integrator changes in the memory.
 
@@ -347,9 +368,10 @@ def move(
         (3, n), world frame, m.
     noise : SX
         (3, 1), standard normal: the gust.
-    frame : Frame
-        Of the rotors.
+    made : tuple of Law and Frame
+        The law, and the rotors.
     """
+    law, frame = made
     gap = memory["rotors"] - memory["rotor_commands"]
     left = (around.left_now, around.left_half, around.left_whole)
     thrusts = [memory["rotor_commands"] + share * gap for share in left]
@@ -371,7 +393,7 @@ def move(
         ca.vertcat(runge_kutta(rate, now[:-1], around.step), wrenches[2][0])
     )
     before = RigidBodyState.from_vector(now)
-    depth = ca.mmin(around.seen(before, points)[2, :])
+    depth = ca.mmin(around.seen(before, points, law)[2, :])
     changes = {
         "state": RigidBodyState(
             after.position,

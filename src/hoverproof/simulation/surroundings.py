@@ -7,15 +7,15 @@ behind the rest in its memory, parameters and records, so that the others stay w
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 
 import casadi as ca
 
 from hoverproof.mission.frame import Frame
 from hoverproof.plant import camera, rotors
+from hoverproof.plant.lens import LensModel
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, specific_force
 from hoverproof.servo.law import Law
-from hoverproof.servo.layout import Packed, column, scalar
+from hoverproof.servo.layout import Packed, column, resized, scalar
 from hoverproof.simulation.flight_log import LOG_SIZE
 
 LAYOUT = {
@@ -120,7 +120,7 @@ class Surroundings(Packed):
     velocity_noise: ca.SX = scalar("m/s")
     gravity_noise: ca.SX = scalar("rad")
 
-    def seen(self, body: RigidBodyState, points: ca.SX) -> ca.SX:
+    def seen(self, body: RigidBodyState, points: ca.SX, law: Law) -> ca.SX:
         """Return the target points in the frame of the camera as it is mounted, (3, n), m.
 
         Parameters
@@ -128,9 +128,13 @@ class Surroundings(Packed):
         body : RigidBodyState
         points : SX
             (3, n), world frame, m.
+        law : Law
+            Its camera sits where it says.
         """
-        mounted = ca.horzcat(self.camera_x, self.camera_y, self.camera_z)
-        return camera.body_points(points, body.position, body.rotation @ mounted)
+        axes, place = ca.horzcat(self.camera_x, self.camera_y, self.camera_z), body.position
+        if law.mount is not None:
+            place = place + body.rotation @ law.mount.arm()
+        return camera.body_points(points, place, body.rotation @ axes)
 
     def thrusts(self, commanded: ca.SX) -> ca.SX:
         """Return what rotors push with that the controller takes to push so, (n, 1), N.
@@ -256,7 +260,6 @@ class HeadedSurroundings(FurtherSurroundings):
     heading_noise: ca.SX = scalar("rad")
 
 
-@cache
 def of_vehicle(around: type[Surroundings], rotors: int, moments: int) -> type[Surroundings]:
     """Return the layout for so many rotors and moments.
 
@@ -269,18 +272,7 @@ def of_vehicle(around: type[Surroundings], rotors: int, moments: int) -> type[Su
     moments : int
         Number of moments of inertia, with products of inertia if there are any.
     """
-    sizes = {"inertia": moments, "rotor_shares": rotors}
-    sizes = {name: size for name, size in sizes.items() if name in around.sizes()}
-    if sizes.items() <= around.sizes().items():
-        return around
-
-    class Sized(around):  # type: ignore[misc, valid-type]
-        @classmethod
-        def sizes(cls) -> dict[str, int]:
-            own: dict[str, int] = super().sizes()
-            return own | sizes
-
-    return Sized
+    return resized(around, (("inertia", moments), ("rotor_shares", rotors)))
 
 
 @dataclass(frozen=True)
@@ -305,6 +297,8 @@ class Features:
         Whether rotors or arms are not as the controller takes them to be.
     lag : bool
         Whether an accelerometer lags.
+    lens : LensModel, optional
+        What makes pixels of image points, and has edges; then noise and rounding are in px.
     """
 
     camera_noise: bool = False
@@ -315,6 +309,7 @@ class Features:
     turned: bool = False
     rotors_differ: bool = False
     lag: bool = False
+    lens: LensModel | None = None
 
     def layout(self, law: Law, rotors: int = 4) -> dict[str, int]:
         """Return the parts of a vehicle's memory and their sizes, those of `LAYOUT` first.
