@@ -12,6 +12,7 @@ from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.mission.writing import mission_text
 from hoverproof.plant import rotors
+from hoverproof.simulation.flight import simulate
 
 PLAIN = "x4-flyer"
 
@@ -115,3 +116,71 @@ def test_a_lever_stands_in_certificates_as_it_did():
     vehicle = load(PLAIN).exact()["vehicle"]
     assert vehicle["arm"] == "1/4"
     assert "lever" not in vehicle and "layout" not in vehicle
+
+
+SKEWED = "inertia = [[0.4, 0.02, 0.05], [0.02, 0.56, -0.03], [0.05, -0.03, 0.5]]"
+
+
+def with_inertia(tmp_path, said, preset=PLAIN):
+    """Return a preset whose file says otherwise what its inertia is."""
+    from hoverproof.mission.presets import preset_text
+
+    lines = [said if x.startswith("inertia") else x for x in preset_text(preset).splitlines()]
+    path = tmp_path / "body.toml"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("said", "told"),
+    [
+        ("inertia = [[1, 0.1, 0], [0.2, 1, 0], [0, 0, 1]]", "symmetric"),
+        ("inertia = [[1, 2, 0], [2, 1, 0], [0, 0, 1]]", "positive definite"),
+        ("inertia = [[1, 0.99, 0], [0.99, 1, 0], [0, 0, 0.5]]", "sum of the other two"),
+        ("inertia = [[1, 0], [0, 1]]", "a matrix of 3 rows of 3"),
+        ('inertia = [[1, 0, 0], [0, 1, 0], [0, 0, "1"]]', "must be a number"),
+        ("inertia = [1, 1, 1]\nproducts = [0, 0, 0.1]", "3 x 3 matrix"),
+    ],
+)
+def test_a_matrix_that_is_no_inertia_is_refused(tmp_path, said, told):
+    with pytest.raises(InputError) as caught:
+        load(with_inertia(tmp_path, said))
+    assert told in str(caught.value)
+
+
+def test_a_diagonal_matrix_is_three_moments(tmp_path):
+    said = "inertia = [[0.4, 0, 0], [0, 0.56, 0], [0, 0, 0.22]]"
+    assert load(with_inertia(tmp_path, said)).exact() == load(PLAIN).exact()
+
+
+def test_a_matrix_is_written_back(tmp_path):
+    mission = load(with_inertia(tmp_path, SKEWED))
+    for source in (mission.source, "nothing there"):
+        again = tmp_path / "again.toml"
+        again.write_text(mission_text(mission.model_copy(update={"source": source})), "utf-8")
+        assert load(again).vehicle == mission.vehicle
+
+
+def test_the_torque_turns_a_body_with_products_of_inertia_as_the_law_wants(tmp_path):
+    """By Euler's equation with the whole matrix, typed here, torque and motion fit."""
+    path = with_inertia(tmp_path, SKEWED)
+    inertia = np.array(load(path).vehicle.matrix, float)
+    start = {"start.rates": "[0.3, -0.2, 0.4]", "gains.k_yaw": "0.5"}
+    same_yaw = start | {"gains.k_yaw": "0.22"}  # of 0.22 kg m² in place of 0.5
+    ours = simulate(load(path, start), duration=1, step=0.002, every=1)
+    theirs = simulate(load(PLAIN, same_yaw), duration=1, step=0.002, every=1)
+    assert np.allclose(ours["position"], theirs["position"], atol=1e-9)
+    assert not np.allclose(ours["torque"], theirs["torque"], atol=1e-2)
+    rate, torque = ours["body_rate"].values, ours["torque"].values
+    free = torque - np.cross(rate, rate @ inertia)
+    happened = np.gradient(rate, 0.002, axis=0)[2:-2]
+    assert np.allclose(np.linalg.solve(inertia, free.T).T[2:-2], happened, atol=1e-4)
+
+
+def test_a_proof_that_takes_principal_moments_says_so(tmp_path):
+    path = with_inertia(
+        tmp_path, "inertia = [[0.0049, 0, 1e-4], [0, 0.0049, 0], [1e-4, 0, 0.0069]]", "racer-250"
+    )
+    assert load(path)
+    with pytest.raises(InputError, match="principal moments alone"):
+        load(path, {"uncertainty.torque": "0.1"})

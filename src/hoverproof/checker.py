@@ -319,13 +319,14 @@ interval = such([number] * 2, lambda x: x[0] <= x[1], "the ends of an interval a
 VECTOR, BOX = [number] * 3, [interval] * 3
 TREE = word("[0-3]+", "a tree is not written in 0, 1, 2 and 3")  # see `cover`
 GAINS = ("k1", "k2", "k3", "k4", "k_yaw")  # k1 kg m/s, k2 1/m, k3 and k4 kg/s
-BODY = {
+BODY = {  # I33 and so on; with products of inertia I12, I13 and I23 besides
     **dict.fromkeys(("mass", "drag_ratio", "gravity"), positive),  # kg, m, m/s²
     "inertia": [positive] * 3,  # kg m²
 }
-VEHICLE = (  # m: the lever of each rotor of an X frame; or where each is, (x, y), and how it turns
-    BODY | {"arm": positive},
-    BODY | {"rotors": several(VECTOR, MAX_ROTORS)},
+VEHICLE = tuple(  # m: the lever of each rotor of an X frame; or where each is, (x, y), how it turns
+    BODY | placed | more
+    for placed in ({"arm": positive}, {"rotors": several(VECTOR, MAX_ROTORS)})
+    for more in ({}, {"products": VECTOR})
 )
 AUTO = word("auto", "bounds that are assumed have no box")
 ASSUMED = {"eigenvalues": maybe([number] * 2, "auto")}, {"eigenvalues": AUTO, "box": BOX}  # 1/m, m
@@ -1770,7 +1771,8 @@ def state_of(start: Object) -> str:
 # set to what it would settle at, which is τ T' ahead, |T'| <= (1 + θ)|Ua|, and to these torques.
 # |Γ3| <= (1 + γ')(k_yaw Ω3' + k_heading + |I2 - I1| |Ω1 Ω2|), k_heading if there is a heading.
 # A rotor at (x, y) that turns in the sense s has its entry of Bᵀ(BBᵀ)⁻¹(T, Γ1, Γ2, Γ3), where its
-# column of B is (1, -y, x, s κd): in an X frame, (±d, ±d), T/4 ± Γ1/(4d) ± Γ2/(4d) ± Γ3/(4κd).
+# column of B is (1, -y, x, s κd): in an X frame, (±d, ±d), T/4 ± Γ1/(4d) ± Γ2/(4d) ± Γ3/(4κd). With
+# products of inertia the torque is I Ω' + Ω × I Ω: no other torque, lag or rate is covered.
 
 
 def rotor_shares(vehicle: Any) -> list[Row]:
@@ -2013,6 +2015,9 @@ class Tolerant(Claim):
         require(exact, "a modelled force knows nothing of thrust, rotor lag and wind")
         require((c.lag is not None) == (may.rotor_lag > 0), "weights of the lag belong to a lag")
         require((c.memory is not None) == (may.latency > 0), "a memory belongs to a latency")
+        known = not (may.torque or may.rotor_lag or may.noise.rate)
+        aside = hasattr(c.mission.vehicle, "products")
+        require(known or not aside, "other torques are covered for principal moments alone")
         i1, i2, i3 = c.mission.vehicle.inertia
         self.gyroscopic = max(abs(i3 - i2) / i1, abs(i3 - i1) / i2)  # bounds |Gc|
         self.bound()
@@ -2502,16 +2507,30 @@ class Exponential(Tolerant):
         own = (1 + may.torque) * self.gyroscopic + may.torque
         turned = self.quick * ((1 + may.torque) * asked + may.yaw_rate * own * self.turn)
         k_yaw = c.mission.gains.k_yaw
+        plain = self.quick * asked
         yaw = k_yaw * (may.yaw_rate + self.spun)
         if self.heading:  # its gain is this one unless it is given
             yaw += getattr(c.mission.gains, "k_heading", min(k_yaw**2 / (4 * i3), k_yaw))
+        about_it = yaw / i3
         yaw += abs(i2 - i1) * (self.quick * self.turn + self.spun) ** 2 / 2
         ahead = may.rotor_lag * (1 + may.thrust) * self.stiffness * self.kappa
         swing = self.force + self.push + ahead * (self.sink + self.missed)
         ends: list[Fraction] = []
+        products = getattr(vehicle, "products", None)
         for lift, roll, pitch, spin in rotor_shares(vehicle):
-            aside = square_root((roll * i1) ** 2 + (pitch * i2) ** 2)[1] * turned
-            aside += abs(lift) * swing + abs(spin) * (1 + may.torque) * yaw
+            if products is None:
+                aside = square_root((roll * i1) ** 2 + (pitch * i2) ** 2)[1] * turned
+                aside += abs(spin) * (1 + may.torque) * yaw
+            else:  # Γ = I Ω' + Ω × (I - i) Ω, for any number i
+                i12, i13, i23 = products
+                rows = [i1, i12, i13], [i12, i2, i23], [i13, i23, i3]
+                x, y, z = (dot(row, (roll, pitch, spin)) for row in rows)
+                aside = square_root(x**2 + y**2)[1] * plain + abs(z) * about_it
+                other = [(i - sum(vehicle.inertia) / 3) ** 2 for i in vehicle.inertia]
+                uneven = sum(other) + 2 * dot(products, products)
+                size = square_root(uneven * (roll**2 + pitch**2 + spin**2))[1]
+                aside += size * ((self.quick * self.turn) ** 2 + may.yaw_rate**2)
+            aside += abs(lift) * swing
             ends += [lift * self.weight - aside, lift * self.weight + aside]
         return min(ends), max(ends)
 

@@ -27,9 +27,9 @@ from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import flight as simulation
 from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.plan import Plan, is_ideal
-from hoverproof.simulation.realistic import read_function
 from hoverproof.simulation.record import Record, flight_record
 from hoverproof.simulation.timing import Timing, flight_step
+from hoverproof.simulation.told import read_function
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -82,7 +82,7 @@ def export_c(
     InputError
         If an argument cannot be used or the folder cannot be written to.
     """
-    own, law = flown_law(mission), law and law.weighing(mission.target)
+    own, law = flown_law(mission), law and law.flying(mission)
     if law is not None and law != own:
         if not allow_uncertified:
             why = f"its certificate is about its law, {own.name}, not about {law.name}"
@@ -204,9 +204,9 @@ def flown_firmware(
     numbers = LoopNumbers.of(mission, law)
     record = flight_record(mission, numbers, rows[:, :19], step * taken)
     record["torque"].values[:] = rows[:, 19:22]
-    record["rotor_thrust"].values[:] = rows[:, 22:26]
+    record["rotor_thrust"].values[:] = rows[:, 22:-1]
     words = "0, or a sum of the bits in the firmware's header"
-    record.add("firmware_status", ["time"], rows[:, 26].astype(np.uint32), long_name=words)
+    record.add("firmware_status", ["time"], rows[:, -1].astype(np.uint32), long_name=words)
     status, states = int(flown["status"][-1]), flown["state"]  # the last ones are of the fault
     height = float(mission.height_of_target) - states[-1, 2]
     tilt = np.degrees(np.arccos(np.clip(states[-1, 14], -1, 1)))
@@ -269,8 +269,8 @@ class _Ticks:
             See `kernel.Control`.
         """
         plan, law = self.plan, self.plan.numbers.law
-        layout = plan.features.layout(law)
-        read = read_function(plan.numbers.target_size, plan.features, law)
+        layout = plan.features.layout(law, plan.rotors)
+        read = read_function(plan.numbers.target_size, plan.features, law, plan.rotors)
         told = {
             name: np.array(value).ravel()
             for name, value in read(memory=memory, parameters=parameters, noise=noise).items()

@@ -146,19 +146,20 @@ def _drag(mission: Mission) -> Iterator[Finding]:
 
 
 def _thrust(mission: Mission) -> Iterator[Finding]:
-    weight, rotors = mission.vehicle.weight, mission.rotors
+    weight, rotors, n = mission.vehicle.weight, mission.rotors, len(mission.vehicle.frame.names)
     low, high = rotors.min_thrust, rotors.max_thrust
-    share = f"a quarter of the weight, {float(weight / 4):.4g} N"
-    if high is not None and 4 * high <= weight:
+    part = "a quarter" if n == 4 else f"1/{n}"
+    share = f"{part} of the weight, {float(weight / n):.4g} N"
+    if high is not None and n * high <= weight:
         reason = f"{float(high):g} N cannot carry {share}"
         yield Finding("thrust without the weight", "rotors.max_thrust", reason)
-    elif high is not None and 4 * high > THRUST_TO_WEIGHT * weight:
-        times = float(4 * high / weight)
+    elif high is not None and n * high > THRUST_TO_WEIGHT * weight:
+        times = float(n * high / weight)
         reason = (
             f"{float(high):g} N for each rotor is {times:.3g} times the weight in all; is it g?"
         )
         yield Finding("thrust to weight", "rotors.max_thrust", reason)
-    if low is not None and 4 * low >= weight:
+    if low is not None and n * low >= weight:
         reason = f"{float(low):g} N is not below {share}: it cannot sink"
         yield Finding("thrust without the weight", "rotors.min_thrust", reason)
 

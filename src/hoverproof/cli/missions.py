@@ -12,11 +12,12 @@ from cyclopts import Parameter
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import preset_names
 from hoverproof.cli.console import Json, at_work, warn
-from hoverproof.cli.questions import Answers, Given
+from hoverproof.cli.questions import OWN, Answers, Given
 from hoverproof.cli.reading import mission_name, refuse_given
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
+    from hoverproof.mission.described import VehicleFile
     from hoverproof.mission.target_files import TargetFile
 
 AUTO = 'eigenvalues = "auto"          # of Q or J: proved over a box around start and goal'
@@ -60,7 +61,8 @@ def new(
         str | None,
         Parameter(
             name="--from",
-            help="Copy a preset in place of asking.",
+            help="Copy this preset in place of asking; or take the vehicle from this file: URDF, "
+            "SDF, MJCF, RotorPy, parameters of PX4 or Betaflight.",
             completer=preset_names,
         ),
     ] = None,
@@ -98,6 +100,8 @@ def new(
 
     Example: `hoverproof new my-flyer.toml --from x4-flyer --force`
 
+    Example: `hoverproof new my-flyer.toml --from model.sdf --tag 0.5`
+
     Example: `hoverproof new my-flyer.toml --target aprilgrid.yaml --height 2`
     """
     from hoverproof.cli.answers.missions import NewAnswer
@@ -107,6 +111,8 @@ def new(
     from hoverproof.mission.target_files import read_target
 
     answers = given.answers() if given else {}
+    described = _described(preset, answers)
+    preset = None if described else preset
     if preset:
         refuse_given(
             {f"--{name.replace('_', '-')}": text for name, text in answers.items()},
@@ -126,13 +132,13 @@ def new(
     found = None if target is None else read_target(target, target_name)
     asks = not (yes or json_ or preset) and sys.stdin.isatty() and sys.stdout.isatty()
     with replacing(path) as beside:
-        text = _copied(preset, name, found) if preset else _own(beside, name, answers, asks, found)
+        own = beside, name, answers, asks, found, described
+        text = _copied(preset, name, found) if preset else _own(*own)
         beside.write_text(with_conditions(text), encoding="utf-8")
         made = load(beside)  # nothing is put in place that does not load
     made = made.model_copy(update={"source": str(path)})
     warn(made)
-    read = () if found is None else found.words
-    return tell(NewAnswer(path, made, preset or "own vehicle", read), json_)
+    return tell(NewAnswer(path, made, preset or "own vehicle", _read(described, found)), json_)
 
 
 def _copied(preset: str, name: str, target: TargetFile | None) -> str:
@@ -147,12 +153,49 @@ def _copied(preset: str, name: str, target: TargetFile | None) -> str:
     return re.sub(r"(?m)^eigenvalues = .*", AUTO, text, count=1)
 
 
-def _own(beside: Path, name: str, given: Answers, asks: bool, target: TargetFile | None) -> str:
+def _read(vehicle: VehicleFile | None, target: TargetFile | None) -> tuple[str, ...]:
+    from hoverproof.cli.described import said_of_vehicle
+
+    return (*(said_of_vehicle(vehicle) if vehicle else ()), *(target.words if target else ()))
+
+
+def _described(source: str | None, answers: Answers) -> VehicleFile | None:
+    """Read the vehicle of a file; None if it is none but a preset."""
+    from hoverproof.mission.presets import preset_text, presets
+    from hoverproof.mission.vehicle_files import read_vehicle
+
+    if source is None or source in presets():
+        return None
+    if not Path(source).is_file():
+        preset_text(source)  # says which there are
+    if source.endswith(".toml"):
+        raise InputError(
+            "--from", "", f"{source} is a mission file: --vehicle takes a vehicle of one"
+        )
+    if "vehicle" in answers:
+        raise InputError("--vehicle", "", "does not go with --from, which tells the vehicle")
+    return read_vehicle(source)
+
+
+def _own(
+    beside: Path,
+    name: str,
+    given: Answers,
+    asks: bool,
+    target: TargetFile | None,
+    vehicle: VehicleFile | None,
+) -> str:
+    from hoverproof.cli.described import answers_of_vehicle, in_layout_of
     from hoverproof.cli.first_mission import make
     from hoverproof.cli.interview import answers_of_target, interview, without_asking
 
     known = {} if target is None else answers_of_target(target)
+    if vehicle is not None:
+        known |= answers_of_vehicle(vehicle) | {"vehicle": f'"{OWN}"'}
+    known = {key: value for key, value in known.items() if key not in given}
     answers = interview(given, known=known) if asks else without_asking(given, known)
+    if vehicle is not None and vehicle.layout:
+        answers["placed"] = in_layout_of(vehicle, answers["rotor_distance"])
     with at_work() as doing:
         doing("looking for gains that hold the start")
         return make(beside, name, answers)

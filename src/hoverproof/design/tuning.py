@@ -174,12 +174,14 @@ def gains_for(mission: Mission, wish: Wish, progress: Callable[[str], None] | No
     """
     limits, at_least, weights = wish.limits(mission), wish.at_least, wish.weights
     least, most = limits.rotors or (0.0, math.inf)
-    hover = float(mission.vehicle.weight) / 4
+    shares = mission.vehicle.hover_thrusts
+    lowest, hover = float(min(shares)), float(max(shares))
+    of = f"m g/{len(shares)}" if lowest == hover else "its share in hover"
     if most < hover:
-        short = f"{most:g} N is {hover - most:g} N below m g/4 = {hover:g} N"
+        short = f"{most:g} N is {hover - most:g} N below {of} = {hover:g} N"
         return Infeasible(mission, f"no rotor thrust to hover: the limit of {short}")
-    if least > hover:
-        above = f"{least:g} N is {least - hover:g} N above m g/4 = {hover:g} N"
+    if least > lowest:
+        above = f"{least:g} N is {least - lowest:g} N above {of} = {lowest:g} N"
         return Infeasible(mission, f"the rotors cannot hover: their least thrust of {above}")
     if wish.objective == "region":
         return tune_region(mission, limits, wish.minimum_decay)

@@ -41,7 +41,7 @@ class Output:
         N and N/s.
     torque : (3,) float
         Body frame, N m.
-    rotor : (4,) float
+    rotor : (n,) float
         N.
     """
 
@@ -281,10 +281,11 @@ class Firmware:
         -------
         mapping
             state (m, 18): ξ, V, R column by column, Ω; thrust (m,) N, torque (m, 3) N m, rotor
-            (m, 4) N, status (m,): m = samples + 1, or fewer if a fault ended the flight; and
+            (m, n) N, status (m,): m = samples + 1, or fewer if a fault ended the flight; and
             any_status, all bits that came up in between.
         """
-        rows, bits = np.zeros((samples + 1, ROW)), np.zeros(samples + 2, np.uint32)
+        rotors = len(self._structs["output"]().rotor)
+        rows, bits = np.zeros((samples + 1, ROW + rotors)), np.zeros(samples + 2, np.uint32)
         stop = ctypes.c_int(0)
 
         def end() -> None:
@@ -300,7 +301,7 @@ class Firmware:
             "state": rows[:, :18],
             "thrust": rows[:, 18],
             "torque": rows[:, 19:22],
-            "rotor": rows[:, 22:26],
+            "rotor": rows[:, 22:],
             "status": bits[:taken],
             "any_status": int(bits[-1]),
         }
@@ -327,7 +328,8 @@ class Firmware:
         return int(function(*given))
 
 
-ROW = 26
+ROW = 22
+"""Numbers in a row of a flight, besides the rotors."""
 NUMBERS = {"float": ctypes.c_float, "double": ctypes.c_double, "uint32_t": ctypes.c_uint32}
 
 

@@ -75,8 +75,10 @@ def _name(symbol: ca.SX) -> str:
     """Write a symbol as the field does: ``m g I1 q1*``."""
     name = str(symbol)
     stem, _, index = name.rpartition("_")
-    if stem in ("inertia", "goal_centroid"):
-        return {"inertia": "I", "goal_centroid": "q"}[stem] + str(int(index) + 1)
+    if stem == "goal_centroid":
+        return f"q{int(index) + 1}"
+    if stem == "inertia":
+        return ("I1", "I2", "I3", "I12", "I13", "I23")[int(index)]
     if stem == "goal_heading":
         return ("cos(yaw*)", "sin(yaw*)")[int(index)]
     return {"mass": "m", "gravity": "g", "arm": "d", "drag_ratio": "kappa"}.get(name, name)

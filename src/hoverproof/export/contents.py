@@ -20,7 +20,7 @@ from hoverproof.export.lens import LensText, lens_text
 from hoverproof.export.options import Options
 from hoverproof.export.precision import FLOAT32
 from hoverproof.export.vectors import InputBox, Vector, test_vectors
-from hoverproof.mission.frame import Place, mixing_rows
+from hoverproof.mission.frame import Place, mixing_rows, shares
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.servo.hover_error import hover_error, rests_as_modelled
@@ -105,6 +105,10 @@ class Design:
         q*, (3,), dimensionless.
     rotors : tuple of (str, (2,))
         Names of the rotors and where they are, (x, y) in arms, in their order.
+    hover : tuple of Fraction
+        What each gives in hover, N.
+    allocation : tuple of (4,) Fractions
+        What share of T, Γ1, Γ2 and Γ3 each takes over, 1, 1/m, 1/m and 1/m.
     """
 
     weight: Fraction
@@ -112,6 +116,8 @@ class Design:
     gains_text: str
     goal_centroid: Sequence[Fraction]
     rotors: tuple[tuple[str, Place], ...]
+    hover: tuple[Fraction, ...]
+    allocation: tuple[tuple[Fraction, ...], ...]
 
 
 @dataclass(frozen=True)
@@ -313,14 +319,21 @@ def _origin(mission: Mission, evidence: Evidence, text: LawText, law: Law) -> Or
 
 
 def _design(mission: Mission, law: Law) -> Design:
-    frame, units, numbers = mission.vehicle.frame, law.design.gains(), law.design.numbers(mission)
+    v, frame = mission.vehicle, mission.vehicle.frame
+    units, numbers = law.design.gains(), law.design.numbers(mission)
     words = ", ".join(f"{gain} {unit}" for gain, unit in units.items())
+    lengths = Fraction(1), v.reach, v.reach, v.drag_ratio
     return Design(
         weight=mission.vehicle.weight,
         gains=tuple(numbers[gain][0] for gain in units),
         gains_text=words.replace("²", "^2"),
         goal_centroid=law.goal_feature(mission),
         rotors=tuple(zip(frame.names, frame.places, strict=True)),
+        hover=v.hover_thrusts,
+        allocation=tuple(
+            tuple(share / length for share, length in zip(row, lengths, strict=True))
+            for row in shares(frame)
+        ),
     )
 
 
@@ -398,7 +411,7 @@ def _adapter(mission: Mission, options: Options) -> Adapter:
     of_points = "points" in (options.sensing, options.camera)
     return Adapter(
         weight=single(v.weight),
-        thrust=single(4 * high),
+        thrust=single(len(v.frame.names) * high),
         torque=", ".join(map(single, torques)),
         seen_size=2 * len(mission.target.points) if of_points else 3,
         seen_words="x and y of each target point" if of_points else "the image centroid",

@@ -110,7 +110,7 @@ def flight_law(
         If the graph is not the derived controller, compared in exact arithmetic.
     """
     law, points = law or flown_law(mission), len(mission.target.points)
-    law, here = law.weighing(mission.target), tuple(_design_values(mission, law))
+    law, here = law.flying(mission), tuple(_design_values(mission, law))
     return _flight_law(law, mission.vehicle.frame, here, (sensing, points), tunable)
 
 

@@ -120,7 +120,7 @@ def law_text(mission: Mission, options: Options, law: FlightLaw) -> LawText:
     results = {
         "thrust_rate": ["out->thrust_rate"],
         "torque": [f"out->torque[{i}]" for i in range(3)],
-        "rotor": [f"out->rotor[{i}]" for i in range(4)],
+        "rotor": [f"out->rotor[{i}]" for i in range(len(mission.vehicle.frame.names))],
     }
     gap = {"hover_gap": f"const {options.precision.c_type} hover_gap"}
     return LawText(
@@ -151,10 +151,10 @@ def vehicle_text(mission: Mission, options: Options, law: Law) -> VehicleText:
     """
     v, n = mission.vehicle, len(mission.target.points)
     x = [f"x[{i}]" for i in range(BODY_SIZE)]
-    numbers = [FLOAT64.literal(c) for c in (v.mass, v.gravity, *v.inertia)]
+    numbers = [FLOAT64.literal(c) for c in (v.mass, v.gravity, *v.moments)]
     torque = [f"torque[{i}]" for i in range(3)]
     rate = statements(
-        rate_function(),
+        rate_function(len(v.moments)),
         [x, ["thrust"], torque, numbers],
         {"rate": [f"rate[{i}]" for i in range(BODY_SIZE)]},
         FLOAT64,

@@ -2,7 +2,8 @@
 #include "NAME.h"
 #include "vehicle.h"
 
-enum { ROW = 26, FAULT = 7 };
+enum { ROTORS = sizeof(((NAME_output_t *)0)->rotor) / sizeof(((NAME_output_t *)0)->rotor[0]) };
+enum { ROW = 22 + ROTORS, FAULT = 7 };
 
 /* Writes up to samples + 1 rows (state, thrust, torque, rotors) with their status, one before each
  * `every` steps and one at the end; ends at the first fault. The last status holds every bit that
@@ -29,7 +30,7 @@ long hoverproof_fly(double dt, long samples, long every, double *rows, uint32_t 
       for (int i = 0; i < VEHICLE_STATE; i++) *to++ = vehicle.x[i];
       *to++ = out.thrust;
       for (int i = 0; i < 3; i++) *to++ = out.torque[i];
-      for (int i = 0; i < 4; i++) *to++ = out.rotor[i];
+      for (int i = 0; i < ROTORS; i++) *to++ = out.rotor[i];
       status[row] = now;
       if (now & FAULT) return row + 1;
     }

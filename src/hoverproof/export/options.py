@@ -105,12 +105,14 @@ def _rotor_limits(
     mission: Mission, limits: tuple[Fraction, Fraction] | None
 ) -> tuple[Fraction, Fraction]:
     weight, rotors = mission.vehicle.weight, mission.rotors
-    low, high = limits or (rotors.min_thrust or Fraction(0), rotors.max_thrust or weight / 2)
-    if not 0 <= low < weight / 4 < high <= weight * 5 / 2:
+    shares = mission.vehicle.hover_thrusts
+    twice = 2 * weight / len(shares)
+    low, high = limits or (rotors.min_thrust or Fraction(0), rotors.max_thrust or twice)
+    if not (0 <= low < min(shares) and max(shares) < high <= weight * 5 / 2):
         where = ("--rotor-limits", "") if limits else (mission.source, "rotors")
         raise InputError(
             *where,
-            f"must hold the share of a rotor in hover, {float(weight / 4):g} N, be at least 0 and "
+            f"must hold the share of a rotor in hover, {float(max(shares)):g} N, be at least 0 and "
             f"at most 2.5 times the weight, not [{float(low):g}, {float(high):g}] N",
         )
     return low, high
@@ -122,6 +124,7 @@ def _origin_of_limits(mission: Mission, *, given: bool) -> str:
     if given:
         return "given to the export"
     if high is None:
-        half = "half the weight" if low is None else "half the weight at most"
+        half = "half the weight" if len(mission.vehicle.frame.names) == 4 else "twice its share"
+        half += "" if low is None else " at most"
         return f"an assumption: {half}; the mission does not say"
     return "from [rotors] of the mission" + ("" if low is not None else ", which names no lowest")

@@ -132,7 +132,7 @@ def write_package(
         rotor_limits=rotor_limits,
         camera=camera,
     )
-    law = (law or flown_law(mission)).weighing(mission.target)
+    law = (law or flown_law(mission)).flying(mission)
     check_sees_points(law, options)
     if standing.certificate is not None:
         own = flown_law(mission)

@@ -268,7 +268,7 @@ def test_vectors(
     """
     draw, precision = np.random.default_rng(0), options.precision
     weight = mission.vehicle.weight
-    highest = 4 * options.rotor_limits[1] - weight
+    highest = len(mission.vehicle.frame.names) * options.rotor_limits[1] - weight
     write = partial(_written, precision, body_sensors(law.source))
     written: list[Vector] = []
     step = _random_step(draw, mission, law, options, thrust)
@@ -296,7 +296,7 @@ def test_vectors(
     safe = {
         "thrust": [precision.round(weight)],
         "torque": [zero] * 3,
-        "rotor": [precision.round(weight / 4)] * 4,
+        "rotor": [precision.round(thrust) for thrust in mission.vehicle.hover_thrusts],
         "thrust_rate": [zero],
     }
     huge = precision.scalar(1e30)

@@ -12,13 +12,18 @@ from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import parameters, sense
 
 
-def rate_function() -> ca.Function:
+def rate_function(moments: int = 3) -> ca.Function:
     """Return (state, thrust, torque, vehicle) ↦ (rate): thrust and torque are held.
 
-    The state is the body's, (18,); the vehicle is its mass, gravity and inertia, (5,).
+    The state is the body's, (18,); the vehicle is its mass, gravity and inertia.
+
+    Parameters
+    ----------
+    moments : int
+        Number of moments of inertia, with products of inertia if there are any.
     """
     x, T = ca.SX.sym("x", BODY_SIZE), ca.SX.sym("T")
-    torque, vehicle = ca.SX.sym("torque", 3), ca.SX.sym("vehicle", 5)
+    torque, vehicle = ca.SX.sym("torque", 3), ca.SX.sym("vehicle", 2 + moments)
     body = RigidBodyState.from_vector(ca.vertcat(x, T))
     mass, gravity, inertia = vehicle[0], vehicle[1], vehicle[2:]
     rate = ca.cse(held_rate(body, torque=torque, mass=mass, inertia=inertia, gravity=gravity))

@@ -34,6 +34,14 @@ _Drag = Annotated[Fraction, quantity("kg/s", "0", "1e6")]
 _Relative = Annotated[Fraction, quantity("(a share: 0.05 is 5 %)", "-0.9", "10")]
 _Share = Annotated[Fraction, quantity("(a share: 0.05 is 5 %)", "0", "0.5")]
 
+
+def _several(value: object) -> object:
+    """Accept a list, of whatever length: the mission knows how many rotors there are."""
+    if not isinstance(value, list | tuple):
+        raise reject(f"must be a list, one share for each rotor, not {shown(value)}")
+    return tuple(value)
+
+
 _Wind = Annotated[
     tuple[_SignedSpeed, _SignedSpeed, _SignedSpeed], BeforeValidator(array("x", "y", "z"))
 ]
@@ -41,10 +49,7 @@ _Tilts = Annotated[tuple[_Tilt, _Tilt, _Tilt], BeforeValidator(array("roll", "pi
 _Relatives = Annotated[
     tuple[_Relative, _Relative, _Relative], BeforeValidator(array("I1", "I2", "I3"))
 ]
-_OfRotors = Annotated[
-    tuple[_Relative, _Relative, _Relative, _Relative],
-    BeforeValidator(array("rear right", "front right", "rear left", "front left")),
-]
+_OfRotors = Annotated[tuple[_Relative, ...], BeforeValidator(_several)]
 _Lengths = Annotated[tuple[_Length, _Length, _Length], BeforeValidator(array("x", "y", "z"))]
 _Speeds = Annotated[tuple[_Speed, _Speed, _Speed], BeforeValidator(array("v1", "v2", "v3"))]
 _Angles = Annotated[tuple[_Angle, _Angle, _Angle], BeforeValidator(array("roll", "pitch", "yaw"))]
@@ -188,7 +193,7 @@ class ModelError(Section):
     thrust : share
         True thrust of each rotor over what it is asked for, less 1.
     rotors : shares
-        The same of single rotors, beside that of all.
+        The same of single rotors, in the order of the vehicle, beside that of all.
     arm : share
         True arm of the rotors over that of the mission, less 1.
     """
@@ -197,7 +202,7 @@ class ModelError(Section):
     inertia: _Relatives = _ZEROS
     camera_tilt: _Tilts = _ZEROS
     thrust: _Relative = _ZERO
-    rotors: _OfRotors = (_ZERO, _ZERO, _ZERO, _ZERO)
+    rotors: _OfRotors = ()
     arm: _Relative = _ZERO
 
 

@@ -47,7 +47,7 @@ def beyond_tolerances(mission: Mission) -> list[Beyond]:
 
 def _thrust(mission: Mission) -> float:
     error = mission.model_error
-    mean = sum(error.rotors, Fraction(0)) / 4
+    mean = sum(error.rotors, Fraction(0)) / max(len(error.rotors), 1)
     return abs(float((1 + error.thrust) * (1 + mean) / (1 + error.mass) - 1))
 
 

@@ -10,8 +10,12 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Final, NamedTuple
 
-LAYOUTS = ("x", "plus", "h")
+LAYOUTS = ("x", "plus", "h", "hex", "octo")
 """Frames that lengths of arms describe."""
+ROTORS = 4, 16
+"""The least and the most rotors of a vehicle."""
+NEAR = 0.2
+"""A rotor this near to an axis, over its distance along it, is called after that axis alone."""
 
 Place = tuple[Fraction, Fraction]
 
@@ -51,6 +55,85 @@ PLUS: Final = Frame(
     tuple(map(Fraction, (1, -1, 1, -1))),
 )
 """Four rotors on the axes."""
+
+
+def _ring(count: int) -> Frame:
+    """Return rotors on a circle, the first ones at the same angle right and left of straight ahead.
+
+    They turn by turns; that in front on the right turns to the left, as in X.
+    """
+    angles = [math.pi * (2 * i + 1) / count for i in range(count)]
+    places = tuple(
+        (Fraction(f"{math.cos(a):.12f}"), Fraction(f"{math.sin(a):.12f}")) for a in angles
+    )
+    return Frame(names(places), places, tuple(Fraction((-1) ** i) for i in range(count)))
+
+
+def of_layout(layout: str) -> Frame:
+    """Return the frame of a layout with one arm, in units of its `Vehicle.reach`.
+
+    "x" and "plus" have four rotors; "hex" has six, one on either side, and "octo" eight, none
+    straight ahead or aside. Places on a circle are in 12 digits.
+
+    Parameters
+    ----------
+    layout : str
+        One of `LAYOUTS` but "h".
+    """
+    if layout in ("x", "plus"):
+        return X if layout == "x" else PLUS
+    return _ring(6 if layout == "hex" else 8)
+
+
+def names(places: Sequence[Sequence[Fraction]]) -> tuple[str, ...]:
+    """Return what rotors are called, by where they are: no two the same.
+
+    Of two in a quadrant that nearer to the x axis is called front right, the other right front; of
+    two at one place that with the lower z the upper.
+
+    Parameters
+    ----------
+    places : (n, 2) or (n, 3) Fractions
+        Body axes, in any unit.
+    """
+    called = [_direction(place) for place in places]
+    if len({*called}) < len(called):  # the second of a quadrant
+        placed = list(zip(places, called, strict=True))
+        slopes = {
+            name: [abs(y) / abs(x) for (x, y, *_), n in placed if n == name]
+            for name in called
+            if " " in name
+        }
+        for i, (x, y, *_) in enumerate(places):
+            of = slopes.get(called[i], [])
+            if len({*of}) > 1 and abs(y) / abs(x) > min(of):
+                called[i] = " ".join(reversed(called[i].split()))
+    for name in {name for name in called if called.count(name) > 1}:
+        same = sorted(
+            (i for i, n in enumerate(called) if n == name), key=lambda i: list(places[i][2:])
+        )
+        levels = {tuple(places[i][2:]) for i in same}
+        stacked = ("upper", "lower") if len(same) == len(levels) == 2 else range(1, len(same) + 1)
+        for i, word in zip(same, stacked, strict=True):
+            called[i] = f"{name} {word}"
+    return tuple(called)
+
+
+def _direction(place: Sequence[Fraction]) -> str:
+    x, y = float(place[0]), float(place[1])
+    along = "" if abs(x) <= NEAR * abs(y) else ("front" if x > 0 else "rear")
+    aside = "" if abs(y) <= NEAR * abs(x) else ("right" if y > 0 else "left")
+    return f"{along} {aside}".strip() or "middle"
+
+
+def turned_round(frame: Frame) -> Frame:
+    """Return a frame with all propellers reversed.
+
+    Parameters
+    ----------
+    frame : Frame
+    """
+    return frame._replace(turns=tuple(-turn for turn in frame.turns))
 
 
 def h_frame(forward: Fraction, sideways: Fraction) -> Frame:

@@ -299,6 +299,16 @@ class Mission(_Section):
         return self
 
     @model_validator(mode="after")
+    def _knows_its_rotors(self) -> Self:
+        shares, names = self.model_error.rotors, self.vehicle.frame.names
+        if shares and len(shares) != len(names):
+            raise _reject(
+                f"must be a list [{', '.join(names)}], not {len(shares)} entries",
+                key="model_error.rotors",
+            )
+        return self
+
+    @model_validator(mode="after")
     def _has_one_lens(self) -> Self:
         lens, seen = self.camera.lens, self.sensors
         for key in ("focal_length", "width", "height"):
@@ -318,6 +328,7 @@ class Mission(_Section):
                 f"must be below gravity, {_shown(gravity)} m/s², not {_shown(wind)}",
                 key="uncertainty.wind",
             )
+        self._covers_its_inertia()
         for key in ("thrust", "wind", "rotor_lag"):
             if self.law.force == "modelled" and getattr(self.uncertainty, key):
                 raise _reject(
@@ -326,6 +337,22 @@ class Mission(_Section):
                     key=f"uncertainty.{key}",
                 )
         return self
+
+    def _covers_its_inertia(self) -> None:
+        """Refuse tolerances that a vehicle with products of inertia cannot have covered."""
+        asked = self.uncertainty
+        keys = {
+            "torque": asked.torque,
+            "rotor_lag": asked.rotor_lag,
+            "noise.rate": asked.noise.rate,
+        }
+        for key, value in keys.items():
+            if value and self.vehicle.products is not None:
+                raise _reject(
+                    "must be 0 for a vehicle with products of inertia: the theorem about other "
+                    "torques is there for principal moments alone, three numbers",
+                    key=f"uncertainty.{key}",
+                )
 
     @property
     def title(self) -> str:
@@ -375,6 +402,10 @@ class Mission(_Section):
         numbers = self.model_dump(exclude_none=True, exclude=left_out)
         if not as_written:
             numbers["vehicle"] = self.vehicle.as_flown()
+        else:
+            numbers["vehicle"] |= {} if self.vehicle.products is None else self.vehicle.as_matrix()
+            if not self.vehicle.reversed:
+                del numbers["vehicle"]["reversed"]
         text: dict[str, Any] = _as_text(numbers)
         for part, key in (
             (text.get("uncertainty"), "gust"),

@@ -78,8 +78,8 @@ def _put(table: Any, key: str, value: Any) -> None:
     """Set a value; a comment behind it stays where it is, if there is room."""
     room = len(table[key].as_string() + table[key].trivia.comment_ws) if key in table else 0
     table[key] = value
-    trivia = table[key].trivia
-    if trivia.comment:
+    trivia = getattr(table[key], "trivia", None)  # true and false have none
+    if trivia is not None and trivia.comment:
         trivia.comment_ws = " " * max(room - len(value.as_string()), 2)
 
 
@@ -97,6 +97,8 @@ def _value(value: Any) -> str:
         return f"[{', '.join(map(_value, value))}]"
     if isinstance(value, dict):
         return f"{{{', '.join(f'{key} = {_value(entry)}' for key, entry in value.items())}}}"
+    if value in ("true", "false"):
+        return str(value)
     return f'"{value}"' if value.replace("_", "").isalpha() else decimal(Fraction(value))
 
 

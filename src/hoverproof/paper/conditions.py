@@ -136,7 +136,7 @@ def start_level(mission: Mission) -> float:
     ----------
     mission : Mission
     """
-    law = HAMEL_MAHONY.weighing(mission.target)
+    law = HAMEL_MAHONY.flying(mission)
     numbers = LoopNumbers.of(mission, law)
     read = readout_function(numbers.target_size, law)  # L depends on neither of the rotors' lengths
     seen = read(x=numbers.start, design=numbers.design, points=numbers.points)

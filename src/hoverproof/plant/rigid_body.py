@@ -208,6 +208,23 @@ def heading_rate(heading: ca.SX, gravity_direction: ca.SX, rate: ca.SX) -> ca.SX
     return yaw_rate * ca.vertcat(-heading[1], heading[0])
 
 
+def angular_momentum(inertia: ca.SX, rate: ca.SX) -> ca.SX:
+    """Return I Ω, (3, 1), kg m²/s.
+
+    Parameters
+    ----------
+    inertia : SX
+        I11, I22, I33, (3, 1), kg m²; with products of inertia I12, I13, I23 besides, (6, 1).
+    rate : SX
+        Ω, (3, 1), body frame, rad/s.
+    """
+    if inertia.shape[0] == 3:
+        return inertia * rate
+    xx, yy, zz, xy, xz, yz = ca.vertsplit(inertia)
+    rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    return ca.vertcat(*(ca.horzcat(*row) for row in rows)) @ rate
+
+
 def torque_balance(
     rate: ca.SX, angular_acceleration: ca.SX, inertia: ca.SX, torque: ca.SX
 ) -> ca.SX:
@@ -218,11 +235,12 @@ def torque_balance(
     rate, angular_acceleration : SX
         Ω and Ω̇, (3, 1), body frame, rad/s and rad/s².
     inertia : SX
-        Principal moments, (3, 1), kg m².
+        Moments and, if there are any, products of inertia, kg m²; see `angular_momentum`.
     torque : SX
         Γ, (3, 1), body frame, N m.
     """
-    return inertia * angular_acceleration + skew(rate) @ (inertia * rate) - torque
+    gyroscopic = skew(rate) @ angular_momentum(inertia, rate)
+    return angular_momentum(inertia, angular_acceleration) + gyroscopic - torque
 
 
 def state_rate(
@@ -247,7 +265,7 @@ def state_rate(
     mass, gravity : SX
         kg and m/s².
     inertia : SX
-        Principal moments, (3, 1), kg m².
+        Moments and, if there are any, products of inertia, kg m²; see `angular_momentum`.
     drag : SX, optional
         A force beside thrust and weight, (3, 1), body frame, N; the paper has none.
     """
@@ -283,7 +301,7 @@ def held_rate(
     mass, gravity : SX
         kg and m/s².
     inertia : SX
-        Principal moments, (3, 1), kg m².
+        Moments and, if there are any, products of inertia, kg m²; see `angular_momentum`.
     drag : SX, optional
         A force beside thrust and weight, (3, 1), body frame, N.
     """

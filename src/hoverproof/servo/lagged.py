@@ -90,7 +90,7 @@ def own_gyroscopic(design: Design) -> ca.SX:
     ----------
     design : Design
     """
-    i1, i2, i3 = ca.vertsplit(design.inertia)
+    i1, i2, i3 = ca.vertsplit(design.inertia[:3])
     return ca.vertcat(ca.horzcat(0, (i3 - i1) / i2), ca.horzcat((i2 - i3) / i1, 0))
 
 
@@ -236,7 +236,7 @@ def derive_lagged_loop(law: Law) -> LaggedLoop:
         -QUARTER @ spun,
         ca.SX.sym("yaw_acceleration"),
         rotors.thrust_gain * late,
-        (QUARTER @ (torque / design.inertia)[:2] - applied) / rotors.lag,
+        (QUARTER @ (torque / design.inertia[:3])[:2] - applied) / rotors.lag,
         (asked - late) / rotors.lag,
     )
     state = ca.vertcat(body.vector(), applied, late)

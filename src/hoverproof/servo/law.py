@@ -22,7 +22,7 @@ from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.mount import Mount
 from hoverproof.servo.feature import Feature
 from hoverproof.servo.heading import Heading
-from hoverproof.servo.layout import Packed, column, scalar
+from hoverproof.servo.layout import Packed, column, resized, scalar
 
 SMALLEST_SPREAD = Fraction(1, 10**12)
 """Of W² - |q|² at a goal: a target that is seen smaller, under some 1e-6 rad, is a point."""
@@ -39,7 +39,7 @@ class Design(Packed):
     mass, gravity : SX
         kg and m/s².
     inertia : SX
-        Principal moments, (3, 1), kg m².
+        I11, I22, I33, (3, 1), kg m²; with products of inertia I12, I13, I23 besides, (6, 1).
     k1, k2, k3, k4, k_yaw : SX
         Gains: k1 in kg m/s, k2 in 1/m, k3 and k4 in kg/s, k_yaw in kg m²/s.
     goal_centroid : SX
@@ -76,7 +76,8 @@ class Design(Packed):
         """
         v = mission.vehicle
         gains = {name: (getattr(mission.gains, name),) for name in cls.gains()}
-        return {"mass": (v.mass,), "gravity": (v.gravity,), "inertia": v.inertia, **gains}
+        moments = v.moments[: cls.sizes()["inertia"]]
+        return {"mass": (v.mass,), "gravity": (v.gravity,), "inertia": moments, **gains}
 
     @classmethod
     def values(cls, mission: Mission, goal_centroid: Sequence[Fraction]) -> list[Fraction]:
@@ -287,6 +288,19 @@ class Law:
             return self
         weights = tuple(map(float, target.weights))
         return replace(self, feature=replace(self.feature, weights=weights))
+
+    def flying(self, mission: Mission) -> Law:
+        """Return the law with the weights of a mission's points and the inertia of its vehicle.
+
+        Parameters
+        ----------
+        mission : Mission
+        """
+        law, moments = self.weighing(mission.target), len(mission.vehicle.moments)
+        if law.design.sizes()["inertia"] == moments:
+            return law
+        design = resized(law.design, (("inertia", moments),))
+        return replace(law, design=design)
 
     @property
     def has_compass(self) -> bool:

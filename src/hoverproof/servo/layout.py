@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import field, fields
-from typing import Any, Self
+from functools import cache
+from typing import Any, Self, TypeVar, cast
 
 import casadi as ca
 
@@ -102,3 +103,32 @@ class Packed:
         """Pack into one column, in the order of the fields."""
         packed: ca.SX = ca.vertcat(*(getattr(self, name) for name in self.sizes()))
         return packed
+
+
+Layout = TypeVar("Layout", bound=Packed)
+
+
+def resized(layout: type[Layout], sizes: tuple[tuple[str, int], ...]) -> type[Layout]:
+    """Return a layout with other sizes of some of its parts; the same type for the same sizes.
+
+    Parameters
+    ----------
+    layout : type of Packed
+    sizes : tuple of (str, int)
+        Names of parts and their numbers of components; those that it has not are left out.
+    """
+    own = layout.sizes()
+    other = tuple((name, size) for name, size in sizes if own.get(name, size) != size)
+    kind: Any = layout
+    return cast(type[Layout], _resized(kind, other)) if other else layout
+
+
+@cache
+def _resized(layout: Any, sizes: tuple[tuple[str, int], ...]) -> Any:
+    class Resized(layout):  # type: ignore[misc]
+        @classmethod
+        def sizes(cls) -> dict[str, int]:
+            own: dict[str, int] = super().sizes()
+            return own | dict(sizes)
+
+    return Resized

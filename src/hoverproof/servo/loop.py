@@ -294,7 +294,7 @@ class LoopNumbers:
         InputError
             If no level hover sees the goal of the mission.
         """
-        goal, law = hover_goal(mission), (law or flown_law(mission)).weighing(mission.target)
+        goal, law = hover_goal(mission), (law or flown_law(mission)).flying(mission)
         start = mission.start
         state = [
             *start.position,

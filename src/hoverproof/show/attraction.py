@@ -157,7 +157,7 @@ def fly(region: Attraction, view: View, count: int = FLIGHTS) -> Flights:
     height = low + (view.top - low) * rng.uniform(0, 1, count) ** 2
     places = view.places(across, height)
     numbers, rate = (
-        LoopNumbers.of(mission, HAMEL_MAHONY.weighing(mission.target)),
+        LoopNumbers.of(mission, HAMEL_MAHONY.flying(mission)),
         slowest_rate(mission),
     )
     step = 1 / (STEPS_PER_FASTEST * bandwidth(mission))

@@ -69,8 +69,9 @@ def rotor_forces(axes: Axes, flight: Flight) -> None:
     scene = Scene.of(flight)
     for i, rotor in enumerate(flight["rotor"].values):
         _line(axes, flight, flight["rotor_thrust"].values[:, i], i, str(rotor))
-    hover = scene.weight / len(flight["rotor"].values)
-    axes.axhline(hover, color="grey", linewidth=0.7, label="m g/4")
+    rotors = len(flight["rotor"].values)
+    hover = scene.weight / rotors
+    axes.axhline(hover, color="grey", linewidth=0.7, label=f"m g/{rotors}")
     reach = float(np.abs(flight["rotor_thrust"].values - hover).max())
     for name, limit in zip(("lowest", "highest"), scene.rotor_limits, strict=True):
         if limit is None:

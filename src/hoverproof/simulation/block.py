@@ -29,9 +29,11 @@ def log_of(plan: Plan, memory: Array) -> Array:
     ----------
     plan : Plan
     memory : (..., m)
-        Their last memory, SI units: the flight state, or as in `LAYOUT`.
+        Their last memory, SI units: the flight state, or as in `Features.layout`.
     """
-    return memory[..., GUARDED_SIZE:] if plan.ideal else memory[..., place(LAYOUT, "log")]
+    if plan.ideal:
+        return memory[..., GUARDED_SIZE:]
+    return memory[..., place(plan.features.layout(plan.numbers.law, plan.rotors), "log")]
 
 
 def how_it_ended(plan: Plan, memory: Array, taken: int) -> tuple[int, float]:

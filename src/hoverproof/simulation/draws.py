@@ -15,7 +15,7 @@ from hoverproof.simulation.flight_log import begin
 from hoverproof.simulation.plan import Plan
 from hoverproof.simulation.realistic import IMU_NOISE
 from hoverproof.simulation.step import flight_states
-from hoverproof.simulation.surroundings import HeadedSurroundings
+from hoverproof.simulation.surroundings import HeadedSurroundings, of_vehicle
 
 Array = NDArray[np.float64]
 
@@ -50,25 +50,25 @@ def memory_and_parameters(plan: Plan, runs: NDArray[np.int64]) -> tuple[Array, A
         return memory, np.hstack([design, np.tile([plan.step, arm, drag], (count, 1))])
 
     values = _surroundings(plan, runs, drawn)
-    around = plan.features.surroundings(numbers.law)
+    around = plan.features.surroundings(numbers.law, plan.rotors)
     held = np.hstack([values[f].reshape(count, -1) for f in around.sizes()])
     low, high = values["rotor_min"][0], values["rotor_max"][0]
-    hover = np.clip(float(mission.vehicle.weight) / 4, low, high)
+    hover = np.clip(np.array(mission.vehicle.hover_thrusts, float), low, high)
     most = np.finfo(float).max
-    start[:, -1] = hover * values["rotor_shares"].sum(axis=1)
+    start[:, -1] = (hover * values["rotor_shares"]).sum(axis=1)
     parts = {
         "state": start,
         "depth": most,
         "thrust_margin": most,
         "view": most,
-        "command": 4 * hover,
+        "command": hover.sum(),
         "rotors": hover,
         "rotor_commands": hover,
         "gust": float(mission.wind.gust) * _normals(plan, runs, GUST_DRAW, 3),
         "log": begin(numbers.goal, numbers.points, start[:, :3]),
         "attitude": gyro.START,
     }
-    layout = plan.features.layout(numbers.law)
+    layout = plan.features.layout(numbers.law, plan.rotors)
     if "accelerometer" in layout:  # it has felt the forces of the start for long
         forces = plan.felt.map(count)(start.T, parts["gust"].T, held.T)
         parts["accelerometer"] = np.array(forces).T
@@ -106,8 +106,8 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
     lag = [math.exp(-k * plan.step / time_constant) if time_constant else 0.0 for k in (0, 0.5, 1)]
     gust, kept = float(w.gust), math.exp(-plan.step / float(w.gust_time))
     period = plan.step if s.control_rate is None else 1 / float(s.control_rate)
-    inertia = np.array([float(i) for i in vehicle.inertia])
-    inertia_error = np.array([float(e) for e in wrong.inertia]) + drawn["inertia"]
+    inertia = np.array([float(i) for i in vehicle.moments])
+    inertia_error = _of_moments(np.array(wrong.inertia, float) + drawn["inertia"], len(inertia))
     strength = 1 + float(wrong.thrust) + drawn["thrust"]
     felt_late, felt_new = lag_shares(float(s.accelerometer_time_constant), plan.step)
     values: dict[str, Any] = {
@@ -143,15 +143,28 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
         "accelerometer_noise": float(s.accelerometer_noise),
         "accelerometer_kept": felt_late,
         "accelerometer_newest": felt_new,
-        "rotor_shares": strength * (1 + np.array([float(e) for e in wrong.rotors])),
+        "rotor_shares": strength * (1 + np.array(wrong.rotors or [0] * plan.rotors, float)),
         "heading_bias": float(s.heading_bias) * bias[:, 12],
         "heading_noise": float(s.heading_noise),
         "true_arm": float(vehicle.reach) * (1 + float(wrong.arm) + drawn["arm"][:, 0]),
     }
+    whole = of_vehicle(HeadedSurroundings, plan.rotors, len(vehicle.moments))
     return {
         name: np.broadcast_to(np.reshape(values[name], (-1, size)), (count, size))
-        for name, size in HeadedSurroundings.sizes().items()
+        for name, size in whole.sizes().items()
     }
+
+
+def _of_moments(shares: Array, moments: int) -> Array:
+    """Return by what share all moments change, (count, moments), from those of the diagonal.
+
+    A product of inertia changes so that the matrix stays that of a body.
+    """
+    if moments == 3:
+        return shares
+    root = np.sqrt(1 + shares)
+    pairs = [root[:, i] * root[:, j] - 1 for i, j in ((0, 1), (0, 2), (1, 2))]
+    return np.column_stack([shares, *pairs])
 
 
 def _scatter(plan: Plan, runs: NDArray[np.int64]) -> dict[str, Array]:

@@ -330,7 +330,7 @@ def fly_as_built(
     vehicle, frame = mission.vehicle, mission.vehicle.frame
     lengths = vehicle.reach * (1 + mission.model_error.arm), vehicle.drag_ratio
     arm, drag = (ca.SX(float(x)) for x in lengths)
-    thrusts = ca.SX.sym("thrusts", 4)
+    thrusts = ca.SX.sym("thrusts", len(frame.names))
     made = ca.Function("made", [thrusts], [wrench(frame, thrusts, arm, drag)[1:]])
     flight["rotor_thrust"].values[:] = parts["rotor_thrust"]
     flight["torque"].values[:] = np.array(made.map(len(kept))(parts["rotor_thrust"].T)).T

@@ -34,8 +34,16 @@ Control = Callable[[int, Array, Array, Array], Array]
 NOISE_AT_A_TIME = 1 << 12
 """How many pairs of normal numbers are drawn at once where there is no compiler."""
 
-IDEAL_RECORD = {"state": STATE_SIZE, "lyapunov": 1, "rotor_thrust": 4}
-"""What a record of the paper's loop holds, and the size of each part."""
+
+def ideal_record(rotors: int = 4) -> dict[str, int]:
+    """Return what a record of the paper's loop holds, and the size of each part.
+
+    Parameters
+    ----------
+    rotors : int
+        Their number.
+    """
+    return {"state": STATE_SIZE, "lyapunov": 1, "rotor_thrust": rotors}
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +156,7 @@ def ideal_loop(n: int, law: Law = HAMEL_MAHONY, frame: Frame = X) -> Loop:
             "PARAMS": held.numel(),
             "STEP": law.design.size(),
             "POINTS": 3 * n,
-            "RECORD": sum(IDEAL_RECORD.values()),
+            "RECORD": sum(ideal_record(len(frame.names)).values()),
         },
     )
 

@@ -21,8 +21,9 @@ from hoverproof.plant.lens import seeing_lens
 from hoverproof.servo.law import Law
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import kernel
-from hoverproof.simulation.realistic import realistic_loop, specific_force_function
+from hoverproof.simulation.realistic import realistic_loop
 from hoverproof.simulation.surroundings import Features
+from hoverproof.simulation.told import specific_force_function
 from hoverproof.version import __version__
 
 Array = NDArray[np.float64]
@@ -174,7 +175,7 @@ class Plan:
     @cached_property
     def felt(self) -> ca.Function:
         """(state, gust, surroundings) ↦ true specific force; see `specific_force_function`."""
-        return specific_force_function(self.features.surroundings(self.numbers.law))
+        return specific_force_function(self.features.surroundings(self.numbers.law, self.rotors))
 
     @cached_property
     def model_sha256(self) -> str:
@@ -183,9 +184,16 @@ class Plan:
         return hashlib.sha256(parts.encode()).hexdigest()
 
     @property
+    def rotors(self) -> int:
+        """Number of rotors."""
+        return len(self.mission.vehicle.frame.names)
+
+    @property
     def record(self) -> dict[str, int]:
         """What a record holds, and the size of each part."""
-        return kernel.IDEAL_RECORD if self.ideal else self.features.record(self.numbers.law)
+        if self.ideal:
+            return kernel.ideal_record(self.rotors)
+        return self.features.record(self.numbers.law, self.rotors)
 
     @cached_property
     def schedule(self) -> kernel.Schedule:

@@ -17,7 +17,7 @@ from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.mission.frame import Frame, X
 from hoverproof.plant import camera, rigid_body, rotors
 from hoverproof.plant.lens import LensModel, sight_of
-from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, held_rate
+from hoverproof.plant.rigid_body import RigidBodyState, held_rate
 from hoverproof.servo.law import Design, Law, Measurement
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.layout import place
@@ -57,8 +57,9 @@ def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY, frame: F
         Of the rotors.
     """
     design, points = parameters(n, law)
-    around = features.surroundings(law).symbols()
-    north, layout = law.sees_north, features.layout(law)
+    rotors_there = len(frame.names)
+    around = features.surroundings(law, rotors_there).symbols()
+    north, layout = law.sees_north, features.layout(law, rotors_there)
     memory = {name: ca.SX.sym(name, size) for name, size in layout.items()}
     packed = ca.vertcat(*memory.values())
     params = ca.vertcat(design.vector(), around.vector())
@@ -329,7 +330,8 @@ def decide(
     thrust_rate, torque = command(measured, design, law)
     low, high = around.rotor_min, around.rotor_max
     thrust = measured.thrust + around.period * thrust_rate
-    thrust = ca.fmin(ca.fmax(thrust, 4 * low), 4 * high)
+    n = len(frame.names)
+    thrust = ca.fmin(ca.fmax(thrust, n * low), n * high)
     wanted = rotors.rotor_thrusts(frame, thrust, torque, around.arm, around.drag_ratio)
     lever = law.lever(law.force.thrust(measured, design), design)
     changes = {
@@ -447,36 +449,3 @@ def recorded(
         around.wind + memory["gust"],
         *own,
     )
-
-
-@cache
-def read_function(n: int, features: Features, law: Law) -> ca.Function:
-    """Return (memory, parameters, noise of a tick) ↦ what the sensors tell, each by its name.
-
-    Parameters
-    ----------
-    n : int
-        Number of target points.
-    features : Features
-    law : Law
-    """
-    design, _ = parameters(n, law)
-    around = features.surroundings(law).symbols()
-    memory = {name: ca.SX.sym(name, size) for name, size in features.layout(law).items()}
-    imu = ca.SX.sym("imu", imu_noise(law))
-    told = vars(read(memory, design, around, imu, law))
-    given = [ca.vertcat(*memory.values()), ca.vertcat(design.vector(), around.vector()), imu]
-    names = ["memory", "parameters", "noise"]
-    return ca.Function("read", given, list(told.values()), names, list(told))
-
-
-def specific_force_function(around: type[Surroundings]) -> ca.Function:
-    """Return (state (19,), gust (3,) in m/s, surroundings) ↦ true specific force, (3,), m/s².
-
-    Parameters
-    ----------
-    around : type of Surroundings
-    """
-    state, gust, symbols = ca.SX.sym("state", STATE_SIZE), ca.SX.sym("gust", 3), around.symbols()
-    force = symbols.specific_force(RigidBodyState.from_vector(state), gust)
-    return ca.Function("specific_force", [state, gust, symbols.vector()], [force])

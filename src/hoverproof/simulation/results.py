@@ -62,7 +62,7 @@ OF_A_RUN: dict[str, tuple[str, str, str]] = {
 
 HEADER_BYTES = 200_000
 SECONDS_BETWEEN_NOTES = 2
-SIZES = {"axis": 3, "body_axis": 3, "angle": 3, "rotor": 4}
+SIZES = {"axis": 3, "body_axis": 3, "angle": 3}
 
 
 def file_size(plan: Plan, runs: int, precision: Precision) -> int:
@@ -76,7 +76,8 @@ def file_size(plan: Plan, runs: int, precision: Precision) -> int:
     precision : "float32" or "float64"
         Of the numbers kept over time.
     """
-    numbers = sum(int(np.prod([SIZES[d] for d in dims])) for dims, _, _ in SERIES.values())
+    sizes = SIZES | {"rotor": plan.rotors}
+    numbers = sum(int(np.prod([sizes[d] for d in dims])) for dims, _, _ in SERIES.values())
     each = numbers * np.dtype(precision).itemsize * (plan.samples + 1)
     of_a_run = 8 + sum(np.dtype(kind).itemsize for kind, _, _ in OF_A_RUN.values())
     return HEADER_BYTES + 8 * plan.samples + runs * (each + of_a_run)

@@ -15,7 +15,7 @@ from hoverproof.plant import camera, rotors
 from hoverproof.plant.lens import LensModel
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, specific_force
 from hoverproof.servo.law import Law
-from hoverproof.servo.layout import Packed, column, scalar
+from hoverproof.servo.layout import Packed, column, resized, scalar
 from hoverproof.simulation.flight_log import LOG_SIZE
 
 LAYOUT = {
@@ -137,12 +137,12 @@ class Surroundings(Packed):
         return camera.body_points(points, place, body.rotation @ axes)
 
     def thrusts(self, commanded: ca.SX) -> ca.SX:
-        """Return what rotors push with that the controller takes to push so, (4, 1), N.
+        """Return what rotors push with that the controller takes to push so, (n, 1), N.
 
         Parameters
         ----------
         commanded : SX
-            (4, 1), N.
+            (n, 1), N.
         """
         return commanded
 
@@ -154,7 +154,7 @@ class Surroundings(Packed):
         frame : Frame
             Of the rotors.
         commanded : SX
-            What the controller takes to be the thrust of each rotor, (4, 1), N.
+            What the controller takes to be the thrust of each rotor, (n, 1), N.
         """
         return rotors.wrench(frame, commanded, self.arm, self.drag_ratio)
 
@@ -196,7 +196,7 @@ class FurtherSurroundings(Surroundings):
         What shares an accelerometer that lags keeps of its value over a step, and takes of the
         specific force at the end of it; dimensionless.
     rotor_shares : SX
-        Thrust of each rotor over what the controller takes it to be, (4, 1), dimensionless.
+        Thrust of each rotor over what the controller takes it to be, (n, 1), dimensionless.
     true_arm : SX
         Where `arm` is what the controller knows, m.
     """
@@ -214,7 +214,7 @@ class FurtherSurroundings(Surroundings):
         Parameters
         ----------
         commanded : SX
-            (4, 1), N.
+            (n, 1), N.
         """
         return self.rotor_shares * commanded
 
@@ -226,7 +226,7 @@ class FurtherSurroundings(Surroundings):
         frame : Frame
             Of the rotors.
         commanded : SX
-            (4, 1), N.
+            (n, 1), N.
         """
         return rotors.wrench(frame, self.thrusts(commanded), self.true_arm, self.drag_ratio)
 
@@ -258,6 +258,21 @@ class HeadedSurroundings(FurtherSurroundings):
 
     heading_bias: ca.SX = scalar("rad")
     heading_noise: ca.SX = scalar("rad")
+
+
+def of_vehicle(around: type[Surroundings], rotors: int, moments: int) -> type[Surroundings]:
+    """Return the layout for so many rotors and moments.
+
+    Parameters
+    ----------
+    around : type of Surroundings
+        For four rotors and three moments.
+    rotors : int
+        Their number.
+    moments : int
+        Number of moments of inertia, with products of inertia if there are any.
+    """
+    return resized(around, (("inertia", moments), ("rotor_shares", rotors)))
 
 
 @dataclass(frozen=True)
@@ -296,37 +311,44 @@ class Features:
     lag: bool = False
     lens: LensModel | None = None
 
-    def layout(self, law: Law) -> dict[str, int]:
+    def layout(self, law: Law, rotors: int = 4) -> dict[str, int]:
         """Return the parts of a vehicle's memory and their sizes, those of `LAYOUT` first.
 
         Parameters
         ----------
         law : Law
+        rotors : int
+            Their number.
         """
         turning = GYRO_LAYOUT if self.turned else {}
         lagging = ACCELEROMETER_LAYOUT if self.lags(law) else {}
-        return LAYOUT | turning | lagging | (NORTH_LAYOUT if law.sees_north else {})
+        own = {"rotors": rotors, "rotor_commands": rotors}
+        return LAYOUT | own | turning | lagging | (NORTH_LAYOUT if law.sees_north else {})
 
-    def record(self, law: Law) -> dict[str, int]:
+    def record(self, law: Law, rotors: int = 4) -> dict[str, int]:
         """Return the parts of a record and their sizes, those of `RECORD` first.
 
         Parameters
         ----------
         law : Law
+        rotors : int
+            Their number.
         """
-        return RECORD | ({"specific_force": 3} if law.force.sensed else {})
+        felt = {"specific_force": 3} if law.force.sensed else {}
+        return RECORD | {"rotor_thrust": rotors} | felt
 
-    def surroundings(self, law: Law) -> type[Surroundings]:
+    def surroundings(self, law: Law, rotors: int = 4) -> type[Surroundings]:
         """Return the layout of what surrounds a law.
 
         Parameters
         ----------
         law : Law
+        rotors : int
+            Their number.
         """
-        if law.has_compass:
-            return HeadedSurroundings
-        further = self.rotors_differ or law.force.sensed
-        return FurtherSurroundings if further else Surroundings
+        further = FurtherSurroundings if self.rotors_differ or law.force.sensed else Surroundings
+        kind = HeadedSurroundings if law.has_compass else further
+        return of_vehicle(kind, rotors, law.design.sizes()["inertia"])
 
     def lags(self, law: Law) -> bool:
         """Tell whether an accelerometer has a memory.

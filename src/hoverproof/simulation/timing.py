@@ -100,7 +100,7 @@ def fastest_rate(mission: Mission, law: Law | None = None) -> float:
             rates.append(float(np.abs(np.linalg.eigvals(slope)).max()))
     error = mission.model_error  # what is lighter, or stronger, than the controller knows is faster
     lighter = min(1.0, *(float(1 + e) for e in (error.mass, *error.inertia)))
-    levers = [float((1 + error.thrust) * (1 + e) * (1 + error.arm)) for e in error.rotors]
+    levers = [float((1 + error.thrust) * (1 + e) * (1 + error.arm)) for e in error.rotors or (0,)]
     stronger = max(1.0, float(1 + error.thrust), *levers)
     return max(rates) * stronger / lighter
 

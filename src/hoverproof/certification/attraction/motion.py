@@ -62,7 +62,7 @@ def energies(region: Attraction, states: Array) -> Array:
     states : (k, 19)
         Packed states; see `RigidBodyState`.
     """
-    numbers = LoopNumbers.of(region.mission, HAMEL_MAHONY.weighing(region.mission.target))
+    numbers = LoopNumbers.of(region.mission, HAMEL_MAHONY.flying(region.mission))
     a = np.array([float(w) for w in region.weights])
     k = len(states)
     read = energy_function(numbers.target_size, numbers.law).map(k)

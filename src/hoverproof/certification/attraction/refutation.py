@@ -108,7 +108,7 @@ def simulate(mission: Mission, start: Array, most: float) -> tuple[Ending, float
     """
     from scipy.integrate import solve_ivp
 
-    numbers, law = LoopNumbers.of(mission), HAMEL_MAHONY.weighing(mission.target)
+    numbers, law = LoopNumbers.of(mission), HAMEL_MAHONY.flying(mission)
     design, points, goal = numbers.design, numbers.points, numbers.goal
     lowest, near = points[2].max(), 0.05 * np.linalg.norm(points.T - goal, axis=1).min()
     read, singular = (
@@ -194,7 +194,7 @@ def _natural_times(mission: Mission, state: State, time: float, most: int) -> Ar
     from scipy.integrate import DOP853
 
     numbers = LoopNumbers.of(mission)
-    read = flight_rate(numbers.target_size, HAMEL_MAHONY.weighing(mission.target))
+    read = flight_rate(numbers.target_size, HAMEL_MAHONY.flying(mission))
     method = DOP853(
         lambda t, x: np.array(read(x, numbers.design, numbers.points))[:, 0],
         *(0.0, state.packed(), 1.5 * time),  # its last step is cut short
@@ -271,6 +271,4 @@ def model_fingerprint(mission: Mission) -> str:
     ----------
     mission : Mission
     """
-    return fingerprint(
-        flight_rate(len(mission.target.points), HAMEL_MAHONY.weighing(mission.target))
-    )
+    return fingerprint(flight_rate(len(mission.target.points), HAMEL_MAHONY.flying(mission)))

@@ -51,9 +51,16 @@ def thrusts(limits: Limits, weights: Array, level: float, mission: Mission) -> t
     yaw = float(mission.gains.k_yaw) * (v.yaw_rate + v.gyro)
     if mission.goal.heading is not None:
         yaw += float(mission.k_heading)
+    plain, about_it = h * asked, yaw / float(mission.vehicle.inertia[2])
     yaw = (1 + v.torque) * (yaw + abs(i2 - i1) * (h * turn + v.gyro) ** 2 / 2)
     by_thrust, roll, pitch, spin = _shares(mission.vehicle)
     beside = np.hypot(i1 * roll, i2 * pitch) * turned + yaw * np.abs(spin)
+    if mission.vehicle.products is not None:
+        matrix, way = np.array(mission.vehicle.matrix, float), np.stack([roll, pitch, spin])
+        x, y, z = matrix @ way
+        uneven = np.linalg.norm(matrix - np.eye(3) * matrix.trace() / 3)
+        beside = np.hypot(x, y) * plain + np.abs(z) * about_it
+        beside += uneven * np.linalg.norm(way, axis=0) * ((h * turn) ** 2 + v.yaw_rate**2)
     ends = np.stack([by_thrust * (least - ahead), by_thrust * (most + ahead)])
     return float((ends.min(axis=0) - beside).min()), float((ends.max(axis=0) + beside).max())
 

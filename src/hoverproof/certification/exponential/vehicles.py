@@ -210,7 +210,7 @@ class Vehicles:
     @property
     def gyroscopic(self) -> float:
         """How much of Ω3 e3 × Ω the gyroscopic torque is at most, by the mission's inertia."""
-        i1, i2, i3 = self.design.inertia
+        i1, i2, i3 = self.design.inertia[:3]
         return float(max(abs(i3 - i2) / i1, abs(i3 - i1) / i2))
 
 
