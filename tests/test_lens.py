@@ -178,12 +178,12 @@ def test_what_a_calibration_holds_is_held_to_the_ranges_of_a_mission(mission_wit
 
 
 def test_a_file_and_a_lens_are_not_both_given(mission_with):
-    with pytest.raises(InputError, match="give either the file or camera.lens"):
+    with pytest.raises(InputError, match=r"give either the file or camera\.lens"):
         mission_with(WRITTEN, f"lens = {PLAIN}")
 
 
 def test_a_file_that_is_not_there_is_said(tmp_path):
-    with pytest.raises(InputError, match="no such file; camera.file is relative to the mission"):
+    with pytest.raises(InputError, match=r"no such file; camera\.file is relative"):
         hp.load("x4-flyer", {"camera.file": f'"{tmp_path / "none.yaml"}"'})
 
 
