@@ -118,7 +118,9 @@ def test_the_error_of_a_camera_with_an_arm_vanishes_just_at_the_hover(load):
     hover = state_at(GOAL, 0, 0, 0.4)
     numbers = LoopNumbers.of(mission)
     assert seen(mission, hover) == pytest.approx(numbers.goal_centroid, abs=1e-12)
-    beside = seen(mission, state_at(GOAL + np.array([0.02, 0, 0]), 0, 0, 0.4)) - numbers.goal_centroid
+    beside = (
+        seen(mission, state_at(GOAL + np.array([0.02, 0, 0]), 0, 0, 0.4)) - numbers.goal_centroid
+    )
     assert np.linalg.norm(beside) > 0.1
 
 

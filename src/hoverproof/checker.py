@@ -1702,8 +1702,10 @@ class Wedges:
         if self.left_out(cell):
             return True
         try:
-            sight = self.sight(self.widened(cell))
-            if self.beyond(self.off(sight), domain.offset):
+            sight = self.sight(cell)
+            if self.beyond(self.off(sight), domain.offset) and (
+                not self.arm or self.all_beyond(self.widened(cell), domain.offset, 2)
+            ):
                 return True
             if self.at_face(cell) or (
                 domain.cone is not None and not self.steep(cell, domain.cone)
@@ -1711,15 +1713,24 @@ class Wedges:
                 return False
             low, high = domain.bounds
             if self.scaled:
-                if self.arm:
-                    sight = self.sight(cell)
-                    sight.look()
                 return within_ball(sight.slope(), low, high)
         except Rejected:
             return False
         sides = zip(*self.corners(cell), strict=True)
         view = View(grid, grid.cell([(min(side), max(side)) for side in sides]))
         return largest_below(view, high) and smallest_above(view, low)
+
+    def all_beyond(self, cell: Cell, distance: Fraction, halved: int) -> bool:
+        """Show |σ - σ*| > distance over a cell, or over its eight parts, halved so often."""
+        try:
+            if self.beyond(self.off(self.sight(cell)), distance):
+                return True
+        except Rejected:
+            pass
+        middles = [(a + b) // 2 for a, b in cell]
+        sides = [((a, m), (m, b)) for (a, b), m in zip(cell, middles, strict=True)]
+        parts = (list(part) for part in itertools.product(*sides))
+        return halved > 0 and all(self.all_beyond(part, distance, halved - 1) for part in parts)
 
     def widened(self, cell: Cell) -> Cell:
         """Return a cell that holds all positions within the arm of the camera from a cell.
@@ -2229,7 +2240,7 @@ class Exponential(Tolerant):
         require(have, "noise is to have its multipliers, bound and tree")
         far = [c.trees.ultimate] if restless else []
         costs = ((tree, 10) for tree in (c.trees.near, *far, *c.trees.starts))
-        require_little(self.points, (c.domain.tree, 15), *costs)
+        require_little(self.points, (c.domain.tree, 40 if self.arm else 15), *costs)
         require(len(c.trees.starts) == len(c.claim.starts), "a tree a start")
         angles = c.claim.cone is None or c.domain.cone is not None
         require(angles, "the angle under which all is seen needs a cone over the domain")
