@@ -1703,19 +1703,20 @@ class Wedges:
             return True
         try:
             sight = self.sight(cell)
-            if self.beyond(self.off(sight), domain.offset) and (
-                not self.arm or self.all_beyond(self.widened(cell), domain.offset, 2)
-            ):
-                return True
-            if self.at_face(cell) or (
-                domain.cone is not None and not self.steep(cell, domain.cone)
-            ):
-                return False
-            low, high = domain.bounds
-            if self.scaled:
-                return within_ball(sight.slope(), low, high)
+            if self.beyond(self.off(sight), domain.offset):
+                around = self.arm and not self.held(cell, sight, grid, domain)
+                return not around or self.all_beyond(self.widened(cell), domain.offset, 2)
+            return self.held(cell, sight, grid, domain)
         except Rejected:
             return False
+
+    def held(self, cell: Cell, sight: "Sight", grid: Grid, domain: Any) -> bool:
+        """Show that J is in its bounds over a cell that is at no face, and what is seen from it."""
+        if self.at_face(cell) or (domain.cone is not None and not self.steep(cell, domain.cone)):
+            return False
+        low, high = domain.bounds
+        if self.scaled:
+            return within_ball(sight.slope(), low, high)
         sides = zip(*self.corners(cell), strict=True)
         view = View(grid, grid.cell([(min(side), max(side)) for side in sides]))
         return largest_below(view, high) and smallest_above(view, low)

@@ -53,13 +53,13 @@ def seen_feature(law: Law, sensing: str, points: int) -> SeenFeature:
     seen, spread = ca.SX.sym("centroid", 3), ca.SX.sym("spread")
     if sensing == "feature":
         return SeenFeature(seen, seen)
-    q, spread_of = law.in_body(seen), points**2 - ca.dot(seen, seen)
+    q, spread_of = law.mount.in_body(seen), points**2 - ca.dot(seen, seen)
     if sensing == "points":
         seen = ca.SX.sym("image", 2, points)
-        directions = law.in_body(camera.spherical(seen))
+        directions = law.mount.in_body(camera.spherical(seen))
         q = camera.centroid(directions)
         spread_of = camera.spread(directions, q)
-    found = law.made_up(law.feature.of(q, spread, points))
+    found = law.mount.made_up(law.feature.of(q, spread, points))
     if not ca.depends_on(found, spread):
         return SeenFeature(seen, found)
     return SeenFeature(seen, found, spread, spread_of)

@@ -10,10 +10,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from hoverproof.mission.fields import Section, array, one_of, quantity, reject, shown
 
-COEFFICIENTS = {
-    "plumb_bob": ("k1", "k2", "p1", "p2", "k3"),
-    "equidistant": ("k1", "k2", "k3", "k4"),
-}
+COEFFICIENTS = {"plumb_bob": "k1, k2, p1, p2, k3", "equidistant": "k1, k2, k3, k4"}
 """The names of the coefficients of each model of distortion, in the order of ROS and OpenCV."""
 
 _ZERO = Fraction(0)
@@ -26,6 +23,17 @@ _Coefficient = Annotated[Fraction, quantity("", "-1e3", "1e3")]
 _Place = Annotated[tuple[_Length, _Length, _Length], BeforeValidator(array("x", "y", "z"))]
 _Euler = Annotated[tuple[_Angle, _Angle, _Angle], BeforeValidator(array("roll", "pitch", "yaw"))]
 Model = Literal["plumb_bob", "equidistant"]
+
+
+def number_of(model: str) -> int:
+    """Return how many coefficients a model of distortion has.
+
+    Parameters
+    ----------
+    model : str
+        One of `COEFFICIENTS`.
+    """
+    return len(COEFFICIENTS[model].split())
 
 
 class Lens(Section):
@@ -55,11 +63,10 @@ class Lens(Section):
 
     @model_validator(mode="after")
     def _hangs_together(self) -> Self:
-        names = COEFFICIENTS[self.distortion_model]
-        if len(self.distortion) > len(names):
+        names, count = COEFFICIENTS[self.distortion_model], len(self.distortion)
+        if count > number_of(self.distortion_model):
             raise reject(
-                f"has at most {len(names)} numbers for {self.distortion_model!r}, "
-                f"[{', '.join(names)}], not {len(self.distortion)}",
+                f"has at most the numbers [{names}] for {self.distortion_model!r}, not {count}",
                 key="distortion",
             )
         for key, size in (("cx", self.width), ("cy", self.height)):
