@@ -183,7 +183,7 @@ def test_a_file_and_a_lens_are_not_both_given(mission_with):
 
 
 def test_a_file_that_is_not_there_is_said(tmp_path):
-    with pytest.raises(InputError, match=r"no such file; camera\.file is relative"):
+    with pytest.raises(InputError, match=r"no such file; camera\.file is relative to the mission"):
         hp.load("x4-flyer", {"camera.file": f'"{tmp_path / "none.yaml"}"'})
 
 

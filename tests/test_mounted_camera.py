@@ -30,7 +30,7 @@ force = "measured"
 [vehicle]
 mass = 0.5
 inertia = [0.004046, 0.004046, 0.007514]
-arm = 0.1202
+lever = 0.1202
 drag_ratio = 0.0221
 gravity = 9.81
 [target]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -148,7 +148,7 @@ def _vectors(
         (rows,) = evaluate(graphs[name], list(given), lambda c: Rounded(precision.round(c)))
         return [row[0] for row in rows]
 
-    def braces(values: Sequence[Any]) -> str:
+    def braces(values: Iterable[Any]) -> str:
         return "{ " + ", ".join(precision.hex_literal(value) for value in values) + " }"
 
     vectors = []

@@ -132,7 +132,7 @@ def write_package(
         rotor_limits=rotor_limits,
         camera=camera,
     )
-    law = law or flown_law(mission)
+    law = (law or flown_law(mission)).weighing(mission.target)
     check_sees_points(law, options)
     if standing.certificate is not None:
         own = flown_law(mission)
@@ -201,6 +201,8 @@ def _rendered(filled: Contents) -> dict[str, str]:
     named = {
         **vars(filled),
         "points": filled.points,
+        "centroid_words": filled.centroid_words,
+        "in_order": filled.in_order,
         "tells_gains": filled.tells_gains,
         "lit": filled.options.precision.lit,
         "braces": filled.options.precision.braces,
@@ -211,6 +213,12 @@ def _rendered(filled: Contents) -> dict[str, str]:
         path.format(name=filled.name): _templates().get_template(template).render(named)
         for path, template in files.items()
     }
+
+
+def _whole(mission: Mission) -> float:
+    """Return the sum of the weights, which is the number of points if each counts once."""
+    whole = mission.target.whole
+    return len(mission.target.points) if mission.target.weights is None else float(whole)
 
 
 def _manifest(filled: Contents, texts: Mapping[str, str], law: Law) -> dict[str, Any]:
@@ -235,7 +243,7 @@ def _manifest(filled: Contents, texts: Mapping[str, str], law: Law) -> dict[str,
         "tilt_cosine": float(limits.tilt_cosine),
         "rotor_limits": [float(r) for r in options.rotor_limits],
         "rotor_limits_from": options.rotor_limits_from,
-        "input_box": limits.box.as_json(options.sensing, filled.points),
+        "input_box": limits.box.as_json(options.sensing, _whole(filled.mission)),
         "budgets": {
             "target": "Cortex-M4F, float32, gcc -O2 -fno-math-errno -ffp-contract=off",
             "instructions": _instruction_budget(filled),

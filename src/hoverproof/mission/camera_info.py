@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from fractions import Fraction
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from hoverproof.errors import InputError
+from hoverproof.mission.exact_yaml import exact, read_yaml
 from hoverproof.mission.fields import shown
 
-MAX_BYTES = 1_000_000
 _MODELS = {"plumb_bob": "plumb_bob", "equidistant": "equidistant", "fisheye": "equidistant"}
 _OTHERS = {"": "plumb_bob", "none": "plumb_bob"}
 """What a camera without distortion has for a model."""
@@ -30,7 +29,7 @@ def lens_of_file(path: str | Path) -> dict[str, Any]:
         If it cannot be read or holds no lens that can be used.
     """
     where = str(path)
-    data = _read(where)
+    data = read_yaml(where, "no such file; camera.file is relative to the mission")
     if not isinstance(data, Mapping):
         raise InputError(where, "", f"is no camera_info: must be a mapping, not {shown(data)}")
     matrix = _numbers(where, data, "camera_matrix", "K", "k")
@@ -61,37 +60,6 @@ def _distortion(where: str, data: Mapping[str, Any]) -> tuple[str, list[Any]]:
     return models[named], numbers if any(numbers) else []
 
 
-def _read(where: str) -> Any:
-    import yaml
-
-    class Exact(yaml.SafeLoader):  # type: ignore[misc]
-        """Reads a number as it is written."""
-
-    def number(loader: Any, node: Any) -> Fraction | float:
-        text = str(loader.construct_scalar(node)).replace("_", "")
-        try:
-            return Fraction(text) if len(text) < 60 else float(text)
-        except ValueError:  # .inf, .nan, or in the base 60
-            return float("nan")
-
-    Exact.add_constructor("tag:yaml.org,2002:float", number)
-    try:
-        with Path(where).open("rb") as file:
-            text = file.read(MAX_BYTES + 1)
-        if len(text) > MAX_BYTES:
-            raise InputError(where, "", f"is larger than {MAX_BYTES} bytes")
-        return yaml.load(text, Loader=Exact)  # a SafeLoader
-    except FileNotFoundError:
-        raise InputError(
-            where, "", "no such file; camera.file is relative to the mission"
-        ) from None
-    except OSError as error:
-        raise InputError(where, "", f"cannot be read: {error.strerror}") from None
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        first = str(error).splitlines()[0]
-        raise InputError(where, "", f"is not valid YAML: {first}") from None
-
-
 def _named(where: str, data: Mapping[str, Any], *names: str) -> Any:
     for name in names:
         if name in data:
@@ -100,9 +68,10 @@ def _named(where: str, data: Mapping[str, Any], *names: str) -> Any:
 
 
 def _one(where: str, data: Mapping[str, Any], *names: str) -> Any:
-    value = _exact(_named(where, data, *names))
-    if not isinstance(value, int | Fraction | float):
-        raise InputError(where, names[0], f"must be a number in px, not {shown(value)}")
+    held = _named(where, data, *names)
+    value = exact(held)
+    if value is None:
+        raise InputError(where, names[0], f"must be a number in px, not {shown(held)}")
     return value
 
 
@@ -113,18 +82,7 @@ def _numbers(
         return instead
     held = _named(where, data, *names)
     held = held.get("data") if isinstance(held, Mapping) else held
-    plain = isinstance(held, Sequence) and not isinstance(held, str)
-    numbers = [_exact(x) for x in held] if plain and held is not None else [None]
-    if not all(isinstance(x, int | Fraction) for x in numbers):
+    numbers = list(map(exact, held)) if isinstance(held, list) else [None]
+    if None in numbers:
         raise InputError(where, names[0], f"must hold a list of numbers, not {shown(held)}")
     return numbers
-
-
-def _exact(value: Any) -> Any:
-    """Return a number; YAML takes 1e-05, as ROS may write it, for a word, and True for one."""
-    if isinstance(value, bool):
-        return None
-    try:
-        return Fraction(value) if isinstance(value, str) and len(value) < 60 else value
-    except ValueError:
-        return value

@@ -15,7 +15,8 @@ from hoverproof.errors import InputError, suggestion
 from hoverproof.mission.camera_info import lens_of_file
 from hoverproof.mission.fields import shown
 from hoverproof.mission.presets import preset_text, presets
-from hoverproof.mission.sections import MAX_POINTS, TAGS, Mission
+from hoverproof.mission.sections import TAGS, Mission
+from hoverproof.mission.target import MAX_POINTS
 
 MAX_FILE_BYTES = 1_000_000
 MAX_PARTS = 64

@@ -8,7 +8,7 @@ holds a law.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 from typing import Any
 
@@ -16,14 +16,16 @@ import casadi as ca
 
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
+from hoverproof.mission.target import Target
 from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.mount import CENTRAL, Mount
+from hoverproof.servo.feature import Feature
 from hoverproof.servo.heading import Heading
 from hoverproof.servo.layout import Packed, column, scalar
 
 SMALLEST_SPREAD = Fraction(1, 10**12)
-"""Of n² - |q|² at a goal: a target that is seen smaller, under some 1e-6 rad, is a point."""
+"""Of W² - |q|² at a goal: a target that is seen smaller, under some 1e-6 rad, is a point."""
 
 
 @dataclass(frozen=True)
@@ -170,45 +172,6 @@ class WantedRates:
 
 
 @dataclass(frozen=True)
-class Feature:
-    """What a law makes of the image.
-
-    Attributes
-    ----------
-    name : str
-    of : callable
-        (q (3, 1), n² - |q|² (1, 1), number n of target points) ↦ what stands in place of q, (3, 1).
-        It turns with the camera as q does.
-    """
-
-    name: str
-    of: Callable[[ca.SX, ca.SX, int], ca.SX]
-
-    def seen(self, directions: ca.SX) -> ca.SX:
-        """Return the feature of an image, (3, 1), without cancellation for a small target.
-
-        Parameters
-        ----------
-        directions : SX
-            p, (3, n), unit vectors.
-        """
-        q = camera.centroid(directions)
-        return self.of(q, camera.spread(directions, q), directions.shape[1])
-
-    def at(self, centroid: ca.SX, points: int) -> ca.SX:
-        """Return the feature of a centroid, (3, 1).
-
-        Parameters
-        ----------
-        centroid : SX
-            q, (3, 1).
-        points : int
-            Number of target points.
-        """
-        return self.of(centroid, points**2 - ca.dot(centroid, centroid), points)
-
-
-@dataclass(frozen=True)
 class Goal:
     """Where the goal of a law is fixed.
 
@@ -311,6 +274,19 @@ class Law:
 
     def __repr__(self) -> str:
         return f"Law({self.name!r})"
+
+    def weighing(self, target: Target) -> Law:
+        """Return the law with how much each point of a target counts.
+
+        Parameters
+        ----------
+        target : Target
+            Of a mission.
+        """
+        if target.weights is None:
+            return self
+        weights = tuple(map(float, target.weights))
+        return replace(self, feature=replace(self.feature, weights=weights))
 
     @property
     def has_compass(self) -> bool:
@@ -445,12 +421,12 @@ class Law:
         InputError
             If no hover sees the goal of the mission, or the target is a point from there.
         """
-        q, n = hover_goal(mission).centroid_midpoint, len(mission.target.points)
+        q, whole = hover_goal(mission).centroid_midpoint, mission.target.whole
         symbol, spread = ca.SX.sym("q", 3), ca.SX.sym("spread")
-        seen = self.feature.of(symbol, spread, n)
+        seen = self.feature.of(symbol, spread, self.feature.whole(len(mission.target.points)))
         if ca.is_equal(seen, symbol):
             return q
-        exact = n**2 - sum(c * c for c in q)  # in floating point nothing would be left of it
+        exact = whole**2 - sum(c * c for c in q)  # in floating point nothing would be left of it
         if exact < SMALLEST_SPREAD:
             raise InputError(
                 mission.source, "target.points", "are too near to one another, seen from the goal"

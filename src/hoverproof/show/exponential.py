@@ -55,7 +55,7 @@ class View:
     @cached_property
     def top(self) -> float:
         """Height of the target, world z, m."""
-        return float(self.scene.points[:, 2].mean())
+        return float(self.scene.target.mean[2])
 
     @cached_property
     def middles(self) -> Array:

@@ -144,10 +144,10 @@ class Plan:
     @cached_property
     def loop(self) -> kernel.Loop:
         """What is compiled."""
-        n = self.numbers.target_size
+        n, frame = self.numbers.target_size, self.mission.vehicle.frame
         if self.ideal:
-            return kernel.ideal_loop(n, self.numbers.law)
-        return realistic_loop(n, self.features, self.numbers.law)
+            return kernel.ideal_loop(n, self.numbers.law, frame)
+        return realistic_loop(n, self.features, self.numbers.law, frame)
 
     @cached_property
     def features(self) -> Features:

@@ -14,6 +14,7 @@ from typing import Any
 import casadi as ca
 
 from hoverproof.algebra.reciprocals import share_reciprocals
+from hoverproof.mission.frame import Frame, X
 from hoverproof.plant import camera, rigid_body, rotors
 from hoverproof.plant.lens import sight_of
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, held_rate
@@ -37,13 +38,13 @@ from hoverproof.simulation.surroundings import (
 IMU_NOISE = 9
 """Numbers that a tick draws for gyro, velocity and gravity; see `imu_noise`."""
 
-IMU_CHANNEL, GUST_CHANNEL = 64, 72  # a camera has at most 64 points: channels 0 to 63
+IMU_CHANNEL, GUST_CHANNEL = 64, 72
 CAMERA_CHANNEL = 128
-"""Of a camera that tells the heading too, which draws three numbers more."""
+"""Of a camera that draws more than 64 pairs of numbers; a smaller one has channels 0 to 63."""
 
 
 @cache
-def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY) -> Loop:
+def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY, frame: Frame = X) -> Loop:
     """Return the loop with sensors, rotors and wind.
 
     Parameters
@@ -52,6 +53,8 @@ def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY) -> Loop:
         Number of target points.
     features : Features
     law : Law
+    frame : Frame
+        Of the rotors.
     """
     design, points = parameters(n, law)
     around = features.surroundings(law).symbols()
@@ -67,9 +70,9 @@ def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY) -> Loop:
         return share_reciprocals(ca.Function(f"hoverproof_{name}", inputs, outputs))
 
     seen = look(memory, around, points, pixels, law, features)
-    decided = packed_with(memory, decide(memory, design, around, imu, law))
-    moved = packed_with(memory, move(memory, design, around, points, gust, law))
-    record = recorded(memory, design, around, points, law)
+    decided = packed_with(memory, decide(memory, design, around, imu, law, frame))
+    moved = packed_with(memory, move(memory, design, around, points, gust, (law, frame)))
+    record = recorded(memory, design, around, points, law, frame)
     return Loop(
         {
             "frame": function("frame", [packed, params, points, pixels], list(seen)),
@@ -92,7 +95,7 @@ def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY) -> Loop:
             "SEEN": 6 if north else 3,
             "NORTH": place(layout, "north" if north else "held").start,
             "CAMERA_NOISE": pixels.numel(),
-            "CAMERA_CHANNEL": CAMERA_CHANNEL if north else 0,
+            "CAMERA_CHANNEL": CAMERA_CHANNEL if north or n > IMU_CHANNEL else 0,
             "CAMERA_NOISY": int(features.camera_noise or (north and features.imu_noise)),
             "IMU_NOISE": imu.numel(),
             "IMU_CHANNEL": IMU_CHANNEL,
@@ -279,7 +282,7 @@ def read(
 
 
 def decide(
-    memory: dict[str, ca.SX], design: Design, around: Any, noise: ca.SX, law: Law
+    memory: dict[str, ca.SX], design: Design, around: Any, noise: ca.SX, law: Law, frame: Frame
 ) -> dict[str, ca.SX]:
     """Return what a tick of the controller changes in the memory.
 
@@ -296,13 +299,15 @@ def decide(
     noise : SX
         (k, 1), standard normal, k = `imu_noise`: gyro, velocity, gravity, accelerometer, compass.
     law : Law
+    frame : Frame
+        Of the rotors.
     """
     measured = read(memory, design, around, noise, law)
     thrust_rate, torque = command(measured, design, law)
     low, high = around.rotor_min, around.rotor_max
     thrust = measured.thrust + around.period * thrust_rate
     thrust = ca.fmin(ca.fmax(thrust, 4 * low), 4 * high)
-    wanted = rotors.rotor_thrusts(thrust, torque, around.arm, around.drag_ratio)
+    wanted = rotors.rotor_thrusts(frame, thrust, torque, around.arm, around.drag_ratio)
     lever = law.lever(law.force.thrust(measured, design), design)
     changes = {
         "thrust_margin": ca.fmin(memory["thrust_margin"], lever),
@@ -320,7 +325,7 @@ def move(
     around: Any,
     points: ca.SX,
     noise: ca.SX,
-    law: Law,
+    made: tuple[Law, Frame],
 ) -> dict[str, ca.SX]:
     """Return what one step of the integrator changes in the memory.
 
@@ -338,12 +343,14 @@ def move(
         (3, n), world frame, m.
     noise : SX
         (3, 1), standard normal: the gust.
-    law : Law
+    made : tuple of Law and Frame
+        The law, and the rotors.
     """
+    law, frame = made
     gap = memory["rotors"] - memory["rotor_commands"]
     left = (around.left_now, around.left_half, around.left_whole)
     thrusts = [memory["rotor_commands"] + share * gap for share in left]
-    wrenches = [around.wrench(t) for t in thrusts]
+    wrenches = [around.wrench(frame, t) for t in thrusts]
 
     def rate(x: ca.SX, half: int) -> ca.SX:
         body = RigidBodyState.from_vector(ca.vertcat(x, wrenches[half][0]))
@@ -386,7 +393,7 @@ def move(
 
 
 def recorded(
-    memory: dict[str, ca.SX], design: Design, around: Surroundings, points: ca.SX, law: Law
+    memory: dict[str, ca.SX], design: Design, around: Any, points: ca.SX, law: Law, frame: Frame
 ) -> ca.SX:
     """Return a record, in the order of `Features.record`.
 
@@ -399,20 +406,22 @@ def recorded(
     points : SX
         (3, n), world frame, m.
     law : Law
+    frame : Frame
+        Of the rotors.
     """
-    wind = around.wind + memory["gust"]
-    own = []
+    body, own = RigidBodyState.from_vector(memory["state"]), []
     if law.force.sensed is not None:
-        body = RigidBodyState.from_vector(memory["state"])
         own = [around.specific_force(body, memory["gust"])]
-    read = readout(memory["state"], design, points, around.arm, around.drag_ratio, law, *own)
+    lengths = around.arm, around.drag_ratio
+    force = own[0] if own else None
+    read = readout(memory["state"], design, points, *lengths, law, force, frame)
     return ca.vertcat(
         memory["state"],
         read["lyapunov"],
         around.thrusts(memory["rotors"]),
         memory["command"],
         used(memory),
-        wind,
+        around.wind + memory["gust"],
         *own,
     )
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from hoverproof.mission.frame import Frame
 from hoverproof.plant import camera, rotors
 from hoverproof.plant.lens import LensModel, sight_of
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, specific_force
@@ -72,7 +73,7 @@ class Surroundings(Packed):
     gyro_bias, velocity_bias, gravity_bias : SX
         rad/s, m/s and rad, body frame.
     arm, drag_ratio : SX
-        Of the rotors, m.
+        Of the rotors, m; see `hoverproof.plant.rotors.wrench`.
     air_drag : SX
         kg/s.
     step, period : SX
@@ -165,15 +166,17 @@ class Surroundings(Packed):
         """
         return commanded
 
-    def wrench(self, commanded: ca.SX) -> ca.SX:
+    def wrench(self, frame: Frame, commanded: ca.SX) -> ca.SX:
         """Return (T, Γ₁, Γ₂, Γ₃), (4, 1), N and N m, that act on the true vehicle.
 
         Parameters
         ----------
+        frame : Frame
+            Of the rotors.
         commanded : SX
             What the controller takes to be the thrust of each rotor, (4, 1), N.
         """
-        return rotors.wrench(commanded, self.arm, self.drag_ratio)
+        return rotors.wrench(frame, commanded, self.arm, self.drag_ratio)
 
     def drag(self, body: RigidBodyState, gust: ca.SX) -> ca.SX:
         """Return the force of the air, (3, 1), body frame, N.
@@ -235,15 +238,17 @@ class FurtherSurroundings(Surroundings):
         """
         return self.rotor_shares * commanded
 
-    def wrench(self, commanded: ca.SX) -> ca.SX:
+    def wrench(self, frame: Frame, commanded: ca.SX) -> ca.SX:
         """Return what acts on the vehicle; see `Surroundings.wrench`.
 
         Parameters
         ----------
+        frame : Frame
+            Of the rotors.
         commanded : SX
             (4, 1), N.
         """
-        return rotors.wrench(self.thrusts(commanded), self.true_arm, self.drag_ratio)
+        return rotors.wrench(frame, self.thrusts(commanded), self.true_arm, self.drag_ratio)
 
     def lagging(self, held: ca.SX, first: ca.SX, last: ca.SX) -> ca.SX:
         """Return what a first-order low-pass holds after a step, (3, 1), m/s².

@@ -22,6 +22,7 @@ from hoverproof.certification.cells import ROOM, Told, grow_tree, most_cells
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.flow import OfJ
 from hoverproof.certification.region import Box
+from hoverproof.mission.target import Target
 
 Array = NDArray[np.float64]
 SPARE, SPARE_BESIDE = 1.08, 1.15
@@ -34,31 +35,31 @@ HALVED = 2
 """So often is halved along each axis what lies within the arm of a cell."""
 
 
-def mirrored(points: list[tuple[Fraction, ...]], axis: int) -> bool:
+def mirrored(target: Target, axis: int) -> bool:
     """Tell whether a target is its own mirror image across the plane through its mean.
 
     Parameters
     ----------
-    points : sequence of (3,)
-        World frame, m.
+    target : Target
+        Of a mission.
     axis : int
         Across which axis, a bare number.
     """
-    twice = 2 * sum(p[axis] for p in points) / len(points)
-    images = {(*p[:axis], twice - p[axis], *p[axis + 1 :]) for p in points}
-    return images == set(points)
+    places, twice = target.places, 2 * target.mean[axis]
+    images = {(*p[:axis], twice - p[axis], *p[axis + 1 :]): w for p, w in places.items()}
+    return images == places
 
 
-def swapped(points: list[tuple[Fraction, ...]]) -> bool:
+def swapped(target: Target) -> bool:
     """Tell whether a target is its own image if x and y, from its mean, change places.
 
     Parameters
     ----------
-    points : sequence of (3,)
-        World frame, m.
+    target : Target
+        Of a mission.
     """
-    x, y = (sum(p[k] for p in points) / len(points) for k in (0, 1))
-    return {(x + p[1] - y, y + p[0] - x, p[2]) for p in points} == set(points)
+    places, (x, y, _) = target.places, target.mean
+    return {(x + p[1] - y, y + p[0] - x, p[2]): w for p, w in places.items()} == places
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,7 @@ class Domain:
     def of(
         cls,
         scene: Scene,
-        points: list[tuple[Fraction, ...]],
+        target: Target,
         offset: float,
         bounds: tuple[float, float],
     ) -> Domain:
@@ -97,8 +98,8 @@ class Domain:
         Parameters
         ----------
         scene : Scene
-        points : sequence of (3,)
-            The exact target, world frame, m.
+        target : Target
+            The exact one, of the mission.
         offset : float
             d, dimensionless.
         bounds : (low, high)
@@ -108,9 +109,9 @@ class Domain:
         spare = SPARE_BESIDE if scene.arm else SPARE
         low = [decimal_below(spare * x if x < 0 else x / spare, 3) for x in ends[:, 0]]
         high = [decimal_above(x * spare, 3) for x in ends[:, 1]]
-        both = swapped(points)
+        both = swapped(target)
         for axis in (0, 1):
-            if mirrored(points, axis):
+            if mirrored(target, axis):
                 low[axis], high[axis] = Fraction(0), max(high[axis], -low[axis])
         both &= low[0] == low[1]
         if both:
@@ -123,7 +124,7 @@ class Domain:
         return np.asarray(cells[:, 1, 0] >= cells[:, 0, 1])
 
     def _sight(self, cells: Array) -> scaled.Sight:
-        return scaled.Sight.over_wedges(self.scene.points, cells)
+        return scaled.Sight.over_wedges(self.scene.target, cells)
 
     def _beyond(self, sight: scaled.Sight, count: int, offset: float) -> Told:
         """Tell where |σ - σ*| > offset is shown, along the direction in the middle."""
@@ -161,14 +162,14 @@ class Domain:
     def _held(self, cells: Array, sight: scaled.Sight) -> Told:
         if isinstance(self.scene.flow, OfJ):
             return scaled.in_ball(sight.slope(), len(cells), *self.bounds)
-        return self.scene.flow.hold(self.scene.points, self._boxes(cells), *self.bounds)
+        return self.scene.flow.hold(self.scene.target, self._boxes(cells), *self.bounds)
 
     def _corners(self, cells: Array) -> Array:
         """Return the positions of the corners of wedges, (k, 8, 3), m."""
         ends = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3)
         x, y, u = (cells[:, k, ends[:, k]] for k in range(3))
         rays = np.stack([x, y, np.ones_like(x)], axis=-1) / u[..., None]
-        return np.asarray(self.scene.points.mean(axis=0) - rays)
+        return np.asarray(self.scene.target.mean - rays)
 
     def _boxes(self, cells: Array) -> Array:
         corners = self._corners(cells)

@@ -206,9 +206,8 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
     below, above = wanted(mission, hover)[2]
     goal = [binary_below(below, BITS), binary_above(above, BITS)]
     offset = decimal_below(search.settled_offset, DIGITS)
-    points = [tuple(point) for point in mission.target.points]
     bounds = float(r.ball[0]), float(r.ball[1])
-    domain = Domain.of(search.scene, points, float(r.offset), bounds)
+    domain = Domain.of(search.scene, mission.target, float(r.offset), bounds)
     tree, cosine = _seen(domain, r)
     trees = {"domain": tree, "near": domain.near(float(offset), float(search.radius))}
     for name, tree in trees.items():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from hoverproof.certification import scaled
 from hoverproof.certification.attraction.potential import sphere
 from hoverproof.certification.cells import View
 from hoverproof.certification.flow import Flow, OfJ, flow_of
+from hoverproof.certification.pattern import Pattern
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.servo.law import Law
@@ -37,8 +38,7 @@ class Scene:
 
     Attributes
     ----------
-    points : (n, 3)
-        World frame, m.
+    target : Pattern
     law : Law
     flow : Flow
         What is bounded: Q of the centroid, J of the scaled one.
@@ -50,7 +50,7 @@ class Scene:
         How far the camera is from the centre of mass, m.
     """
 
-    points: Array
+    target: Pattern
     law: Law
     flow: Flow
     goal: Array
@@ -66,9 +66,14 @@ class Scene:
         mission : Mission
         """
         goal = np.array([float(c) for c in hover_goal(mission).position])
-        law, points = law_of(mission), np.array(mission.target.points, float)
+        law, target = law_of(mission), Pattern.of(mission)
         wanted = float(law.goal_feature(mission)[2])
-        return cls(points, law, flow_of(mission), goal, wanted, mission.camera.arm)
+        return cls(target, law, flow_of(mission), goal, wanted, mission.camera.arm)
+
+    @property
+    def points(self) -> Array:
+        """Target points, (n, 3), world frame, m; those that coincide are one."""
+        return self.target.points
 
     def feature(self, positions: Array) -> Array:
         """Return σ, what a level camera sees in world axes, (k, 3).
@@ -78,7 +83,7 @@ class Scene:
         positions : (k, 3)
             World frame, m.
         """
-        look = level_feature(len(self.points), self.law)
+        look = level_feature(len(self.points), _counting(self.law, self.target))
         found: Array = np.array(look(self.points.T, positions.T), float).T
         return found
 
@@ -101,7 +106,7 @@ class Scene:
             A bare number, dimensionless.
         """
         places = self.goal + self.ends(offset)[:, None] * np.linspace(0, 1, 40)[None, :, None]
-        ray = self.points.mean(axis=0) - places.reshape(-1, 3)
+        ray = self.target.mean - places.reshape(-1, 3)
         seen = np.column_stack([ray[:, :2] / ray[:, 2:], 1 / ray[:, 2]])
         return np.stack([seen.min(axis=0), seen.max(axis=0)], axis=1)
 
@@ -113,7 +118,7 @@ class Scene:
         offset : float
             A bare number, dimensionless.
         """
-        height = float(self.points[:, 2].mean() - self.goal[2])
+        height = float(self.target.mean[2] - self.goal[2])
         radii = height * np.geomspace(0.01, FARTHEST, 400)
         directions = sphere(DIRECTIONS)
         places = self.goal + directions[:, None] * radii[None, :, None]
@@ -163,8 +168,8 @@ class Scene:
             World frame, m.
         """
         if isinstance(self.flow, OfJ):
-            return scaled.slopes_at(self.points, positions)
-        return View.at(self.points, positions).depths
+            return scaled.slopes_at(self.target, positions)
+        return View.at(self.target, positions).depths
 
 
 @dataclass(frozen=True)
@@ -216,6 +221,15 @@ class Balls:
         ends = (np.interp(d, self.offsets, side) for side in (self.low, self.high))
         low, high = map(float, ends)
         return low, high
+
+
+def _counting(law: Law, target: Pattern) -> Law:
+    """Return the law with the weights of a target whose coinciding points are one."""
+    if (target.weights == 1).all():
+        return (
+            replace(law, feature=replace(law.feature, weights=())) if law.feature.weights else law
+        )
+    return replace(law, feature=replace(law.feature, weights=tuple(map(float, target.weights))))
 
 
 def _away(J: Array, middles: Array) -> Array:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.attraction.draft import NotShown
+from hoverproof.certification.attraction.potential import off_the_vertical
 from hoverproof.certification.attraction.starts import Start, require_starts
 from hoverproof.certification.certificate import Certificate, rejection, seal
 from hoverproof.certification.exponential.candidate import Candidate, Near
@@ -129,10 +130,7 @@ def require_question(mission: Mission, starts: Sequence[Start]) -> None:
         See `converge`.
     """
     if any(end != 0 for ends in hover_goal(mission).centroid[:2] for end in ends):
-        key = "goal.centroid" if mission.goal.height is None else "goal.height"
-        raise InputError(
-            mission.source, key, "is not axial: this theorem needs q1* = q2* = 0 exactly"
-        )
+        raise off_the_vertical(mission)
     check_cone(mission)
     require_starts(mission, starts)
 

@@ -130,4 +130,4 @@ def flown_law(mission: Mission) -> Law:
         law = HEADED[law.feature.name, law.goal.name, law.force.name]
     if mission.goal.heading_from == "image":
         law = replace(law, heading=FROM_IMAGE)
-    return mounted(law, mission)
+    return mounted(law.weighing(mission.target), mission)
