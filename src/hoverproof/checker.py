@@ -359,7 +359,7 @@ LENS = also(  # it bears on no claim
     distortion_model=word("equidistant", "no such distortion"),
     distortion=several(number, 5),
 )
-CAMERA = also({}, half_angle=positive, position=VECTOR, rotation=VECTOR, lens=LENS)  # rad, m
+CAMERA = also({}, half_angle=positive, position=VECTOR, rotation=VECTOR, lens=LENS)[1:]  # rad, m
 WHERE = {"height": number}, {"centroid": VECTOR}  # m; q*
 IMAGE = word("image", "a heading that is not from a compass is from the image")
 ANGLE = {"heading": number}  # rad

@@ -25,6 +25,13 @@ _Euler = Annotated[tuple[_Angle, _Angle, _Angle], BeforeValidator(array("roll", 
 Model = Literal["plumb_bob", "equidistant"]
 
 
+def _several(value: object) -> object:
+    """Take any list for a tuple of its entries."""
+    if not isinstance(value, list | tuple):
+        raise reject(f"must be a list of numbers, not {shown(value)}")
+    return tuple(value)
+
+
 def number_of(model: str) -> int:
     """Return how many coefficients a model of distortion has.
 
@@ -59,7 +66,7 @@ class Lens(Section):
     cx: _Pixels
     cy: _Pixels
     distortion_model: Annotated[Model, one_of(*COEFFICIENTS)] = "plumb_bob"
-    distortion: Annotated[list[_Coefficient], Field(max_length=5, default_factory=list)]
+    distortion: Annotated[tuple[_Coefficient, ...], BeforeValidator(_several)] = ()
 
     @model_validator(mode="after")
     def _hangs_together(self) -> Self:
