@@ -2582,7 +2582,7 @@ class Exponential(Tolerant):
         half = ""
         if claim.cone is not None:
             angle = f"{math.degrees(math.acos(claim.cone)):.4g}°"
-            turned = any(getattr(self.camera, "rotation", ()))
+            turned = any(getattr(self.camera, "rotation", ())[:2])
             axis = "z axis of the body" if turned else "optical axis"
             half = (
                 f"; on the way every target point is seen at an angle of at most arccos "

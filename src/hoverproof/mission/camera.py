@@ -140,6 +140,11 @@ class Camera(Section):
         return abs(roll) + abs(pitch)
 
     @property
+    def axis_seen(self) -> str:
+        """About which axis a proof bounds the angle under which points are seen, in words."""
+        return "z axis of the body" if self.tilt else "optical axis"
+
+    @property
     def about_vertical(self) -> Fraction | None:
         """The half angle of a cone about the z axis of the body that is in the one said, rad.
 
@@ -148,10 +153,15 @@ class Camera(Section):
         return None if self.half_angle is None else self.half_angle - self.tilt
 
     def covers(self) -> list[str]:
-        """Return what is sure to be seen in words, if it is said."""
+        """Return in words how far it is from the centre of mass, and what it is sure to see."""
         if self.half_angle is None:
-            return []
-        return [f"points seen within {shown(self.half_angle)} rad of the optical axis"]
+            return self.beside()
+        seen = f"points seen within {shown(self.half_angle)} rad of the optical axis"
+        return [*self.beside(), seen]
+
+    def beside(self) -> list[str]:
+        """Return in words how far it is from the centre of mass, if it is not there."""
+        return [f"a camera {self.arm:.3g} m from the centre of mass"] if self.has_arm else []
 
     def told(self) -> dict[str, Any]:
         """Return what is not as by default, by key, as values of pydantic."""
