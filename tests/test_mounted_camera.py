@@ -102,8 +102,8 @@ def test_a_camera_that_is_only_turned_sees_the_same(load):
 
 
 def test_a_camera_as_usual_is_no_mount(load):
-    assert Mount.of(load("[camera]\nposition = [0, 0, 0]\n")) is None
-    assert flown_law(load()).mount is None
+    assert Mount.of(load("[camera]\nposition = [0, 0, 0]\n")).is_central
+    assert flown_law(load()).mount.is_central
 
 
 def test_x_and_y_of_a_camera_with_its_top_to_the_front_are_right_and_back(load):
@@ -218,7 +218,7 @@ def test_the_frames_of_a_mounted_camera_make_the_same_feature(load, tmp_path):
     law, points = flown_law(mission), np.array(mission.target.points, float).T
     before = np.array(
         ca.evalf(
-            law.before_camera(
+            law.mount.before(
                 *map(ca.SX, map(ca.DM, (points, state[:3], state[6:15].reshape(3, 3).T)))
             )
         )

@@ -360,7 +360,7 @@ LENS = also(  # it bears on no claim
     distortion_model=word("equidistant", "no such distortion"),
     distortion=several(number, 5),
 )
-CAMERA = also({}, half_angle=positive, position=VECTOR, rotation=VECTOR, lens=LENS)  # rad, m
+CAMERA = also({}, half_angle=positive, position=VECTOR, rotation=VECTOR, lens=LENS)[1:]  # rad, m
 WHERE = {"height": number}, {"centroid": VECTOR}  # m; q*
 IMAGE = word("image", "a heading that is not from a compass is from the image")
 ANGLE = {"heading": number}  # rad
@@ -1877,24 +1877,36 @@ class Wedges:
         if self.left_out(cell):
             return True
         try:
-            sight = self.sight(self.widened(cell))
+            sight = self.sight(cell)
             if self.beyond(self.off(sight), domain.offset):
-                return True
-            if self.at_face(cell) or (
-                domain.cone is not None and not self.steep(cell, domain.cone)
-            ):
-                return False
-            low, high = domain.bounds
-            if self.scaled:
-                if self.arm:
-                    sight = self.sight(cell)
-                    sight.look()
-                return within_ball(sight.slope(), low, high)
+                around = self.arm and not self.held(cell, sight, grid, domain)
+                return not around or self.all_beyond(self.widened(cell), domain.offset, 2)
+            return self.held(cell, sight, grid, domain)
         except Rejected:
             return False
+
+    def held(self, cell: Cell, sight: "Sight", grid: Grid, domain: Any) -> bool:
+        """Show that J is in its bounds over a cell that is at no face, and what is seen from it."""
+        if self.at_face(cell) or (domain.cone is not None and not self.steep(cell, domain.cone)):
+            return False
+        low, high = domain.bounds
+        if self.scaled:
+            return within_ball(sight.slope(), low, high)
         sides = zip(*self.corners(cell), strict=True)
         view = View(grid, grid.cell([(min(side), max(side)) for side in sides]))
         return largest_below(view, high) and smallest_above(view, low)
+
+    def all_beyond(self, cell: Cell, distance: Fraction, halved: int) -> bool:
+        """Show |σ - σ*| > distance over a cell, or over its eight parts, halved so often."""
+        try:
+            if self.beyond(self.off(self.sight(cell)), distance):
+                return True
+        except Rejected:
+            pass
+        middles = [(a + b) // 2 for a, b in cell]
+        sides = [((a, m), (m, b)) for (a, b), m in zip(cell, middles, strict=True)]
+        parts = (list(part) for part in itertools.product(*sides))
+        return halved > 0 and all(self.all_beyond(part, distance, halved - 1) for part in parts)
 
     def widened(self, cell: Cell) -> Cell:
         """Return a cell that holds all positions within the arm of the camera from a cell.
@@ -2407,7 +2419,7 @@ class Exponential(Tolerant):
         require(have, "noise is to have its multipliers, bound and tree")
         far = [c.trees.ultimate] if restless else []
         costs = ((tree, 10) for tree in (c.trees.near, *far, *c.trees.starts))
-        require_little(self.points, (c.domain.tree, 15), *costs)
+        require_little(self.points, (c.domain.tree, 40 if self.arm else 15), *costs)
         require(len(c.trees.starts) == len(c.claim.starts), "a tree a start")
         angles = c.claim.cone is None or c.domain.cone is not None
         require(angles, "the angle under which all is seen needs a cone over the domain")
@@ -2589,7 +2601,7 @@ class Exponential(Tolerant):
         half = ""
         if claim.cone is not None:
             angle = f"{math.degrees(math.acos(claim.cone)):.4g}°"
-            turned = any(getattr(self.camera, "rotation", ()))
+            turned = any(getattr(self.camera, "rotation", ())[:2])
             axis = "z axis of the body" if turned else "optical axis"
             half = (
                 f"; on the way every target point is seen at an angle of at most arccos "

@@ -39,10 +39,7 @@ WITNESS_BITS = 40
 DIGITS = 10
 MOST_ROUNDS = 40
 NO_BETTER = 1e-7
-BESIDE = (
-    "the camera is not at the centre of mass, so that what it sees counts as an error of the "
-    "feature, with which L need not fall near the goal: `attraction` may cover it, this does not"
-)
+BESIDE = "the camera is not at the centre of mass: see attraction, which may cover it"
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

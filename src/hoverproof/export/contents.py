@@ -386,7 +386,7 @@ def _longest_feature(law: Law, n: Fraction, spread: tuple[Fraction, Fraction] | 
     square = Fraction(0) if spread is None else spread[0]
     along = ca.SX([0, 0, math.sqrt(n**2 - square)])
     feature = ca.evalf(law.feature.of(along, ca.SX(float(square)), float(n)))
-    beside = ca.norm_2(law.made_up(ca.SX.zeros(3)))
+    beside = ca.norm_2(law.mount.made_up(ca.SX.zeros(3)))
     return Fraction(101, 100) * Fraction(float(ca.norm_2(feature) + beside))
 
 

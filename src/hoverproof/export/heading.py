@@ -57,7 +57,7 @@ def north_seen(
     n = len(mission.target.points)
     seen, gravity_direction = ca.SX.sym("seen", 2, n), ca.SX.sym("down", 3)
     points = ca.DM([[float(c) for c in point] for point in mission.target.points]).T
-    directions = law.in_body(camera.spherical(seen))
+    directions = law.mount.in_body(camera.spherical(seen))
     told = camera.north(directions, gravity_direction, ca.SX(points))
     if len(to) == 2:
         told = heading_of_north(told, gravity_direction)

@@ -55,13 +55,13 @@ def seen_feature(law: Law, sensing: str, points: int) -> SeenFeature:
         return SeenFeature(seen, seen)
     feature = law.feature
     whole, weights = feature.whole(points), feature.weights or None
-    q, spread_of = law.in_body(seen), whole**2 - ca.dot(seen, seen)
+    q, spread_of = law.mount.in_body(seen), whole**2 - ca.dot(seen, seen)
     if sensing == "points":
         seen = ca.SX.sym("image", 2, points)
-        directions = law.in_body(camera.spherical(seen))
+        directions = law.mount.in_body(camera.spherical(seen))
         q = camera.centroid(directions, weights)
         spread_of = camera.spread(directions, q, weights)
-    found = law.made_up(feature.of(q, spread, whole))
+    found = law.mount.made_up(feature.of(q, spread, whole))
     if not ca.depends_on(found, spread):
         return SeenFeature(seen, found)
     return SeenFeature(seen, found, spread, spread_of)

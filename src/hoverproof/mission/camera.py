@@ -10,10 +10,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from hoverproof.mission.fields import Section, array, one_of, quantity, reject, shown
 
-COEFFICIENTS = {
-    "plumb_bob": ("k1", "k2", "p1", "p2", "k3"),
-    "equidistant": ("k1", "k2", "k3", "k4"),
-}
+COEFFICIENTS = {"plumb_bob": "k1, k2, p1, p2, k3", "equidistant": "k1, k2, k3, k4"}
 """The names of the coefficients of each model of distortion, in the order of ROS and OpenCV."""
 
 _ZERO = Fraction(0)
@@ -26,6 +23,24 @@ _Coefficient = Annotated[Fraction, quantity("", "-1e3", "1e3")]
 _Place = Annotated[tuple[_Length, _Length, _Length], BeforeValidator(array("x", "y", "z"))]
 _Euler = Annotated[tuple[_Angle, _Angle, _Angle], BeforeValidator(array("roll", "pitch", "yaw"))]
 Model = Literal["plumb_bob", "equidistant"]
+
+
+def _several(value: object) -> object:
+    """Take any list for a tuple of its entries."""
+    if not isinstance(value, list | tuple):
+        raise reject(f"must be a list of numbers, not {shown(value)}")
+    return tuple(value)
+
+
+def number_of(model: str) -> int:
+    """Return how many coefficients a model of distortion has.
+
+    Parameters
+    ----------
+    model : str
+        One of `COEFFICIENTS`.
+    """
+    return len(COEFFICIENTS[model].split())
 
 
 class Lens(Section):
@@ -51,15 +66,14 @@ class Lens(Section):
     cx: _Pixels
     cy: _Pixels
     distortion_model: Annotated[Model, one_of(*COEFFICIENTS)] = "plumb_bob"
-    distortion: Annotated[list[_Coefficient], Field(max_length=5, default_factory=list)]
+    distortion: Annotated[tuple[_Coefficient, ...], BeforeValidator(_several)] = ()
 
     @model_validator(mode="after")
     def _hangs_together(self) -> Self:
-        names = COEFFICIENTS[self.distortion_model]
-        if len(self.distortion) > len(names):
+        names, count = COEFFICIENTS[self.distortion_model], len(self.distortion)
+        if count > number_of(self.distortion_model):
             raise reject(
-                f"has at most {len(names)} numbers for {self.distortion_model!r}, "
-                f"[{', '.join(names)}], not {len(self.distortion)}",
+                f"has at most the numbers [{names}] for {self.distortion_model!r}, not {count}",
                 key="distortion",
             )
         for key, size in (("cx", self.width), ("cy", self.height)):
@@ -126,6 +140,11 @@ class Camera(Section):
         return abs(roll) + abs(pitch)
 
     @property
+    def axis_seen(self) -> str:
+        """About which axis a proof bounds the angle under which points are seen, in words."""
+        return "z axis of the body" if self.tilt else "optical axis"
+
+    @property
     def about_vertical(self) -> Fraction | None:
         """The half angle of a cone about the z axis of the body that is in the one said, rad.
 
@@ -134,10 +153,15 @@ class Camera(Section):
         return None if self.half_angle is None else self.half_angle - self.tilt
 
     def covers(self) -> list[str]:
-        """Return what is sure to be seen in words, if it is said."""
+        """Return in words how far it is from the centre of mass, and what it is sure to see."""
         if self.half_angle is None:
-            return []
-        return [f"points seen within {shown(self.half_angle)} rad of the optical axis"]
+            return self.beside()
+        seen = f"points seen within {shown(self.half_angle)} rad of the optical axis"
+        return [*self.beside(), seen]
+
+    def beside(self) -> list[str]:
+        """Return in words how far it is from the centre of mass, if it is not there."""
+        return [f"a camera {self.arm:.3g} m from the centre of mass"] if self.has_arm else []
 
     def told(self) -> dict[str, Any]:
         """Return what is not as by default, by key, as values of pydantic."""

@@ -381,6 +381,10 @@ class Mission(_Section):
         """Mean z of the target points, each as much as it counts, m, world frame (down)."""
         return self.target.mean[2]
 
+    def covers(self) -> list[str]:
+        """Return in words which vehicles a proof is asked to cover, but for what they see."""
+        return [*self.camera.beside(), *self.uncertainty.covers()]
+
     def asks_to_cover(self) -> list[str]:
         """Return in words what a proof is asked to cover beside the vehicle as modelled."""
         return [*self.uncertainty.covers(), *self.camera.covers()]

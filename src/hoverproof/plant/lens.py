@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.errors import InputError
-from hoverproof.mission.camera import COEFFICIENTS
+from hoverproof.mission.camera import number_of
 from hoverproof.mission.sections import Mission
 
 Array = NDArray[np.float64]
@@ -37,11 +37,11 @@ class LensModel:
     Attributes
     ----------
     width, height, fx, fy, cx, cy : float
-        px.
+        Of the image, focal lengths and the pixel of the axis: numbers of px.
     model : str
-        One of `COEFFICIENTS`.
+        As in `hoverproof.mission.camera.COEFFICIENTS`.
     coefficients : tuple of float
-        In the order of `COEFFICIENTS`.
+        In their order there, bare numbers.
     """
 
     width: float
@@ -64,7 +64,7 @@ class LensModel:
         lens = mission.camera.lens
         if lens is None:
             return None
-        missing = len(COEFFICIENTS[lens.distortion_model]) - len(lens.distortion)
+        missing = number_of(lens.distortion_model) - len(lens.distortion)
         coefficients = (*map(float, lens.distortion), *[0.0] * missing)
         names = ("width", "height", "fx", "fy", "cx", "cy")
         sides = {name: float(getattr(lens, name)) for name in names}
@@ -199,7 +199,7 @@ class Sight:
     steps : int
         Of Newton's method, enough for each pixel.
     reach : float
-        The farthest point from the axis, in focal lengths.
+        The farthest point from the axis, in focal lengths, dimensionless.
     edge : (3, m) array
         Unit vectors toward points along the edge of the image, around it; camera frame.
     """

@@ -44,7 +44,7 @@ def rows(attracted: Attracted | Missing, gains: str) -> list[Line]:
 
 
 def _whom(region: Attraction | Exponential) -> str:
-    covers = ", ".join(region.mission.uncertainty.covers())
+    covers = ", ".join(region.mission.covers())
     return f"every vehicle with {covers}" if covers else "the vehicle, exactly as modelled,"
 
 
@@ -77,7 +77,8 @@ def _on_the_way(region: Attraction | Exponential) -> Iterator[str]:
         yield f"thrust from {at_least(low, 4)} to {at_most(high, 4)} N"
         return
     if region.field_of_view is not None:
-        yield f"every target point within {_degrees(region.field_of_view)} of the optical axis"
+        axis = region.mission.camera.axis_seen
+        yield f"every target point within {_degrees(region.field_of_view)} of the {axis}"
     low, high = region.rotor_thrust
     yield f"each rotor from {at_least(low)} to {at_most(high)} N"
 

@@ -361,7 +361,7 @@ def exponential_table(verdict: Exponential) -> Table:
     low, high = (1 / u for u in reversed(verdict.wedge[2]))
     settling = verdict.settling
     rows = [
-        ("vehicles", ", ".join(verdict.mission.uncertainty.covers()) or "as modelled"),
+        ("vehicles", ", ".join(verdict.mission.covers()) or "as modelled"),
         *(("start", place([(a + b) / 2 for a, b in s.position])) for s in verdict.starts),
         ("settled", f"within {at_most(settling.radius)} m from {at_most(settling.time)} s on"),
         ("decay rate of Ψ", f"{at_least(verdict.rate)} 1/s or more"),

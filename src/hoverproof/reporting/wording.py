@@ -219,7 +219,7 @@ def _switched_on(attracted: Attracted) -> tuple[str, str, str]:
         return "region of attraction", "undecided", ""
     if isinstance(region, Exponential):
         near, soon = at_most(region.settling.radius), at_most(region.settling.time)
-        every = ", every vehicle within tolerance" if region.mission.uncertainty.covers() else ""
+        every = ", every vehicle within tolerance" if region.mission.covers() else ""
         return "settles after", f"{soon} s", f"to {near} m from the goal; proved{every}"
     reach = region.reach
     holds = "" if attracted.start is region else ", start not inside"
@@ -269,7 +269,7 @@ def attraction(region: Attraction | Exponential) -> str:
     ----------
     region : Attraction or Exponential
     """
-    covers = ", ".join(region.mission.uncertainty.covers())
+    covers = ", ".join(region.mission.covers())
     who = f"every vehicle with {covers}" if covers else "the exact model"
     if isinstance(region, Exponential):
         settling = region.settling

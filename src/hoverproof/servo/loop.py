@@ -69,9 +69,11 @@ def sense(
         That of the true vehicle, (3, 1), body frame, m/s², for a law that measures it; by default
         it follows from the model.
     """
-    seen = law.before_camera(points, state.position, state.rotation)
+    seen = law.mount.before(points, state.position, state.rotation)
     image = camera.pinhole(seen)
-    directions = law.in_body(camera.directions(seen) if all_round else camera.spherical(image))
+    directions = law.mount.in_body(
+        camera.directions(seen) if all_round else camera.spherical(image)
+    )
     measured = Measurement(
         centroid=law.look(directions),
         velocity=state.velocity,

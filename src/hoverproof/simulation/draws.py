@@ -98,7 +98,7 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
     s, r, w, wrong, vehicle = m.sensors, m.rotors, m.wind, m.model_error, m.vehicle
     tilt = [float(a) + d for a, d in zip(wrong.camera_tilt, drawn["camera_tilt"].T, strict=True)]
     mounted = rotation_matrix(*tilt)  # (3, 3, count)
-    if (mount := plan.numbers.law.mount) is not None:
+    if not (mount := plan.numbers.law.mount).is_central:
         mounted = np.einsum("ijk,jl->ilk", mounted, np.array(mount.rotation))
     focal = float(s.focal_length or 1)
     bias = _normals(plan, runs, IMU_BIAS_DRAW, IMU_NOISE + 4)

@@ -16,7 +16,7 @@ import casadi as ca
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.mission.frame import Frame, X
 from hoverproof.plant import camera, rigid_body, rotors
-from hoverproof.plant.lens import LensModel, sight_of
+from hoverproof.plant.lens import sight_of
 from hoverproof.plant.rigid_body import RigidBodyState, held_rate
 from hoverproof.servo.law import Design, Law, Measurement
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
@@ -150,14 +150,14 @@ def look(
     seen = around.seen(RigidBodyState.from_vector(memory["state"]), points, law)
     image = camera.pinhole(seen)
     count, lens = 2 * points.shape[1], features.lens
-    image, inside = projected(image, around, lens)
+    image, inside = around.projected(image, lens)
     margin = ca.fmin(inside, ca.mmin(seen[2, :]))
     image = image + around.image_noise * ca.reshape(noise[:count], 2, points.shape[1])
     if features.rounded:
         image = ca.floor(image / around.image_resolution + 0.5) * around.image_resolution
     if lens is not None and (sight := sight_of(lens)) is not None:
         image = ca.horzcat(*(lens.undistorted(p, sight.steps) for p in ca.horzsplit(image)))
-    directions = law.in_body(camera.spherical(image))
+    directions = law.mount.in_body(camera.spherical(image))
     told = [law.look(directions)]
     if law.sees_north:
         down = gravity_read(RigidBodyState.from_vector(memory["state"]), around, noise[count:])
@@ -165,29 +165,6 @@ def look(
     if "attitude" in memory:
         told = [held_still(memory["attitude"], vector) for vector in told]
     return ca.vertcat(*told), margin
-
-
-def projected(image: ca.SX, around: Surroundings, lens: LensModel | None) -> tuple[ca.SX, ca.SX]:
-    """Return what is read of an image, (2, n), and a margin above 0 if all of it is within edges.
-
-    It is in px through a lens, else the image itself.
-
-    Parameters
-    ----------
-    image : SX
-        (X/Z, Y/Z), (2, n).
-    around : Surroundings
-    lens : LensModel or None
-    """
-    if lens is None or (sight := sight_of(lens)) is None:
-        sides = ca.vertcat(around.half_width, around.half_height)
-        gap = ca.repmat(sides, 1, image.shape[1]) - ca.fabs(image)
-        return image, ca.fmin(ca.mmin(gap[0, :]), ca.mmin(gap[1, :]))
-    pixels = ca.horzcat(*map(lens.pixel, ca.horzsplit(image)))
-    size = ca.DM([lens.width, lens.height])
-    within = ca.mmin(ca.fmin(pixels, ca.repmat(size, 1, image.shape[1]) - pixels))
-    beyond = (1.02 * sight.reach) ** 2 - ca.sum1(image * image)  # there pixels may come back
-    return pixels, ca.fmin(within, ca.mmin(beyond))
 
 
 def gravity_read(body: RigidBodyState, around: Surroundings, noise: ca.SX) -> ca.SX:

@@ -12,7 +12,7 @@ import casadi as ca
 
 from hoverproof.mission.frame import Frame
 from hoverproof.plant import camera, rotors
-from hoverproof.plant.lens import LensModel
+from hoverproof.plant.lens import LensModel, sight_of
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, specific_force
 from hoverproof.servo.law import Law
 from hoverproof.servo.layout import Packed, column, resized, scalar
@@ -131,10 +131,30 @@ class Surroundings(Packed):
         law : Law
             Its camera sits where it says.
         """
-        axes, place = ca.horzcat(self.camera_x, self.camera_y, self.camera_z), body.position
-        if law.mount is not None:
-            place = place + body.rotation @ law.mount.arm()
+        axes = ca.horzcat(self.camera_x, self.camera_y, self.camera_z)
+        place = law.mount.place(body.position, body.rotation)
         return camera.body_points(points, place, body.rotation @ axes)
+
+    def projected(self, image: ca.SX, lens: LensModel | None) -> tuple[ca.SX, ca.SX]:
+        """Return what is read of an image, (2, n), and a margin above 0 if it is within its edges.
+
+        It is in px through a lens, else the image itself.
+
+        Parameters
+        ----------
+        image : SX
+            (X/Z, Y/Z), (2, n).
+        lens : LensModel or None
+        """
+        if lens is None or (sight := sight_of(lens)) is None:
+            size = ca.fabs(image)
+            across, along = self.half_width - size[0, :], self.half_height - size[1, :]
+            return image, ca.fmin(ca.mmin(across), ca.mmin(along))
+        pixels = ca.horzcat(*map(lens.pixel, ca.horzsplit(image)))
+        whole = ca.repmat(ca.DM([lens.width, lens.height]), 1, image.shape[1])
+        within = ca.mmin(ca.fmin(pixels, whole - pixels))
+        beyond = (1.02 * sight.reach) ** 2 - ca.sum1(image * image)  # there pixels may come back
+        return pixels, ca.fmin(within, ca.mmin(beyond))
 
     def thrusts(self, commanded: ca.SX) -> ca.SX:
         """Return what rotors push with that the controller takes to push so, (n, 1), N.

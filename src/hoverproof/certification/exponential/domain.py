@@ -25,11 +25,14 @@ from hoverproof.certification.region import Box
 from hoverproof.mission.target import Target
 
 Array = NDArray[np.float64]
-SPARE, SPARE_BESIDE = 1.08, 1.3
+SPARE, SPARE_BESIDE = 1.08, 1.15
 """By what factor faces are beyond the domain, as sampled; and where the camera is not at the centre
 of mass: a cell that holds all within its arm holds more than that."""
-COST, LOOK_COST = 15, 10
-"""Of a cell of which J is bounded, and of one of which the feature is."""
+COST, COST_BESIDE, LOOK_COST = 15, 40, 10
+"""Of a cell of which J is bounded, the same with a camera beside the centre of mass, and of one of
+which the feature is bounded."""
+HALVED = 2
+"""So often is halved along each axis what lies within the arm of a cell."""
 
 
 def mirrored(target: Target, axis: int) -> bool:
@@ -136,14 +139,30 @@ class Domain:
         least -= (np.abs(along) * rest).sum(axis=0)
         return np.asarray(least > offset * (1 + ROOM))
 
+    def _beyond_around(self, cells: Array, sight: scaled.Sight) -> Told:
+        """Tell around which cells |σ - σ*| > d is shown, as far as the arm of the camera."""
+        told = self._beyond(sight, len(cells), self.offset)
+        if self.scene.arm and told.any():
+            told[told] = self._all_beyond(_widened(cells[told], self.scene.arm), HALVED)
+        return told
+
+    def _all_beyond(self, cells: Array, halved: int) -> Told:
+        """Tell where it is shown over cells, or over their eight parts, halved so often."""
+        told = self._beyond(self._sight(cells), len(cells), self.offset)
+        rest = ~told
+        if halved and rest.any():
+            middle = cells[rest].mean(axis=2)
+            ends = np.stack([cells[rest, :, 0], middle, cells[rest, :, 1]], axis=2)
+            which = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3)
+            sides = [ends[:, k][:, which[:, k, None] + [0, 1]] for k in range(3)]
+            parts = np.stack(sides, axis=2).reshape(-1, 3, 2)
+            told[rest] = self._all_beyond(parts, halved - 1).reshape(-1, 8).all(axis=1)
+        return told
+
     def _held(self, cells: Array, sight: scaled.Sight) -> Told:
         if isinstance(self.scene.flow, OfJ):
             return scaled.in_ball(sight.slope(), len(cells), *self.bounds)
         return self.scene.flow.hold(self.scene.target, self._boxes(cells), *self.bounds)
-
-    def _widened(self, cells: Array) -> Array:
-        """Return cells that hold all positions within the arm of the camera from cells."""
-        return _widened(cells, self.scene.arm)
 
     def _corners(self, cells: Array) -> Array:
         """Return the positions of the corners of wedges, (k, 8, 3), m."""
@@ -177,9 +196,9 @@ class Domain:
 
         def hold(cells: Array) -> Told:
             with np.errstate(all="ignore"):
-                sight = self._sight(self._widened(cells))
-                told = self._left_out(cells) | self._beyond(sight, len(cells), self.offset)
-                inner = self._held(cells, self._sight(cells) if self.scene.arm else sight)
+                sight = self._sight(cells)
+                told = self._left_out(cells) | self._beyond_around(cells, sight)
+                inner = self._held(cells, sight)
             for k in range(3):
                 inner &= cells[:, k, 1] < whole[k, 1]
                 inner &= (cells[:, k, 0] > whole[k, 0]) | (k < 2 and whole[k, 0] == 0)
@@ -188,7 +207,8 @@ class Domain:
             told |= inner
             return told
 
-        return grow_tree(whole, hold, most_cells(len(self.scene.points), COST), self._scale)
+        cost = COST_BESIDE if self.scene.arm else COST
+        return grow_tree(whole, hold, most_cells(len(self.scene.points), cost), self._scale)
 
     def _steep(self, cells: Array) -> Array:
         """Return the least cosine of the angle to the vertical of all points at the corners."""

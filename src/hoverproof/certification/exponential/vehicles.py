@@ -55,6 +55,8 @@ class Vehicles:
         Whether a late feature is turned to the present axes.
     noise_of_velocity : float
         Bound of the error of V, m/s.
+    arm : float
+        From the centre of mass to the camera, m.
     """
 
     law: Law

@@ -148,12 +148,14 @@ def considered(verdict: Converges) -> list[str]:
     mission, proved = verdict.mission, verdict.proved
     seen = isinstance(proved, Exponential) and proved.field_of_view is not None
     views = mission.camera.covers() if seen else []
+    if isinstance(proved, Exponential) and not seen:
+        views = mission.camera.beside()
     return [*([] if verdict.refuted else mission.uncertainty.covers()), *views]
 
 
 def _proved(verdict: Attraction | Exponential) -> Iterator[str]:
-    may = verdict.mission.uncertainty
-    who = f"every vehicle with {', '.join(may.covers())}" if may.covers() else "the vehicle"
+    may, covers = verdict.mission.uncertainty, verdict.mission.covers()
+    who = f"every vehicle with {', '.join(covers)}" if covers else "the vehicle"
     theorem, where = "theorem 5, exponential", "from"
     if isinstance(verdict, Attraction):
         theorem, where = f"theorem {6 if verdict.tolerant else 3}, potential", _states(verdict)
@@ -250,7 +252,7 @@ def proved_as_json(verdict: Attraction | Exponential) -> dict[str, Any]:
     ----------
     verdict : Attraction or Exponential
     """
-    covers = {"covers": verdict.mission.uncertainty.covers()}
+    covers = {"covers": verdict.mission.covers()}
     if isinstance(verdict, Exponential):
         return {"theorem": "exponential", **covers, **exponential.as_json(verdict)}
     return {"theorem": "potential", **covers, **_region_as_json(verdict)}

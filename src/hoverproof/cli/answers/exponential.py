@@ -38,7 +38,7 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     yield "                          over the true mass times the modelled"
     if verdict.field_of_view is not None:
         angle = f"{number(verdict.field_of_view)} rad ({math.degrees(verdict.field_of_view):.3g}°)"
-        yield f"  target points           within {angle} of the optical axis"
+        yield f"  target points           within {angle} of the {verdict.mission.camera.axis_seen}"
     yield f"  thrust of each rotor    in {interval(verdict.rotor_thrust)} N"
     yield from map("  {}".format, beyond(verdict))
     symbol = "J" if verdict.mission.law.feature == "scaled" else "Q"

@@ -42,9 +42,10 @@ def mounted(law: Law, mission: Mission) -> Law:
         If no hover sees the goal of the mission.
     """
     mount = Mount.of(mission)
-    if mount is None or not mission.camera.has_arm:
-        return law if mount is None else replace(law, mount=mount)
-    return replace(law, mount=replace(mount, offset=_offset(law, mission, mount)))
+    if mount.is_central:
+        return law
+    offset = _offset(law, mission, mount) if mission.camera.has_arm else mount.offset
+    return replace(law, mount=replace(mount, offset=offset))
 
 
 def heading_at_hover(mission: Mission) -> float:
