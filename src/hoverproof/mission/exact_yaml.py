@@ -27,7 +27,7 @@ def read_yaml(where: str) -> Any:
     """
     import yaml
 
-    class Exact(yaml.SafeLoader):
+    class Exact(yaml.SafeLoader):  # type: ignore[misc]
         """Reads a number as it is written."""
 
     Exact.add_constructor(

@@ -1,7 +1,7 @@
 """Targets as other tools describe them: tag bundles, calibration grids and marker maps, in YAML.
 
-These tools have x to the right of a tag, y up on it and z out of it; a tag that lies on the floor is
-seen from above with z down, so that a point (x, y, z) of theirs is (x, -y, -z) here.
+These tools have x to the right of a tag, y up on it and z out of it; a tag that lies on the floor
+is seen from above with z down, so that a point (x, y, z) of theirs is (x, -y, -z) here.
 """
 
 from __future__ import annotations
@@ -46,7 +46,8 @@ class TargetFile:
     @property
     def side(self) -> Fraction:
         """How far it reaches along x or y, whichever is more, m."""
-        return max(max(axis) - min(axis) for axis in list(zip(*self.points, strict=True))[:2])
+        x, y = ([point[k] for point in self.points] for k in (0, 1))
+        return max(max(x) - min(x), max(y) - min(y))
 
 
 @dataclass(frozen=True)

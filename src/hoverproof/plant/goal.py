@@ -274,7 +274,8 @@ def _solve(
 def _lowest(mission: Mission, wanted: np.ndarray) -> np.ndarray:
     """Return where the convex Φ(ξ) + wᵀξ is least, (3,), m, wherever that is: by damped Newton."""
     points, counts = (np.array(x, float) for x in (mission.target.points, mission.target.counts))
-    xi, damping = points.mean(axis=0) - [0, 0, np.ptp(points, axis=0).max()], 1e-3
+    xi: np.ndarray = points.mean(axis=0) - [0, 0, np.ptp(points, axis=0).max()]
+    damping = 1e-3
 
     def potential(at: np.ndarray) -> float:
         return float((counts * np.linalg.norm(points - at, axis=1)).sum() + wanted @ at)
@@ -321,8 +322,8 @@ def _unseen(mission: Mission, wanted: np.ndarray) -> InputError:
             return InputError(mission.source, "goal.centroid", f"{asked}: {reason}")
     highest = min(float(p[2]) for p in mission.target.points)
     reason = (
-        f"looking all round, it would be seen from {_shown(lowest)} m alone, which is not above the "
-        f"highest target point, z = {highest:g} m"
+        f"looking all round, it would be seen from {_shown(lowest)} m alone, which is not above "
+        f"the highest target point, z = {highest:g} m"
         if lowest[2] >= highest
         else f"none was found above the highest target point, z = {highest:g} m"
     )
