@@ -37,7 +37,7 @@ BROKEN = [
     ("[vehicle]", "[vehicel]", "vehicel", "did you mean 'vehicle'"),
     ("[0.4, 0.56, 0.22]", "[0.4, 0.56]", "vehicle.inertia", "[I1, I2, I3]"),
     ("[0.4, 0.56, 0.22]", "[0.1, 0.1, 0.9]", "vehicle.inertia", "no rigid body"),
-    ("arm = 0.25", "arm = -1", "vehicle.arm", "above 0"),
+    ("lever = 0.25", "lever = -1", "vehicle.lever", "above 0"),
     (POINTS, "[]", "target.points", "at least 2"),
     (POINTS, "[[0, 0, 0]]", "target.points", "at least 2"),
     (POINTS, "3", "target.points", "list of points"),
@@ -73,6 +73,7 @@ BROKEN = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("old", "new", "key", "reason"), BROKEN)
 @pytest.mark.parametrize("command", ["certify", "simulate"])
 def test_a_broken_mission_gives_one_line_and_status_2(command, old, new, key, reason, capsys):

@@ -40,6 +40,7 @@ VERSION = 2
 MAX_BYTES = 1_000_000
 MAX_DIGITS = 80  # of a numerator or denominator
 MAX_POINTS = 1024
+MAX_ROTORS = 16
 MAX_STARTS = 16
 MAX_WORK = 800_000  # cells times what one costs times `price`, over all trees
 PAIRED = 16  # so many points are few
@@ -319,7 +320,14 @@ interval = such([number] * 2, lambda x: x[0] <= x[1], "the ends of an interval a
 VECTOR, BOX = [number] * 3, [interval] * 3
 TREE = word("[0-3]+", "a tree is not written in 0, 1, 2 and 3")  # see `cover`
 GAINS = ("k1", "k2", "k3", "k4", "k_yaw")  # k1 kg m/s, k2 1/m, k3 and k4 kg/s
-VEHICLE = ("mass", "arm", "drag_ratio", "gravity")  # kg, m, m, m/s²
+BODY = {
+    **dict.fromkeys(("mass", "drag_ratio", "gravity"), positive),  # kg, m, m/s²
+    "inertia": [positive] * 3,  # kg m²
+}
+VEHICLE = (  # m: the lever of each rotor of an X frame; or where each is, (x, y), and how it turns
+    BODY | {"arm": positive},
+    BODY | {"rotors": several(VECTOR, MAX_ROTORS)},
+)
 AUTO = word("auto", "bounds that are assumed have no box")
 ASSUMED = {"eigenvalues": maybe([number] * 2, "auto")}, {"eigenvalues": AUTO, "box": BOX}  # 1/m, m
 FORCE = {"thrust": [number] * 2}, {"level": positive}  # N; of L
@@ -347,14 +355,19 @@ UNCERTAINTY = also(  # what a proof is asked to cover; without it, nothing
     gust=positive,  # m/s²
     gyro_turned=word("false", "a late image is turned by the gyroscope unless this is false"),
 )
-CAMERA = {"half_angle": positive}  # rad
+LENS = also(  # it bears on no claim
+    dict.fromkeys(("width", "height", "fx", "fy", "cx", "cy"), positive),  # px
+    distortion_model=word("equidistant", "no such distortion"),
+    distortion=several(number, 5),
+)
+CAMERA = also({}, half_angle=positive, position=VECTOR, rotation=VECTOR, lens=LENS)  # rad, m
 WHERE = {"height": number}, {"centroid": VECTOR}  # m; q*
 IMAGE = word("image", "a heading that is not from a compass is from the image")
 ANGLE = {"heading": number}  # rad
 HEADINGS: tuple[dict[str, Any], ...] = {}, ANGLE, ANGLE | {"heading_from": IMAGE}
 PLAIN = {
     "name": word(r"[\w.-]{1,64}", "the mission has no proper name"),
-    "vehicle": dict.fromkeys(VEHICLE, positive) | {"inertia": [positive] * 3},  # kg m²
+    "vehicle": VEHICLE,
     # world axes, z down, m; how much each counts, by default 1
     "target": also({"points": several(VECTOR, MAX_POINTS)}, weights=several(positive, MAX_POINTS)),
     "goal": tuple(where | more for where in WHERE for more in HEADINGS),
@@ -509,9 +522,15 @@ class Claim:
     """What is claimed of a mission; each kind of claim adds its own."""
 
     own: ClassVar[dict[str, Any]]  # what a certificate of the kind has besides, as shapes
+    anywhere: ClassVar[bool] = False  # whether it covers a camera beside the centre of mass
 
     def __init__(self, c: Any) -> None:
         self.c, self.name, k = c, c.mission.name, c.mission.gains
+        self.camera = getattr(c.mission, "camera", Object())
+        place = getattr(self.camera, "position", [Fraction(0)])
+        self.arm = upward(square_root(dot(place, place))[1]) if any(place) else Fraction(0)  # m
+        central = self.anywhere or not self.arm
+        require(central, "a camera that is not at the centre of mass is not covered by this claim")
         self.m, self.gravity = c.mission.vehicle.mass, c.mission.vehicle.gravity
         self.k, self.weight = [k.k1, k.k2, k.k3, k.k4], self.m * self.gravity
         self.stiffness = k.k1**2 * k.k2 / self.m  # c of the force, N
@@ -559,7 +578,8 @@ class Claim:
 
     def left_out(self) -> str:
         """Say that nothing is considered of what the mission asks to be covered, if it asks."""
-        asked = [f"[{key}]" for key in ("uncertainty", "camera") if hasattr(self.c.mission, key)]
+        asked = ["[uncertainty]"] if hasattr(self.c.mission, "uncertainty") else []
+        asked += ["[camera]"] if hasattr(self.camera, "half_angle") else []
         here = f"This is about the vehicle as modelled, {' and '.join(asked)} not considered"
         return f" {here}." if asked else ""
 
@@ -1057,6 +1077,7 @@ class Eigenvalues(Claim):
     Claims about gains rest on it, or on bounds that the mission assumes: then there is no box.
     """
 
+    anywhere: ClassVar[bool] = True
     own: ClassVar[dict[str, Any]] = {
         "region": {"box": maybe(BOX), "eigenvalues": [positive] * 2, "tree": maybe(TREE)}
     }
@@ -1167,6 +1188,7 @@ class Outside(Eigenvalues):
 class Sigma(Eigenvalues):
     """A claim about Σ; intervals enclose what is irrational."""
 
+    anywhere: ClassVar[bool] = False
     own = Eigenvalues.own | {"weights": [positive] * 4}  # of L
 
     def __init__(self, c: Any) -> None:
@@ -1720,6 +1742,14 @@ def state_of(start: Object) -> str:
 # With terms -σB|B|² - σC|C|² - σG|G|² the same gives Ψ' <= -r Ψ + r ℓ∞, r ℓ∞ = σB max|B|² + ..., so
 # that {Ψ <= ℓ} is not left while ℓ∞ < ℓ, and Ψ(t) <= Ψ(0) exp(-r t) + ℓ∞.
 #
+# A camera at r from the centre of mass, in body axes, sees the feature of ξ + R r. With a constant
+# a that makes it s* at the wanted hover (ξ*, R*) it differs from that of ξ by
+#
+#   Rᵀ(σ(ξ + R r) - σ(ξ)) + a = (J* - J') r,   J', J* in body axes means of J between ξ and ξ + R r,
+#                                              and between ξ* and ξ* + R* r:
+#
+# at most 2 ϱ |r| if |J - j I| <= ϱ within |r| of every position. It counts as an error of s.
+#
 # For |J - j I| <= ϱ, ϱ²|V|² >= |y - jV|². As |n|² <= τ' ∫ |y|² over the last τ', Ψ' <= -r Ψ if
 #
 #   -E' - r E - Mτ'|y|² + (M/τ') exp(-rτ')|n|² - σJ(ϱ²|V|² - |y - jV|²) >= 0,
@@ -1739,12 +1769,31 @@ def state_of(start: Object) -> str:
 # of which has |σ - s*| > d >= √(2ℓA) + b, or J in its ball; those at the faces have the first. So
 # no motion leaves it. At a start, |F| <= f0 and sin φ <= (f0 + m w')/(m g).
 #
-# A vehicle whose mass, inertia, arm d and drag ratio κd are the mission's makes the thrust T, which
+# A vehicle whose mass, inertia, rotors and drag ratio κd are the mission's makes the thrust T, that
 # is within f + m w' of m g, and torques Γ1, Γ2 that are the moments of inertia times at most
 # (1 + γ')|a| + Ω3' ((1 + γ')ρ' + γ')|ζ|h, a = h (σn + K Pn - πζ + Ω3 e3×P(δ3 - n)). With lag it is
 # set to what it would settle at, which is τ T' ahead, |T'| <= (1 + θ)|Ua|, and to these torques.
 # |Γ3| <= (1 + γ')(k_yaw Ω3' + k_heading + |I2 - I1| |Ω1 Ω2|), k_heading if there is a heading.
-# Each rotor has T/4 ± Γ1/(4d) ± Γ2/(4d) ± Γ3/(4κd).
+# A rotor at (x, y) that turns in the sense s has its entry of Bᵀ(BBᵀ)⁻¹(T, Γ1, Γ2, Γ3), where its
+# column of B is (1, -y, x, s κd): in an X frame, (±d, ±d), T/4 ± Γ1/(4d) ± Γ2/(4d) ± Γ3/(4κd).
+
+
+def rotor_shares(vehicle: Any) -> list[Row]:
+    """Return the rows of Bᵀ(BBᵀ)⁻¹: what a rotor takes over of T, Γ1, Γ2 and Γ3."""
+    placed = getattr(vehicle, "rotors", None)
+    if placed is None:
+        d = vehicle.arm
+        placed = [[d, d, 1], [d, -d, -1], [-d, d, -1], [-d, -d, 1]]
+    columns = [[Fraction(1), -y, x, turn * vehicle.drag_ratio] for x, y, turn in placed]
+    rows = [[dot(a, b) for b in zip(*columns, strict=True)] for a in zip(*columns, strict=True)]
+    rows = [[*row, *(Fraction(i == j) for j in range(4))] for i, row in enumerate(rows)]
+    for k in range(4):
+        require(rows[k][k] > 0, "the rotors cannot make every thrust and torque")
+        rows[k] = [entry / rows[k][k] for entry in rows[k]]
+        for i in range(4):
+            if i != k:
+                rows[i] = minus(rows[i], [rows[i][k] * entry for entry in rows[k]])
+    return [[dot(column, row[4:]) for row in rows] for column in columns]
 
 
 class Wedges:
@@ -1754,8 +1803,8 @@ class Wedges:
     is the same along x and y, what lies at y > x is seen as its image is.
     """
 
-    def __init__(self, c: Any, target: Pattern, scaled: bool) -> None:
-        self.scaled = scaled
+    def __init__(self, c: Any, target: Pattern, scaled: bool, arm: Fraction) -> None:
+        self.scaled, self.arm = scaled, arm
         self.sides, self.goal = c.domain.wedge, c.enclosures.goal
         require(self.sides[2][0] > 0, "the wedge is not above the target")
         self.unit = 2**40 * math.lcm(*(end.denominator for side in self.sides for end in side))
@@ -1823,11 +1872,15 @@ class Wedges:
             return False
 
     def hold(self, cell: Cell, grid: Grid, domain: Any) -> bool:
-        """Show that a cell is beyond the domain, or J in its bounds over it, and what is seen."""
+        """Show that a cell is beyond the domain, or J in its bounds over it, and what is seen.
+
+        The camera is no farther than its arm from a position in the domain, so there is none in a
+        cell if all within the arm of that is beyond.
+        """
         if self.left_out(cell):
             return True
         try:
-            sight = self.sight(cell)
+            sight = self.sight(self.widened(cell))
             if self.beyond(self.off(sight), domain.offset):
                 return True
             if self.at_face(cell) or (
@@ -1836,12 +1889,34 @@ class Wedges:
                 return False
             low, high = domain.bounds
             if self.scaled:
+                if self.arm:
+                    sight = self.sight(cell)
+                    sight.look()
                 return within_ball(sight.slope(), low, high)
         except Rejected:
             return False
         sides = zip(*self.corners(cell), strict=True)
         view = View(grid, grid.cell([(min(side), max(side)) for side in sides]))
         return largest_below(view, high) and smallest_above(view, low)
+
+    def widened(self, cell: Cell) -> Cell:
+        """Return a cell that holds all positions within the arm of the camera from a cell.
+
+        At p from a position lies ((x, y, 1)/u - p), and |u p| is at most u1 times the arm.
+        """
+        if not self.arm:
+            return cell
+        (u0, u1), unit = cell[2], self.unit
+        moved = self.arm * u1 / unit
+        require(moved < 1, "a cell is nearer to the target than the camera to the centre of mass")
+        found = []
+        for a, b in cell[:2]:
+            low, high = a - moved * unit, b + moved * unit
+            low /= 1 - moved if low < 0 else 1 + moved
+            high /= 1 - moved if high > 0 else 1 + moved
+            found.append((math.floor(low), math.ceil(high)))
+        least, most = u0 / (1 + self.arm * u0 / unit), u1 / (1 - moved)
+        return [*found, (math.floor(least), math.ceil(most))]
 
     def corners(self, cell: Cell) -> list[list[Fraction]]:
         """Return the positions of the corners; a cell is their convex hull."""
@@ -1924,6 +1999,7 @@ class Tolerant(Claim):
     """A claim about every vehicle within tolerances."""
 
     w1: ClassVar[Fraction] = Fraction(1)  # 0 if there is a potential in place of |δ1|²
+    low: Fraction  # the ball of J, 1/m
     high: Fraction  # bounds |J|, 1/m
 
     def __init__(self, c: Any) -> None:
@@ -1969,6 +2045,8 @@ class Tolerant(Claim):
         self.felt = noise.force + self.m * gust if measured else Fraction(0)  # of m a
         self.shock = (self.felt + self.weight * tipped) / self.stiffness  # |φ|
         self.noise = noise.feature + self.m / self.k[0] * noise.velocity + self.shock
+        self.displaced = self.arm * (self.high - self.low) if self.arm else Fraction(0)
+        self.noise += self.displaced
         s3 = self.c.enclosures.goal[1]
         if self.inertial:
             self.noise += s3 * tipped
@@ -2227,7 +2305,14 @@ class Tolerant(Claim):
         noise = self.may.noise
         feature, velocity, rate = map(about, (noise.feature, noise.velocity, noise.rate))
         wrong, right = [], ["Ω", "the vertical"]
-        if noise.feature or noise.velocity:
+        if self.displaced:
+            wrong = [
+                f"the camera is {about(self.arm)} m from the centre of mass, so that the feature "
+                f"of that image, plus the constant that makes it right at the hover, is wrong by "
+                f"at most {about(self.displaced)}, and by {feature} besides, and V by at most "
+                f"{velocity} m/s"
+            ]
+        elif noise.feature or noise.velocity:
             wrong = [
                 f"the feature of that image is wrong by at most {feature} and V by at most "
                 f"{velocity} m/s"
@@ -2289,6 +2374,7 @@ TREES = {"near": TREE, "starts": several(TREE, MAX_STARTS)}
 class Exponential(Tolerant):
     """Every vehicle within tolerances converges at a rate, from some states."""
 
+    anywhere: ClassVar[bool] = True
     own: ClassVar[dict[str, Any]] = {
         "weights": [positive] * 3,  # w2, w3, w4
         "lag": maybe({"torque": positive, "thrust": positive}),  # a5, a6
@@ -2312,7 +2398,7 @@ class Exponential(Tolerant):
         super().__init__(c)
         require(self.low < self.high, "the bounds of J are not in order")
         self.grid = Grid(self.target)
-        self.place = Wedges(c, self.target, self.scaled)
+        self.place = Wedges(c, self.target, self.scaled, self.arm)
         require(c.claim.starts, "there is no start")
         require(c.claim.start_level <= c.claim.level, "a start is above the level")
         restless = any(self.shaken.values())
@@ -2404,9 +2490,10 @@ class Exponential(Tolerant):
             cosine, sine = domain.cone, square_root(1 - domain.cone**2)[1]
             seen = claim.cone <= cosine * self.cosine - sine * self.sine
             require(seen, "the angle under which all is seen does not follow")
-        camera = getattr(self.c.mission, "camera", None)
-        if camera is not None:
-            follows = claim.cone is not None and cosine_below(camera.half_angle, claim.cone)
+        if hasattr(self.camera, "half_angle"):
+            roll, pitch, _ = getattr(self.camera, "rotation", [Fraction(0)] * 3)
+            left = self.camera.half_angle - abs(roll) - abs(pitch)  # about the z axis of the body
+            follows = claim.cone is not None and left > 0 and cosine_below(left, claim.cone)
             require(follows, "the points are not shown to be within the half angle of the camera")
 
     def rotors(self) -> tuple[Fraction, Fraction]:
@@ -2424,11 +2511,14 @@ class Exponential(Tolerant):
         if self.heading:  # its gain is this one unless it is given
             yaw += getattr(c.mission.gains, "k_heading", min(k_yaw**2 / (4 * i3), k_yaw))
         yaw += abs(i2 - i1) * (self.quick * self.turn + self.spun) ** 2 / 2
-        aside = square_root(i1**2 + i2**2)[1] * turned / vehicle.arm
-        aside += (1 + may.torque) * yaw / vehicle.drag_ratio
         ahead = may.rotor_lag * (1 + may.thrust) * self.stiffness * self.kappa
-        swing = self.force + self.push + ahead * (self.sink + self.missed) + aside
-        return (self.weight - swing) / 4, (self.weight + swing) / 4
+        swing = self.force + self.push + ahead * (self.sink + self.missed)
+        ends: list[Fraction] = []
+        for lift, roll, pitch, spin in rotor_shares(vehicle):
+            aside = square_root((roll * i1) ** 2 + (pitch * i2) ** 2)[1] * turned
+            aside += abs(lift) * swing + abs(spin) * (1 + may.torque) * yaw
+            ends += [lift * self.weight - aside, lift * self.weight + aside]
+        return min(ends), max(ends)
 
     def verify_settling(self) -> None:
         """Verify that the vehicle is near the hover in time, where |σ - s*| is no longer large."""
@@ -2485,9 +2575,11 @@ class Exponential(Tolerant):
         half = ""
         if claim.cone is not None:
             angle = f"{math.degrees(math.acos(claim.cone)):.4g}°"
+            turned = any(getattr(self.camera, "rotation", ()))
+            axis = "z axis of the body" if turned else "optical axis"
             half = (
                 f"; on the way every target point is seen at an angle of at most arccos "
-                f"{about(claim.cone)}, {angle}, from the optical axis"
+                f"{about(claim.cone)}, {angle}, from the {axis}"
             )
         fall, last = "Ψ(t) <= Ψ(0) exp(-r t)", ""
         if self.floor():
@@ -2496,6 +2588,7 @@ class Exponential(Tolerant):
         turning = f", while |Ω3| <= {about(self.may.yaw_rate)} rad/s"
         starts = "; or ".join(map(self.state, claim.starts))
         s3 = f"{float(sum(self.goal) / 2):.12g}"
+        placed = "arm" if hasattr(c.mission.vehicle, "arm") else "rotors"
         return (
             f"For the mission {self.name} ({self.of_another_law()}m = {self.m} kg, g = "
             f"{self.gravity} m/s², {self.gains()}, goal straight below where its feature is (0, 0, "
@@ -2506,8 +2599,8 @@ class Exponential(Tolerant):
             f"{about(claim.rate)} 1/s, for all t >= 0; the vehicle stays {self.place.words()}; and "
             f"after {about(soon.time)} s it is, and stays, within {about(soon.radius)} m of the "
             f"point ({hover}) m{last}{half}. On the way each rotor of a vehicle whose mass, "
-            f"inertia, arm and drag ratio are the mission's makes, and is set to make, a thrust in "
-            f"{about(*claim.rotors)} N{turning}."
+            f"inertia, {placed} and drag ratio are the mission's makes, and is set to make, a "
+            f"thrust in {about(*claim.rotors)} N{turning}."
         )
 
 

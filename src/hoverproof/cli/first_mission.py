@@ -17,7 +17,7 @@ from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import candidate
 from hoverproof.certification.exponential.search import HIGHEST, ROOM
-from hoverproof.cli.questions import CONTROL_RATES, NONE, Answers
+from hoverproof.cli.questions import CONTROL_RATES, NONE, Answers, in_layout
 from hoverproof.design.limits import designed_gains
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
@@ -59,7 +59,7 @@ def decided(name: str, answers: Answers) -> Answers:
     half = None if answers["half_angle"] == f'"{NONE}"' else answers["half_angle"]
     return answers | {
         "name": json.dumps(name),
-        "arm": answers.get("arm", f"{float(answers['rotor_distance']) / math.sqrt(2):.4g}"),
+        "placed": answers.get("placed", in_layout("x", answers["rotor_distance"])),
         "gravity": decimal(gravity),
         "points": answers.get("points", _square(answers["tag"])),
         "target": answers.get("target", f"# Corners of a square tag of side {answers['tag']} m."),

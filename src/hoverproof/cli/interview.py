@@ -4,14 +4,22 @@ from __future__ import annotations
 
 import contextlib
 import json
-import math
 import re
 import textwrap
 import tomllib
 from collections.abc import Callable
 from decimal import Decimal
 
-from hoverproof.cli.questions import CONTROL_RATES, NONE, OWN, QUESTIONS, Answers, Question, text
+from hoverproof.cli.questions import (
+    CONTROL_RATES,
+    NONE,
+    OWN,
+    QUESTIONS,
+    Answers,
+    Question,
+    placed,
+    text,
+)
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.mission.target_files import TargetFile
@@ -121,7 +129,7 @@ def _answered(given: Answers, asked: Callable[[Question, str], str], known: Answ
             if (reason := refusal(question, answers[name])) is not None:
                 raise InputError(f"--{name.replace('_', '-')}", "", reason)
             if name == "rotor_distance":
-                answers.pop("arm", None)
+                answers.pop("placed", None)
         elif name not in answers:
             answers[name] = asked(question, question.default(answers))
         if name == "vehicle" and json.loads(answers[name]) != OWN:
@@ -137,8 +145,8 @@ def _known(source: str) -> Answers:
     vehicle, lag = mission.vehicle, mission.uncertainty.rotor_lag or mission.rotors.time_constant
     known = {
         "mass": decimal(vehicle.mass),
-        "rotor_distance": text(float(vehicle.arm) * math.sqrt(2)),
-        "arm": decimal(vehicle.arm),
+        "rotor_distance": text(vehicle.distance),
+        "placed": placed(vehicle),
         "inertia": f"[{', '.join(map(decimal, vehicle.inertia))}]",
         "drag_ratio": decimal(vehicle.drag_ratio),
         "gravity": decimal(vehicle.gravity),

@@ -16,12 +16,13 @@ from hoverproof.errors import InputError
 from hoverproof.export.camera import CameraText, camera_text
 from hoverproof.export.flight_law import FlightLaw
 from hoverproof.export.law_text import LawText, VehicleText, law_text, vehicle_text
+from hoverproof.export.lens import LensText, lens_text
 from hoverproof.export.options import Options
 from hoverproof.export.precision import FLOAT32
 from hoverproof.export.vectors import InputBox, Vector, test_vectors
+from hoverproof.mission.frame import Place, mixing_rows
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
-from hoverproof.plant.rotors import PLACES
 from hoverproof.servo.hover_error import hover_error, rests_as_modelled
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
@@ -103,14 +104,14 @@ class Design:
     goal_centroid : sequence of Fraction
         q*, (3,), dimensionless.
     rotors : tuple of (str, (2,))
-        Names of the rotors and where they are, (x, y) in levers, in their order.
+        Names of the rotors and where they are, (x, y) in arms, in their order.
     """
 
     weight: Fraction
     gains: tuple[Fraction, ...]
     gains_text: str
     goal_centroid: Sequence[Fraction]
-    rotors: tuple[tuple[str, tuple[int, int]], ...]
+    rotors: tuple[tuple[str, Place], ...]
 
 
 @dataclass(frozen=True)
@@ -189,6 +190,8 @@ class Contents:
     vehicle : VehicleText
     camera : CameraText or None
         If frames are kept between steps.
+    lens : LensText or None
+        If the mission has one, and points are taken in.
     adapter : Adapter
     hover_error : list of (str, str)
         What errors of thrust and mass do to the hover; empty where that is not known of the law.
@@ -208,6 +211,7 @@ class Contents:
     law: LawText
     vehicle: VehicleText
     camera: CameraText | None
+    lens: LensText | None
     adapter: Adapter
     hover_error: Sequence[tuple[str, str]]
     vectors: Sequence[Vector]
@@ -267,6 +271,7 @@ def contents(
         law=text,
         vehicle=vehicle_text(mission, options, law.source),
         camera=camera,
+        lens=lens_text(mission, options),
         adapter=_adapter(mission, options),
         hover_error=hover_error(mission, law.source).rows()
         if rests_as_modelled(law.source)
@@ -308,14 +313,14 @@ def _origin(mission: Mission, evidence: Evidence, text: LawText, law: Law) -> Or
 
 
 def _design(mission: Mission, law: Law) -> Design:
-    units, numbers = law.design.gains(), law.design.numbers(mission)
+    frame, units, numbers = mission.vehicle.frame, law.design.gains(), law.design.numbers(mission)
     words = ", ".join(f"{gain} {unit}" for gain, unit in units.items())
     return Design(
         weight=mission.vehicle.weight,
         gains=tuple(numbers[gain][0] for gain in units),
         gains_text=words.replace("²", "^2"),
         goal_centroid=law.goal_feature(mission),
-        rotors=tuple(PLACES.items()),
+        rotors=tuple(zip(frame.names, frame.places, strict=True)),
     )
 
 
@@ -368,7 +373,8 @@ def _longest_feature(law: Law, n: Fraction, spread: tuple[Fraction, Fraction] | 
     square = Fraction(0) if spread is None else spread[0]
     along = ca.SX([0, 0, math.sqrt(n**2 - square)])
     feature = ca.evalf(law.feature.of(along, ca.SX(float(square)), float(n)))
-    return Fraction(101, 100) * Fraction(float(ca.norm_2(feature)))
+    beside = ca.norm_2(law.made_up(ca.SX.zeros(3)))
+    return Fraction(101, 100) * Fraction(float(ca.norm_2(feature) + beside))
 
 
 def _tilt(mission: Mission, excess: Fraction) -> tuple[Fraction, str]:
@@ -386,8 +392,9 @@ def _adapter(mission: Mission, options: Options) -> Adapter:
         return FLOAT32.literal(value).replace("F", "f")
 
     v, (low, high) = mission.vehicle, options.rotor_limits
-    reach = 2 * (high - low)  # two rotors high and two low
-    torques = [reach * v.arm, reach * v.arm, reach * v.drag_ratio]
+    _, *rows = mixing_rows(v.frame)  # half of a lever's sum: one side high and the other low
+    most = [sum(map(abs, row), Fraction(0)) / 2 * (high - low) for row in rows]
+    torques = [a * b for a, b in zip(most, (v.reach, v.reach, v.drag_ratio), strict=True)]
     of_points = "points" in (options.sensing, options.camera)
     return Adapter(
         weight=single(v.weight),

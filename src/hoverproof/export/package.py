@@ -47,6 +47,12 @@ CAMERA_FILES = {
 }
 """Those of a package that keeps the frames of a camera."""
 
+LENS_FILES = {
+    "{name}_lens.h": "templates/lens.h.j2",
+    "{name}_lens.c": "templates/lens.c.j2",
+}
+"""Those of a package that takes raw pixels."""
+
 STACK_BUDGET = 160
 """Bytes of stack that a step may take on a Cortex-M4F, in float32."""
 
@@ -189,7 +195,7 @@ def _templates() -> Any:
 
 def _rendered(filled: Contents) -> dict[str, str]:
     """Fill the templates; return the texts by their paths."""
-    files = FILES | (CAMERA_FILES if filled.camera else {})
+    files = FILES | (CAMERA_FILES if filled.camera else {}) | (LENS_FILES if filled.lens else {})
     for target in TARGETS:
         files |= target.files()
     named = {
@@ -230,6 +236,7 @@ def _manifest(filled: Contents, texts: Mapping[str, str], law: Law) -> dict[str,
         "precision": options.precision.name,
         "sensing": options.sensing,
         **({"camera": options.camera} if options.camera else {}),
+        **({"lens": filled.lens.model} if filled.lens else {}),
         "tunable": options.tunable,
         "tools": {"hoverproof": __version__, "casadi": version("casadi")},
         "thrust": [float(t) for t in limits.thrust],

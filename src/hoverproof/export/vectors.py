@@ -327,7 +327,7 @@ def _random_step(
         return random_step(draw, mission, options.precision, options.sensing, thrust)
     step = random_step(draw, mission, options.precision, "points", thrust)
     directions = camera.spherical(ca.SX(ca.DM(step.seen.astype(float))))
-    feature = np.array(ca.evalf(law.source.feature.seen(directions))).ravel()
+    feature = np.array(ca.evalf(law.source.look(directions))).ravel()
     return replace(step, seen=feature.astype(options.precision.scalar))
 
 

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
+from hoverproof.mission.camera import Camera
 from hoverproof.mission.conditions import ModelError, Rotors, Scatter, Sensors, Wind
 from hoverproof.mission.fields import Section as _Section
 from hoverproof.mission.fields import array as _array
@@ -19,7 +20,8 @@ from hoverproof.mission.fields import quantity as _quantity
 from hoverproof.mission.fields import reject as _reject
 from hoverproof.mission.fields import shown as _shown
 from hoverproof.mission.target import Point, Target, on_one_line
-from hoverproof.mission.uncertainty import Camera, Uncertainty
+from hoverproof.mission.uncertainty import Uncertainty
+from hoverproof.mission.vehicle import Vehicle
 
 CONDITIONS = ("sensors", "rotors", "wind", "model_error", "scatter")
 """Sections that say what a real flight adds to the model."""
@@ -27,7 +29,6 @@ CONDITIONS = ("sensors", "rotors", "wind", "model_error", "scatter")
 
 _Length = Annotated[Fraction, _quantity("m", "-1e6", "1e6")]
 _PositiveLength = Annotated[Fraction, _quantity("m", "0", "1e6", open_low=True)]
-_Inertia = Annotated[Fraction, _quantity("kg m²", "0", "1e6", open_low=True, least="1e-15")]
 _Speed = Annotated[Fraction, _quantity("m/s", "-1e4", "1e4")]
 _Angle = Annotated[Fraction, _quantity("rad", "-3.1416", "3.1416")]
 _BodyRate = Annotated[Fraction, _quantity("rad/s", "-1e3", "1e3")]
@@ -35,32 +36,6 @@ _Eigenvalue = Annotated[Fraction, _quantity("1/m", "0", "1e6", open_low=True)]
 _Force = Annotated[Fraction, _quantity("N", "0", "1e9", open_low=True)]
 _Direction = Annotated[Fraction, _quantity("", "-1e3", "1e3")]
 _MassPerTime = Annotated[Fraction, _quantity("kg/s", "0", "1e9", open_low=True)]
-
-
-class Vehicle(_Section):
-    """The vehicle: mass kg, inertia kg m² (principal), arm m, drag_ratio m, gravity m/s²."""
-
-    mass: Annotated[Fraction, _quantity("kg", "0", "1e6", open_low=True)]
-    inertia: Annotated[
-        tuple[_Inertia, _Inertia, _Inertia], BeforeValidator(_array("I1", "I2", "I3"))
-    ]
-    arm: _PositiveLength
-    drag_ratio: _PositiveLength
-    gravity: Annotated[Fraction, _quantity("m/s²", "0", "1e3", open_low=True)]
-
-    @model_validator(mode="after")
-    def _is_a_body(self) -> Self:
-        a, b, c = sorted(self.inertia)
-        if a + b < c:
-            raise _reject(
-                "no rigid body has one moment above the sum of the other two", key="inertia"
-            )
-        return self
-
-    @property
-    def weight(self) -> Fraction:
-        """m g, N."""
-        return self.mass * self.gravity
 
 
 class LawChoice(_Section):
@@ -324,6 +299,18 @@ class Mission(_Section):
         return self
 
     @model_validator(mode="after")
+    def _has_one_lens(self) -> Self:
+        lens, seen = self.camera.lens, self.sensors
+        for key in ("focal_length", "width", "height"):
+            if lens is not None and getattr(seen, key) is not None:
+                raise _reject("is told by camera.lens; leave it out", key=f"sensors.{key}")
+        in_pixels = ("width", "height", "pixel_noise", "pixel_resolution")
+        named = [key for key in in_pixels if getattr(seen, key)]
+        if named and seen.focal_length is None and lens is None:
+            raise _reject(f"is missing; {named[0]} in px needs it", key="sensors.focal_length")
+        return self
+
+    @model_validator(mode="after")
     def _can_cover(self) -> Self:
         wind, gravity = self.uncertainty.wind, self.vehicle.gravity
         if wind >= gravity:
@@ -371,21 +358,32 @@ class Mission(_Section):
         """Return in words what a proof is asked to cover beside the vehicle as modelled."""
         return [*self.uncertainty.covers(), *self.camera.covers()]
 
-    def exact(self) -> dict[str, Any]:
+    def exact(self, *, as_written: bool = False) -> dict[str, Any]:
         """Return the mission as nested dicts and lists, each number an exact string.
 
-        Sensors, rotors, wind, model_error and scatter are not in it: see `conditions`; but for
-        whether a late feature is turned, which stands under `uncertainty` if it is not.
+        The vehicle is what counts of it, `Vehicle.as_flown`, however a file says it. Sensors,
+        rotors, wind, model_error and scatter are not in it: see `conditions`; but for whether a
+        late feature is turned, which stands under `uncertainty` if it is not.
+
+        Parameters
+        ----------
+        as_written : bool
+            Whether the vehicle has the keys of a mission file.
         """
         said_by_none = ("law", "uncertainty", "camera")  # as in the missions before these sections
         left_out = {k for k in said_by_none if getattr(self, k) == type(getattr(self, k))()}
-        text: dict[str, Any] = _as_text(self.model_dump(exclude_none=True, exclude=left_out))
+        numbers = self.model_dump(exclude_none=True, exclude=left_out)
+        if not as_written:
+            numbers["vehicle"] = self.vehicle.as_flown()
+        text: dict[str, Any] = _as_text(numbers)
         for part, key in (
             (text.get("uncertainty"), "gust"),
             (text.get("uncertainty", {}).get("noise"), "vertical"),
         ):
             if part and part[key] == "0":  # as in the missions before these keys
                 del part[key]
+        if "camera" in text:
+            text["camera"] = _as_text(self.camera.told())
         if self.holds_old_axes:
             text["uncertainty"]["gyro_turned"] = "false"
         if text["goal"].get("heading_from") == "compass":

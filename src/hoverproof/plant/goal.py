@@ -291,7 +291,7 @@ def _lowest(mission: Mission, wanted: np.ndarray) -> np.ndarray:
         xi, damping = (xi + step, damping / 4) if better else (xi, damping * 4 + 1e-6)
         if damping > 1e9:
             break
-    return xi
+    return np.asarray(xi)
 
 
 def _unseen(mission: Mission, wanted: np.ndarray) -> InputError:

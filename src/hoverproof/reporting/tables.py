@@ -15,7 +15,9 @@ from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.certification.flow import flow_of
 from hoverproof.certification.gains import GainsVerdict
 from hoverproof.certification.over_box import BoundsVerdict
+from hoverproof.mission.frame import X
 from hoverproof.mission.sections import Mission
+from hoverproof.mission.vehicle import Vehicle
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plausibility import warnings
 from hoverproof.reporting.parts import Firmware, Flown, Missing
@@ -42,6 +44,15 @@ class Table(NamedTuple):
 
     title: str
     rows: list[tuple[str, str]]
+
+
+def _rotors(vehicle: Vehicle) -> tuple[str, str]:
+    """Return where the rotors are, by name."""
+    if vehicle.frame == X:
+        return "lever of a rotor about roll and pitch axis", f"{short(vehicle.reach)} m"
+    places = [[short(c * vehicle.reach) for c in place] for place in vehicle.frame.places]
+    where = (f"{n} ({', '.join(p)})" for n, p in zip(vehicle.frame.names, places, strict=True))
+    return "rotors (x forward, y right)", f"{', '.join(where)} m"
 
 
 def short(value: float | Fraction, digits: int = DIGITS) -> str:
@@ -170,7 +181,7 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
             [
                 ("mass", f"{short(v.mass)} kg"),
                 ("inertia", f"{', '.join(map(short, v.inertia))} kg m²"),
-                ("arm", f"{short(v.arm)} m"),
+                _rotors(v),
                 ("drag torque over thrust", f"{short(v.drag_ratio)} m"),
                 ("gravity", f"{short(v.gravity)} m/s²"),
                 ("weight", f"{short(v.weight)} N"),

@@ -19,6 +19,7 @@ from hoverproof.mission.sections import Mission
 from hoverproof.mission.target import Target
 from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.goal import hover_goal
+from hoverproof.plant.mount import Mount
 from hoverproof.servo.feature import Feature
 from hoverproof.servo.heading import Heading
 from hoverproof.servo.layout import Packed, column, scalar
@@ -248,6 +249,8 @@ class Law:
         What tells it from another law of the same choices.
     heading : Heading, optional
         By default yaw is damped alone.
+    mount : Mount, optional
+        Of its camera; by default at the centre of mass, its axes those of the body.
     """
 
     feature: Feature
@@ -260,6 +263,7 @@ class Law:
     design: type[Design] = Design
     variant: str = ""
     heading: Heading | None = None
+    mount: Mount | None = None
 
     @property
     def name(self) -> str:
@@ -299,6 +303,53 @@ class Law:
         """The layout of what it measures."""
         own = self.force.measurement
         return own if self.heading is None else self.heading.measurement(own)
+
+    def in_body(self, directions: ca.SX) -> ca.SX:
+        """Return directions that its camera sees in body axes, (3, n).
+
+        Parameters
+        ----------
+        directions : SX
+            (3, n), camera axes, of any unit.
+        """
+        return directions if self.mount is None else self.mount.in_body(directions)
+
+    def look(self, directions: ca.SX) -> ca.SX:
+        """Return the feature that it makes of an image, (3, 1), body axes.
+
+        Parameters
+        ----------
+        directions : SX
+            p, (3, n), unit vectors, body axes.
+        """
+        return self.made_up(self.feature.seen(directions))
+
+    def made_up(self, feature: ca.SX) -> ca.SX:
+        """Return a feature with what makes up for the place of its camera, (3, 1), body axes.
+
+        Parameters
+        ----------
+        feature : SX
+            That the camera sees, (3, 1), body axes.
+        """
+        return feature if self.mount is None else feature + self.mount.added()
+
+    def before_camera(self, points: ca.SX, position: ca.SX, rotation: ca.SX) -> ca.SX:
+        """Return the target points in the frame of its camera, (3, n), m.
+
+        Parameters
+        ----------
+        points : SX
+            P', (3, n), world frame, m.
+        position : SX
+            ξ, (3, 1), world frame, m.
+        rotation : SX
+            R, (3, 3), body to world.
+        """
+        if self.mount is not None:
+            position = position + rotation @ self.mount.arm()
+            rotation = rotation @ self.mount.axes()
+        return camera.body_points(points, position, rotation)
 
     def known(
         self,

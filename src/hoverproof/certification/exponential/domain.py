@@ -25,8 +25,9 @@ from hoverproof.certification.region import Box
 from hoverproof.mission.target import Target
 
 Array = NDArray[np.float64]
-SPARE = 1.08
-"""By what factor faces are beyond the domain, as sampled."""
+SPARE, SPARE_BESIDE = 1.08, 1.3
+"""By what factor faces are beyond the domain, as sampled; and where the camera is not at the centre
+of mass: a cell that holds all within its arm holds more than that."""
 COST, LOOK_COST = 15, 10
 """Of a cell of which J is bounded, and of one of which the feature is."""
 
@@ -101,9 +102,10 @@ class Domain:
         bounds : (low, high)
             j - ϱ and j + ϱ, 1/m.
         """
-        ends = scene.reach(offset)
-        low = [decimal_below(SPARE * x if x < 0 else x / SPARE, 3) for x in ends[:, 0]]
-        high = [decimal_above(x * SPARE, 3) for x in ends[:, 1]]
+        ends = _widened(scene.reach(offset)[None], scene.arm)[0]
+        spare = SPARE_BESIDE if scene.arm else SPARE
+        low = [decimal_below(spare * x if x < 0 else x / spare, 3) for x in ends[:, 0]]
+        high = [decimal_above(x * spare, 3) for x in ends[:, 1]]
         both = swapped(target)
         for axis in (0, 1):
             if mirrored(target, axis):
@@ -139,6 +141,10 @@ class Domain:
             return scaled.in_ball(sight.slope(), len(cells), *self.bounds)
         return self.scene.flow.hold(self.scene.target, self._boxes(cells), *self.bounds)
 
+    def _widened(self, cells: Array) -> Array:
+        """Return cells that hold all positions within the arm of the camera from cells."""
+        return _widened(cells, self.scene.arm)
+
     def _corners(self, cells: Array) -> Array:
         """Return the positions of the corners of wedges, (k, 8, 3), m."""
         ends = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3)
@@ -171,9 +177,9 @@ class Domain:
 
         def hold(cells: Array) -> Told:
             with np.errstate(all="ignore"):
-                sight = self._sight(cells)
+                sight = self._sight(self._widened(cells))
                 told = self._left_out(cells) | self._beyond(sight, len(cells), self.offset)
-                inner = self._held(cells, sight)
+                inner = self._held(cells, self._sight(cells) if self.scene.arm else sight)
             for k in range(3):
                 inner &= cells[:, k, 1] < whole[k, 1]
                 inner &= (cells[:, k, 0] > whole[k, 0]) | (k < 2 and whole[k, 0] == 0)
@@ -221,3 +227,19 @@ class Domain:
         start : Start
         """
         return "0"
+
+
+def _widened(cells: Array, arm: float) -> Array:
+    """Return cells that hold all positions within an arm, m, from cells, (k, 3, 2)."""
+    if not arm:
+        return cells
+    moved = arm * cells[:, 2, 1]
+    moved[moved >= 1] = np.nan  # then nothing is shown
+    wide = cells.copy()
+    low, high = (cells[:, :2, k] + (2 * k - 1) * moved[:, None] for k in (0, 1))
+    near, far = 1 - moved[:, None], 1 + moved[:, None]
+    wide[:, :2, 0] = low / np.where(low < 0, near, far)
+    wide[:, :2, 1] = high / np.where(high > 0, near, far)
+    wide[:, 2, 0] /= 1 + arm * cells[:, 2, 0]
+    wide[:, 2, 1] /= 1 - moved
+    return wide

@@ -95,7 +95,7 @@ class Rounded:
         if level > s.level:
             raise NotShown("a start is not inside after rounding")
         reach = Reach.of(np.array(weights, float), float(level))
-        limits = Limits(search.vehicles, reach, found.ball[1])
+        limits = Limits(search.vehicles.before(found.ball), reach, found.ball[1])
         tilted = Tilted.of(limits)
         return cls(
             weights=weights,

@@ -24,6 +24,10 @@ MIDDLES, FINE = 20, 12
 """So many j are looked at, and so many times as many where that matters."""
 EVEN = 40
 """So many d: between them balls change evenly, so that a search is not led astray."""
+AROUND = 14
+"""So many directions are looked at from a position to where the camera may be."""
+ARMS = 1.5
+"""So many arms of it far: cells at the rim of the domain hold more than an arm around."""
 FARTHEST = 1e3
 """In heights of the goal."""
 
@@ -42,6 +46,8 @@ class Scene:
         Hover point ξ*, world frame, m.
     wanted : float
         s3* of σ* = (0, 0, s3*).
+    arm : float
+        How far the camera is from the centre of mass, m.
     """
 
     target: Pattern
@@ -49,6 +55,7 @@ class Scene:
     flow: Flow
     goal: Array
     wanted: float
+    arm: float = 0.0
 
     @classmethod
     def of(cls, mission: Mission) -> Scene:
@@ -60,7 +67,8 @@ class Scene:
         """
         goal = np.array([float(c) for c in hover_goal(mission).position])
         law, target = law_of(mission), Pattern.of(mission)
-        return cls(target, law, flow_of(mission), goal, float(law.goal_feature(mission)[2]))
+        wanted = float(law.goal_feature(mission)[2])
+        return cls(target, law, flow_of(mission), goal, wanted, mission.camera.arm)
 
     @property
     def points(self) -> Array:
@@ -129,7 +137,7 @@ class Scene:
         return far[order], places[order]
 
     def angles(self, positions: Array) -> Array:
-        """Return the largest angle to the vertical under which a target point is seen, (k,), rad.
+        """Return the largest angle to the vertical under which the camera sees a point, (k,), rad.
 
         Parameters
         ----------
@@ -137,7 +145,9 @@ class Scene:
             World frame, m.
         """
         rays = self.points[None] - positions[:, None]
-        return np.asarray(np.arccos(rays[..., 2] / np.linalg.norm(rays, axis=2)).max(axis=1))
+        far = np.linalg.norm(rays, axis=2)
+        more = np.arcsin(np.minimum(self.arm / far, 1)) if self.arm else 0.0
+        return np.asarray((np.arccos(rays[..., 2] / far) + more).max(axis=1))
 
     def cone(self, offset: float) -> float:
         """Return the largest of these angles where |σ - σ*| <= offset, as sampled, rad.
@@ -187,12 +197,13 @@ class Balls:
         scene : Scene
         """
         offsets, places = scene.outward()
-        J = scene.slopes(places)
-        size = float(np.median(np.linalg.norm(J, 2, axis=(1, 2))))
+        beside = np.vstack([np.zeros(3), ARMS * scene.arm * sphere(AROUND if scene.arm else 0)])
+        J = np.array([scene.slopes(places + step) for step in beside])
+        size = float(np.median(np.linalg.norm(J[0], 2, axis=(1, 2))))
         farthest = _away(J, np.linspace(0.2, 1.2, MIDDLES) * size)
         rises = (np.diff(farthest, axis=0, prepend=-1) > 0).any(axis=1)
         middles = np.linspace(0.2, 1.2, FINE * MIDDLES) * size
-        farthest, offsets = _away(J[rises], middles), offsets[rises]
+        farthest, offsets = _away(J[:, rises], middles), offsets[rises]
         best = (farthest / middles).argmin(axis=1)
         j, radius = middles[best], farthest[np.arange(len(best)), best]
         even = np.linspace(offsets[0], offsets[-1], EVEN)
@@ -222,6 +233,8 @@ def _counting(law: Law, target: Pattern) -> Law:
 
 
 def _away(J: Array, middles: Array) -> Array:
-    """Return the largest |J - j I| up to each of J, for each j, (k, m)."""
-    away = np.linalg.norm(J[:, None] - middles[:, None, None] * np.eye(3), 2, axis=(2, 3))
-    return np.asarray(np.maximum.accumulate(away, axis=0))
+    """Return the largest |J - j I| up to each place, of all J there, for each j, (k, m)."""
+    each = (
+        np.linalg.norm(j[:, None] - middles[:, None, None] * np.eye(3), 2, axis=(2, 3)) for j in J
+    )
+    return np.asarray(np.maximum.accumulate(np.max(list(each), axis=0), axis=0))

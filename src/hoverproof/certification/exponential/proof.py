@@ -27,6 +27,7 @@ from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
+from hoverproof.plant.lens import check_cone
 from hoverproof.servo.law import Law
 
 Array = NDArray[np.float64]
@@ -130,6 +131,7 @@ def require_question(mission: Mission, starts: Sequence[Start]) -> None:
     """
     if any(end != 0 for ends in hover_goal(mission).centroid[:2] for end in ends):
         raise off_the_vertical(mission)
+    check_cone(mission)
     require_starts(mission, starts)
 
 
@@ -169,7 +171,7 @@ def _found(search: Search, near: Near | None) -> Candidate | str:
 
 
 def _half_angle(mission: Mission) -> float | None:
-    half = mission.camera.half_angle
+    half = mission.camera.about_vertical
     return None if half is None else float(half)
 
 
