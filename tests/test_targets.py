@@ -98,9 +98,10 @@ def test_model_search_and_checker_have_the_slope_that_follows_from_the_definitio
     target = Pattern(points, weights)
     exact = checker.Pattern([[F(c) for c in p] for p in points], [F(w) for w in weights])
     if feature_is == "centroid":
-        q, Q = level_view(count, tuple(weights.tolist()))(points.T, place)
+        view = level_view(count, tuple(weights.tolist()))(points.T, place)
+        q, Q = (np.array(m) for m in view)
         assert np.allclose(np.ravel(q), feature(points, weights, place, feature_is))
-        assert np.allclose(np.array(Q), wanted)
+        assert np.allclose(Q, wanted)
         assert np.allclose(eigenvalues(target, place[None])[0], np.linalg.eigvalsh(wanted))
         seen = checker.centroid_seen(exact, [F(c) for c in place])
         assert np.allclose([float(a) for a, _ in seen], np.ravel(q))
