@@ -1811,7 +1811,7 @@ class Wedges:
         require(self.unit < 10**46, "the ends of the wedge are too long")
         self.whole = [(int(a * self.unit), int(b * self.unit)) for a, b in self.sides]
         self.target = Target(target)
-        self.mean, self.whole_weight = self.target.mean, target.whole()
+        self.mean = self.target.mean
         apart = sorted((*e, w) for e, w in zip(self.target.apart, target.weights, strict=True))
         self.length = math.lcm(*(x.denominator for *point, _ in apart for x in point))
         self.apart = [[int(x * self.length) for x in point] for *point, _ in apart]
