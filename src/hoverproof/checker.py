@@ -42,7 +42,8 @@ MAX_DIGITS = 80  # of a numerator or denominator
 MAX_POINTS = 1024
 MAX_ROTORS = 16
 MAX_STARTS = 16
-MAX_WORK = 800_000  # cells times (points + 5) times what one costs, over all trees
+MAX_WORK = 800_000  # cells times what one costs times `price`, over all trees
+PAIRED = 16  # so many points are few
 MAX_STEPS = 500  # of a motion, times (points + 3)
 MAX_TIME = 60  # s
 
@@ -597,10 +598,15 @@ class Claim:
 # --- covers of boxes by cells -------------------------------------------------------------------
 
 
+def price(points: int) -> int:
+    """Return what so many points count in a cell: as 5 more, and each beyond 16 as an eighth."""
+    return points + 5 if points <= PAIRED else PAIRED + 5 + (points - PAIRED) // 8
+
+
 def require_little(points: Matrix, *trees: tuple[str | None, int]) -> None:
     """Require that all cells of trees, at what one costs in each, take no more than MAX_WORK."""
     work = sum(tree.count("0") * cost for tree, cost in trees if tree)
-    require(work * (len(points) + 5) <= MAX_WORK, "the trees are too long")
+    require(work * price(len(points)) <= MAX_WORK, "the trees are too long")
 
 
 def cover(tree: str, box: Cell, holds: Callable[[Cell], bool], what: str) -> None:
@@ -735,7 +741,6 @@ def smallest_above(view: View, low: Fraction) -> bool:
 #
 # A cell is a box of positions, or a wedge: a box of x, y, u, where (x, y, 1)/u = C - ξ.
 
-PAIRED = 16  # so many points are few
 BITS = 84  # numbers are multiples of 2^-BITS
 ONE_OF_THEM = 1 << BITS
 
@@ -1808,7 +1813,7 @@ class Wedges:
         require(self.unit < 10**46, "the ends of the wedge are too long")
         self.whole = [(int(a * self.unit), int(b * self.unit)) for a, b in self.sides]
         self.target = Target(target)
-        self.mean, self.whole_weight = self.target.mean, target.whole()
+        self.mean = self.target.mean
         apart = sorted((*e, w) for e, w in zip(self.target.apart, target.weights, strict=True))
         self.length = math.lcm(*(x.denominator for *point, _ in apart for x in point))
         self.apart = [[int(x * self.length) for x in point] for *point, _ in apart]

@@ -36,7 +36,7 @@ def most_cells(points: int, cost: int) -> int:
     cost : int
         Of a cell, a bare number; see `checker.require_little`.
     """
-    return checker.MAX_WORK // ((points + 5) * cost)
+    return checker.MAX_WORK // (checker.price(points) * cost)
 
 
 def grow_tree(

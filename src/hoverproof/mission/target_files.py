@@ -46,9 +46,8 @@ class TargetFile:
     @property
     def side(self) -> Fraction:
         """How far it reaches along x or y, whichever is more, m."""
-        x, y, _ = zip(*self.points, strict=True)
-        widest: Fraction = max(max(axis) - min(axis) for axis in (x, y))
-        return widest
+        x, y = ([point[k] for point in self.points] for k in (0, 1))
+        return max(max(x) - min(x), max(y) - min(y))
 
 
 @dataclass(frozen=True)

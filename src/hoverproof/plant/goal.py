@@ -274,7 +274,8 @@ def _solve(
 def _lowest(mission: Mission, wanted: np.ndarray) -> np.ndarray:
     """Return where the convex Φ(ξ) + wᵀξ is least, (3,), m, wherever that is: by damped Newton."""
     points, counts = (np.array(x, float) for x in (mission.target.points, mission.target.counts))
-    xi, damping = points.mean(axis=0) - [0, 0, np.ptp(points, axis=0).max()], 1e-3
+    xi: np.ndarray = points.mean(axis=0) - [0, 0, np.ptp(points, axis=0).max()]
+    damping = 1e-3
 
     def potential(at: np.ndarray) -> float:
         return float((counts * np.linalg.norm(points - at, axis=1)).sum() + wanted @ at)

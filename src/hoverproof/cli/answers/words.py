@@ -55,7 +55,9 @@ def goal_text(mission: Mission) -> Iterator[str]:
     goal = hover_goal(mission)
     if not goal.is_above_middle_of(mission):
         yield f"  goal                    {position_text(goal.position)}, level:"
-        yield "                          where this target is seen as the mission asks"
+        aside = any(map(any, goal.centroid[:2]))
+        turned = ", at heading 0" if aside else ""
+        yield f"                          where the target is seen as the mission asks{turned}"
 
 
 def goal_as_json(mission: Mission) -> list[float]:
