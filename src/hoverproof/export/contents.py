@@ -13,6 +13,7 @@ import casadi as ca
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.errors import InputError
+from hoverproof.export.adapter import Adapter, adapter
 from hoverproof.export.camera import CameraText, camera_text
 from hoverproof.export.flight_law import FlightLaw
 from hoverproof.export.law_text import LawText, VehicleText, law_text, vehicle_text
@@ -147,29 +148,6 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class Adapter:
-    """What the glue for autopilots says, in float.
-
-    Attributes
-    ----------
-    weight, thrust : str
-        Literals: m g, and the most that the rotors give, N.
-    torque : str
-        Literals with commas: the largest torques, N m.
-    seen_size : int
-        How many numbers the camera delivers.
-    seen_words : str
-        What they are.
-    """
-
-    weight: str
-    thrust: str
-    torque: str
-    seen_size: int
-    seen_words: str
-
-
-@dataclass(frozen=True)
 class Contents:
     """All that the templates name.
 
@@ -242,7 +220,7 @@ def contents(
     sized = law.spread is not None or (camera is not None and bool(camera.spread))
     spread = _spread(mission, options) if sized else None
     evidence, limits = _evidence(standing), _limits(mission, standing, law, spread)
-    text = law_text(mission, options, law)
+    text, design = law_text(mission, options, law), _design(mission, law.source)
     return Contents(
         name=name,
         NAME=name.upper(),
@@ -251,12 +229,12 @@ def contents(
         options=options,
         evidence=evidence,
         origin=_origin(mission, evidence, text, law.source),
-        design=_design(mission, law.source),
+        design=design,
         limits=limits,
         law=text,
         vehicle=vehicle_text(mission, options, law.source),
         camera=camera,
-        adapter=_adapter(mission, options),
+        adapter=adapter(mission, options, design.gains, law.source.design.gains()),
         hover_error=hover_error(mission, law.source).rows()
         if rests_as_modelled(law.source)
         else [],
@@ -368,20 +346,3 @@ def _tilt(mission: Mission, excess: Fraction) -> tuple[Fraction, str]:
     cosine = decimal_below(sqrt_enclosure(1 - sine**2)[0], 9)
     degrees = math.degrees(math.acos(float(cosine)))
     return cosine, f"{degrees:.4g} degrees (follows from the level)"
-
-
-def _adapter(mission: Mission, options: Options) -> Adapter:
-    def single(value: Fraction) -> str:
-        return FLOAT32.literal(value).replace("F", "f")
-
-    v, (low, high) = mission.vehicle, options.rotor_limits
-    reach = 2 * (high - low)  # two rotors high and two low
-    torques = [reach * v.arm, reach * v.arm, reach * v.drag_ratio]
-    of_points = "points" in (options.sensing, options.camera)
-    return Adapter(
-        weight=single(v.weight),
-        thrust=single(4 * high),
-        torque=", ".join(map(single, torques)),
-        seen_size=2 * len(mission.target.points) if of_points else 3,
-        seen_words="x and y of each target point" if of_points else "the image centroid",
-    )

@@ -1,0 +1,124 @@
+"""What the glue for autopilots says of a mission: scales, time-outs, packets."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from hoverproof.export.options import Options
+from hoverproof.export.precision import FLOAT32
+from hoverproof.mission.sections import Mission
+
+POINTS_IN_A_PACKET = 6
+"""That the 30 bytes of the Crazyflie's app channel hold, with a head of four bytes."""
+
+SHORTEST, LONGEST = 100, 1000
+"""ms: the bounds of the age beyond which an image is not flown by."""
+
+UNKNOWN_CAMERA = Fraction(1, 15)
+"""s: the frame period that is reckoned with where the mission does not say."""
+
+
+@dataclass(frozen=True)
+class Adapter:
+    """What the glue for autopilots says, in float.
+
+    Attributes
+    ----------
+    weight : str
+        A literal: m g, N.
+    rotor_max : str
+        A decimal: the most that one rotor gives, N.
+    arm, drag_ratio : str
+        Literals: of the vehicle, m.
+    inertia : str
+        Literals with commas, kg m².
+    seen_size : int
+        How many numbers the camera delivers.
+    seen_words : str
+        What they are.
+    of_points : bool
+        Whether they are of points, and not the centroid.
+    packet : str
+        A packet of an image in the words of Python's `struct`.
+    oldest_ms : int
+        Age of the oldest image that is flown by, ms.
+    oldest_from : str
+        Where that comes from, in words.
+    gains : str
+        Literals in braces, in the order and the units of the law.
+    gain_units : sequence of (str, str)
+        Their names and units.
+    """
+
+    weight: str
+    rotor_max: str
+    arm: str
+    drag_ratio: str
+    inertia: str
+    seen_size: int
+    seen_words: str
+    of_points: bool
+    packet: str
+    oldest_ms: int
+    oldest_from: str
+    gains: str
+    gain_units: Sequence[tuple[str, str]]
+
+
+def adapter(
+    mission: Mission, options: Options, gains: Sequence[Fraction], units: dict[str, str]
+) -> Adapter:
+    """Return what the glue says of a mission.
+
+    Parameters
+    ----------
+    mission : Mission
+    options : Options
+    gains : sequence of Fraction
+        In the order and the units of the law.
+    units : dict
+        The unit of each gain by its name.
+    """
+    v = mission.vehicle
+    of_points, n = "points" in (options.sensing, options.camera), len(mission.target.points)
+    packed = f"{2 * min(n, POINTS_IN_A_PACKET)}h" if of_points else "3f"
+    oldest, origin = oldest_image(mission)
+    return Adapter(
+        weight=_single(v.weight),
+        rotor_max=_single(options.rotor_limits[1]).removesuffix("f"),
+        arm=_single(v.arm),
+        drag_ratio=_single(v.drag_ratio),
+        inertia=", ".join(map(_single, v.inertia)),
+        seen_size=2 * n if of_points else 3,
+        seen_words="x and y of each target point" if of_points else "the image centroid",
+        of_points=of_points,
+        packet=f"<BBH{packed}",
+        oldest_ms=oldest,
+        oldest_from=origin,
+        gains="{ " + ", ".join(map(_single, gains)) + " }",
+        gain_units=list(units.items()),
+    )
+
+
+def oldest_image(mission: Mission) -> tuple[int, str]:
+    """Return the age of the oldest image that is flown by, ms, and where it comes from, in words.
+
+    It is the latency of the camera and three of its frames: two may be missed.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    sensors = mission.sensors
+    period = 1 / sensors.frame_rate if sensors.frame_rate else UNKNOWN_CAMERA
+    age = math.ceil(1000 * (sensors.latency + 3 * period))
+    known = "the mission's" if sensors.frame_rate else "a camera of 15 Hz: the mission names no"
+    origin = f"latency and three frames of {known} frame_rate"
+    return min(max(age, SHORTEST), LONGEST), origin
+
+
+def _single(value: Fraction) -> str:
+    return FLOAT32.literal(value).replace("F", "f")
