@@ -12,6 +12,7 @@ from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
 from hoverproof.plausibility import warnings
 from hoverproof.reporting.tables import strange_tables
+from papers_law import CRAZYFLIE
 
 STRANGE = {
     "inertia in g cm²": (
@@ -23,8 +24,8 @@ STRANGE = {
         "inertia against mass and arm",
     ),
     "no inertia": ({"vehicle.inertia": "[1e-9,1e-9,1e-9]"}, "inertia against mass and arm"),
-    "arm in mm": ({"vehicle.arm": "32.5"}, "arm against mass"),
-    "arm in cm": ({"vehicle.arm": "3.25"}, "arm against mass"),
+    "arm in mm": ({"vehicle.lever": "32.5"}, "arm against mass"),
+    "arm in cm": ({"vehicle.lever": "3.25"}, "arm against mass"),
     "mass in g": (
         {"vehicle.mass": "27", "bounds": "{eigenvalues=[0.25,3.7], level=0.1}"},
         "arm against mass",
@@ -62,7 +63,7 @@ def test_vehicles_of_usual_shape_are_not_strange_at_any_size(grams, slender):
     moments = [0.5 * mass * arm**2, 0.5 * mass * arm**2, 0.9 * mass * arm**2]
     vehicle = {
         "vehicle.mass": repr(mass),
-        "vehicle.arm": repr(arm),
+        "vehicle.lever": repr(arm),
         "vehicle.inertia": repr(moments),
         "vehicle.drag_ratio": repr(0.2 * arm),
         "vehicle.gravity": "9.81",
@@ -79,15 +80,15 @@ def test_vehicles_of_usual_shape_are_not_strange_at_any_size(grams, slender):
 
 @pytest.mark.parametrize(("overrides", "name"), STRANGE.values(), ids=STRANGE)
 def test_what_no_vehicle_has_is_named(overrides, name):
-    found = warnings(load("crazyflie-2.1", overrides))
+    found = warnings(load(CRAZYFLIE, overrides))
     assert name in [finding.name for finding in found]
     assert len({finding.name for finding in found}) == len(found)
 
 
 def test_the_report_says_it_too():
-    heavy = load("x4-flyer", {"vehicle.arm": "25"})
+    heavy = load("x4-flyer", {"vehicle.lever": "25"})
     (table,) = strange_tables(heavy)
-    assert {key for key, _ in table.rows} >= {"vehicle.arm"}
+    assert {key for key, _ in table.rows} >= {"vehicle.lever"}
     assert strange_tables(load("x4-flyer")) == []
 
 
@@ -99,21 +100,20 @@ def run(capsys, *arguments):
 
 def test_a_command_warns_once_and_goes_on(capsys):
     strange = ("--set", "vehicle.inertia=[165.7,166.6,292.6]")
-    status, out, err = run(capsys, "certify", "crazyflie-2.1", *strange, "--json")
+    status, out, err = run(capsys, "certify", CRAZYFLIE, *strange, "--json")
     assert status == 0
     assert err.count("\n") == err.count("warning") == 1
-    assert (
-        "hoverproof: warning: crazyflie-2.1: vehicle.inertia: a radius of gyration of 104 m" in err
-    )
+    assert f"warning: {CRAZYFLIE}: vehicle.inertia: a radius of gyration of 104 m" in err
     (warned,) = json.loads(out)["warnings"]
     assert warned in err
-    status, out, err = run(capsys, "certify", "crazyflie-2.1", "--json")
+    status, out, err = run(capsys, "certify", CRAZYFLIE, "--json")
     assert (json.loads(out)["warnings"], err) == ([], "")
 
 
+@pytest.mark.slow
 def test_tune_warns_of_gains_that_no_rotor_follows(capsys):
     status, out, err = run(
-        capsys, *["tune", "crazyflie-2.1", "--objective", "decay", "--bandwidth", "300", "--json"]
+        capsys, *["tune", CRAZYFLIE, "--objective", "decay", "--bandwidth", "300", "--json"]
     )
     assert status == 0
     assert err.count("warning") == 1

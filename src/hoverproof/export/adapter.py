@@ -9,7 +9,8 @@ from fractions import Fraction
 
 from hoverproof.export.options import Options
 from hoverproof.export.precision import FLOAT32
-from hoverproof.mission.sections import Mission
+from hoverproof.mission.frame import mixing_rows, shares
+from hoverproof.mission.sections import Mission, Vehicle
 
 POINTS_IN_A_PACKET = 6
 """That the 30 bytes of the Crazyflie's app channel hold, with a head of four bytes."""
@@ -31,8 +32,11 @@ class Adapter:
         A literal: m g, N.
     rotor_max : str
         A decimal: the most that one rotor gives, N.
-    arm, drag_ratio : str
-        Literals: of the vehicle, m.
+    rotors : str
+        A literal: how many there are.
+    px4_levers, ardupilot_levers : str
+        Literals with commas: the torques, roll, pitch and yaw, that a setpoint of 1 makes with
+        rotors of 1 N, m. See `px4_levers` and `ardupilot_levers`.
     inertia : str
         Literals with commas, kg m².
     seen_size : int
@@ -55,8 +59,9 @@ class Adapter:
 
     weight: str
     rotor_max: str
-    arm: str
-    drag_ratio: str
+    rotors: str
+    px4_levers: str
+    ardupilot_levers: str
     inertia: str
     seen_size: int
     seen_words: str
@@ -89,8 +94,9 @@ def adapter(
     return Adapter(
         weight=_single(v.weight),
         rotor_max=_single(options.rotor_limits[1]).removesuffix("f"),
-        arm=_single(v.arm),
-        drag_ratio=_single(v.drag_ratio),
+        rotors=_single(Fraction(len(v.frame.names))),
+        px4_levers=", ".join(map(_single, px4_levers(v))),
+        ardupilot_levers=", ".join(map(_single, ardupilot_levers(v))),
         inertia=", ".join(map(_single, v.inertia)),
         seen_size=2 * n if of_points else 3,
         seen_words="x and y of each target point" if of_points else "the image centroid",
@@ -118,6 +124,42 @@ def oldest_image(mission: Mission) -> tuple[int, str]:
     known = "the mission's" if sensors.frame_rate else "a camera of 15 Hz: the mission names no"
     origin = f"latency and three frames of {known} frame_rate"
     return min(max(age, SHORTEST), LONGEST), origin
+
+
+def px4_levers(vehicle: Vehicle) -> list[Fraction]:
+    """Return the torques that PX4's control allocation makes of setpoints of 1 with rotors of 1 N, m.
+
+    The allocation is the pseudo-inverse of what the rotors make, each column divided by its scale:
+    for roll and pitch the larger of √(Σ a²/(k/2)) over the k entries a of either that are not zero,
+    for yaw the largest entry (PX4, ControlAllocationPseudoInverse). A column of the
+    pseudo-inverse makes a torque of 1, so that 1 over its scale is made by a setpoint of 1.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+    """
+    _, *columns = zip(*shares(vehicle.frame), strict=True)
+    roll, pitch, yaw = columns
+    norms = [sum(a**2 for a in c) / Fraction(sum(map(bool, c)), 2) for c in (roll, pitch)]
+    level = Fraction(1 / math.sqrt(max(norms))) * vehicle.reach
+    return [level, level, vehicle.drag_ratio / max(yaw)]
+
+
+def ardupilot_levers(vehicle: Vehicle) -> list[Fraction]:
+    """Return the torques that ArduPilot's mixer makes of inputs of 1 with rotors of 1 N, m.
+
+    Its factors about an axis are the levers, brought to at most a half (ArduPilot,
+    AP_MotorsMatrix::normalise_rpy_factors).
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+    """
+    _, *rows = mixing_rows(vehicle.frame)
+    squares = [sum((a**2 for a in row), Fraction(0)) for row in rows]
+    sums = [a / (2 * max(map(abs, row))) for a, row in zip(squares, rows, strict=True)]
+    lengths = (vehicle.reach, vehicle.reach, vehicle.drag_ratio)
+    return [a * b for a, b in zip(sums, lengths, strict=True)]
 
 
 def _single(value: Fraction) -> str:
