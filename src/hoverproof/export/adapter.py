@@ -127,7 +127,7 @@ def oldest_image(mission: Mission) -> tuple[int, str]:
 
 
 def px4_levers(vehicle: Vehicle) -> list[Fraction]:
-    """Return the torques that PX4's control allocation makes of setpoints of 1 with rotors of 1 N, m.
+    """Return the torques that PX4's allocation makes of setpoints of 1 with rotors of 1 N, m.
 
     The allocation is the pseudo-inverse of what the rotors make, each column divided by its scale:
     for roll and pitch the larger of √(Σ a²/(k/2)) over the k entries a of either that are not zero,
