@@ -10,7 +10,8 @@ from fractions import Fraction
 from hoverproof.export.options import Options
 from hoverproof.export.precision import FLOAT32
 from hoverproof.mission.frame import mixing_rows, shares
-from hoverproof.mission.sections import Mission, Vehicle
+from hoverproof.mission.sections import Mission
+from hoverproof.mission.vehicle import Vehicle
 
 POINTS_IN_A_PACKET = 6
 """That the 30 bytes of the Crazyflie's app channel hold, with a head of four bytes."""
