@@ -216,12 +216,51 @@ def test_boards_and_host_compute_the_same_bits(kind, tmp_path, whole):
     assert said.pop().startswith("selftest 0\n")
 
 
-def test_fused_products_change_the_bits_and_the_selftest_says_so(tmp_path):
+UNRULY = {
+    "fused": ("-ffp-contract=fast",),
+    "PX4": ("-freciprocal-math", "-fno-signed-zeros", "-fno-trapping-math"),
+    "fast": ("-Ofast",),
+}
+"""Flags that change the bits of a C that does not forbid it."""
+
+
+@pytest.mark.parametrize("flags", UNRULY.values(), ids=UNRULY)
+def test_the_bits_are_kept_under_flags_that_would_change_them(flags, tmp_path):
+    """On a board by GCC, which takes no notice of the pragma of C."""
+    package = export(tmp_path / "fw", "x4-flyer", BEST, allow_uncertified=True, camera=True)
+    (tmp_path / "firmware_names.h").write_text(names_header(package))
+    macros = camera_macros(package, 2000)
+    said = {
+        emulate(
+            M4F, build_for(M4F, package, [TARGET / "camera.c"], tmp_path / "a.elf", *macros, *f)
+        )
+        for f in ((), flags)
+    }
+    assert len(said) == 1
+
+
+@pytest.mark.parametrize("flags", [UNRULY["fused"], UNRULY["fast"]], ids=str)
+def test_without_what_forbids_it_the_bits_change_and_the_selftest_says_so(flags, tmp_path):
     package = export(tmp_path / "fw")
+    source = package.sources[0]
+    text = source.read_text()
+    assert text.count("#pragma GCC optimize(") == 1
+    source.write_text(text.replace("#pragma GCC optimize(", "#pragma ignored("))
     (tmp_path / "firmware_names.h").write_text(names_header(package, 10))
     sources = [TARGET / "bits.c", package.folder / "example" / "vehicle.c"]
-    image = build_for(M4F, package, sources, tmp_path / "fused.elf", "-ffp-contract=fast")
+    image = build_for(M4F, package, sources, tmp_path / "fused.elf", *flags, "-Wno-unknown-pragmas")
     assert not emulate(M4F, image).startswith("selftest 0\n")
+
+
+def test_fusing_by_clang_that_overrules_the_c_is_found_out(tmp_path):
+    package = export(tmp_path / "fw")
+    for flags, holds in (("-O3",), True), (("-O3", "-ffp-contract=fast"), False):
+        calls = f"int main(void) {{ return {package.name}_selftest() != 0U; }}"
+        (tmp_path / "main.c").write_text(f'#include "{package.name}.h"\n{calls}\n')
+        sources = (tmp_path / "main.c", *package.sources)
+        made = tmp_path / "selftest"
+        run(tool("clang"), *flags, "-march=haswell", *package.includes, *sources, "-lm", "-o", made)
+        assert (subprocess.run([made], check=False).returncode == 0) == holds
 
 
 @pytest.mark.parametrize("kind", [k for k in kinds() if "float64" not in str(k)], ids=str)
@@ -326,33 +365,40 @@ def test_fuzzing_finds_a_check_left_out(tmp_path):
 # --- adapters and example -----------------------------------------------------------------------
 
 
-@EACH_KIND
-def test_adapters_compile_against_the_headers_of_their_trees(kind, tmp_path):
-    package = kind.export(tmp_path / "fw")
-    single = package.manifest["precision"] == "float32"
-    name, adapters = package.name, package.folder / "adapters"
-    n = len(package.manifest["mission"]["target"]["points"])
-    seen = 2 * n if package.manifest.get("camera", package.manifest["sensing"]) == "points" else 3
-    topic = tmp_path / "uORB" / "topics" / f"{name}_image.h"
-    topic.parent.mkdir(parents=True)
+def image_topic(package, folder):
+    """Write the header that PX4 makes of the message of a package."""
+    message = (package.folder / "adapters" / "px4" / "HoverproofImage.msg").read_text()
+    (size,) = re.findall(r"^float32\[(\d+)\] seen", message, re.M)
+    topic = folder / "uORB" / "topics" / "hoverproof_image.h"
+    topic.parent.mkdir(parents=True, exist_ok=True)
     topic.write_text(
         '#pragma once\n#include "px4.hpp"\n'
-        f"struct {name}_image_s {{ uint64_t timestamp; float seen[{seen}]; }};\n"
-        f"extern const orb_metadata {name}_image_metadata;\n"
+        "struct hoverproof_image_s {\n"
+        f"  uint64_t timestamp, timestamp_sample; float seen[{size}];\n}};\n"
     )
-    warn = ("-Wall", "-Wextra", "-Werror", "-c", "-o", "made.o", f"-I{package.folder}")
-    if single:  # the tree's own flags; its processor has no double
-        tree = (*M4F.flags, "-std=gnu11", "-Os", "-Wdouble-promotion", "-Wmissing-prototypes")
-        crazyflie = adapters / "crazyflie" / f"controller_{name}.c"
-        for source in (crazyflie, *package.sources):
-            flags = (*tree, *warn, f"-I{STUBS / 'crazyflie'}")
-            run(tool("arm-none-eabi-gcc"), *flags, source)
+
+
+@EACH_KIND
+def test_adapters_compile_against_the_headers_of_their_trees(kind, tmp_path):
+    """By the flags of each tree."""
+    package = kind.export(tmp_path / "fw")
+    name, adapters = package.name, package.folder / "adapters"
+    image_topic(package, tmp_path)
+    warn = ("-Wall", "-Wextra", "-Werror", "-c", "-o", "made.o")
+    tree = (*M4F.flags, "-std=gnu11", "-Os", "-Wdouble-promotion")
+    for source in sorted((adapters / "crazyflie").glob("*.c")):
+        run(tool("arm-none-eabi-gcc"), *tree, *warn, f"-I{STUBS / 'crazyflie'}", source)
+    beside = tmp_path / "beside"
+    beside.mkdir()
+    (beside / name).symlink_to(package.folder)
     for compiler in ("g++", "clang++"):
-        px4 = (f"-I{STUBS / 'px4'}", f"-I{tmp_path}", adapters / "px4" / f"{name}_module.cpp")
-        run(tool(compiler), "-std=c++14", *warn, *px4)
-        ardupilot = adapters / "ardupilot" / f"AC_CustomControl_{name}.cpp"
-        unused = ("-Wno-unused-private-field",) if compiler == "clang++" else ()
-        run(tool(compiler), "-std=c++11", *warn, *unused, f"-I{STUBS / 'ardupilot'}", ardupilot)
+        px4 = (f"-I{STUBS / 'px4'}", f"-I{tmp_path}", f"-I{package.folder}")
+        module = adapters / "px4" / f"{name}_module.cpp"
+        quiet = ("-Wno-unused-parameter", "-Wdouble-promotion", "-Wfloat-equal", "-Wshadow")
+        run(tool(compiler), "-std=c++14", *warn, *quiet, *px4, module)
+        for source in sorted((adapters / "ardupilot").glob("*.cpp")):
+            includes = (f"-I{STUBS / 'ardupilot'}", f"-I{beside}")
+            run(tool(compiler), "-std=gnu++11", *warn, *includes, source)
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])

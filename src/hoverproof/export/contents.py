@@ -13,6 +13,7 @@ import casadi as ca
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.errors import InputError
+from hoverproof.export.adapter import Adapter, adapter
 from hoverproof.export.camera import CameraText, camera_text
 from hoverproof.export.flight_law import FlightLaw
 from hoverproof.export.law_text import LawText, VehicleText, law_text, vehicle_text
@@ -20,7 +21,7 @@ from hoverproof.export.lens import LensText, lens_text
 from hoverproof.export.options import Options
 from hoverproof.export.precision import FLOAT32
 from hoverproof.export.vectors import InputBox, Vector, test_vectors
-from hoverproof.mission.frame import Place, mixing_rows, shares
+from hoverproof.mission.frame import Place, shares
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.servo.hover_error import hover_error, rests_as_modelled
@@ -154,29 +155,6 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class Adapter:
-    """What the glue for autopilots says, in float.
-
-    Attributes
-    ----------
-    weight, thrust : str
-        Literals: m g, and the most that the rotors give, N.
-    torque : str
-        Literals with commas: the largest torques, N m.
-    seen_size : int
-        How many numbers the camera delivers.
-    seen_words : str
-        What they are.
-    """
-
-    weight: str
-    thrust: str
-    torque: str
-    seen_size: int
-    seen_words: str
-
-
-@dataclass(frozen=True)
 class Contents:
     """All that the templates name.
 
@@ -263,7 +241,7 @@ def contents(
     sized = law.spread is not None or (camera is not None and bool(camera.spread))
     spread = _spread(mission, options) if sized else None
     evidence, limits = _evidence(standing), _limits(mission, standing, law, spread)
-    text = law_text(mission, options, law)
+    text, design = law_text(mission, options, law), _design(mission, law.source)
     return Contents(
         name=name,
         NAME=name.upper(),
@@ -272,13 +250,13 @@ def contents(
         options=options,
         evidence=evidence,
         origin=_origin(mission, evidence, text, law.source),
-        design=_design(mission, law.source),
+        design=design,
         limits=limits,
         law=text,
         vehicle=vehicle_text(mission, options, law.source),
         camera=camera,
+        adapter=adapter(mission, options, design.gains, law.source.design.gains()),
         lens=lens_text(mission, options),
-        adapter=_adapter(mission, options),
         hover_error=hover_error(mission, law.source).rows()
         if rests_as_modelled(law.source)
         else [],
@@ -398,21 +376,3 @@ def _tilt(mission: Mission, excess: Fraction) -> tuple[Fraction, str]:
     cosine = decimal_below(sqrt_enclosure(1 - sine**2)[0], 9)
     degrees = math.degrees(math.acos(float(cosine)))
     return cosine, f"{degrees:.4g} degrees (follows from the level)"
-
-
-def _adapter(mission: Mission, options: Options) -> Adapter:
-    def single(value: Fraction) -> str:
-        return FLOAT32.literal(value).replace("F", "f")
-
-    v, (low, high) = mission.vehicle, options.rotor_limits
-    _, *rows = mixing_rows(v.frame)  # half of a lever's sum: one side high and the other low
-    most = [sum(map(abs, row), Fraction(0)) / 2 * (high - low) for row in rows]
-    torques = [a * b for a, b in zip(most, (v.reach, v.reach, v.drag_ratio), strict=True)]
-    of_points = "points" in (options.sensing, options.camera)
-    return Adapter(
-        weight=single(v.weight),
-        thrust=single(len(v.frame.names) * high),
-        torque=", ".join(map(single, torques)),
-        seen_size=2 * len(mission.target.points) if of_points else 3,
-        seen_words="x and y of each target point" if of_points else "the image centroid",
-    )

@@ -47,7 +47,8 @@ SURROUNDINGS = """
     package_source rebuild_cache run_tests test zero_check all_build list_install_components
     preinstall c m gcc g supc rt dl pthread util stdc
     adapters camera loop main manifest readme selftest vehicle vector hoverproof
-    controller controller_pid stabilizer_types stabilizer config cfassert debug log param
+    controller controller_pid stabilizer_types stabilizer config cfassert debug log param app
+    app_channel supervisor
     ardupilot crazyflie px4 drivers uorb ap_common ap_hal ap_math ap_param
     ap_inertialsensor     ac_customcontrol ac_customcontrol_backend ac_customcontrol_config
 """

@@ -194,7 +194,7 @@ def _templates() -> Any:
 
 
 def _rendered(filled: Contents) -> dict[str, str]:
-    """Fill the templates; return the texts by their paths."""
+    """Fill the templates; return the texts by their paths, without those that come out empty."""
     files = FILES | (CAMERA_FILES if filled.camera else {}) | (LENS_FILES if filled.lens else {})
     for target in TARGETS:
         files |= target.files()
@@ -209,10 +209,11 @@ def _rendered(filled: Contents) -> dict[str, str]:
         "targets": TARGETS,
         "target_titles": titles(),
     }
-    return {
+    texts = {
         path.format(name=filled.name): _templates().get_template(template).render(named)
         for path, template in files.items()
     }
+    return {path: text for path, text in texts.items() if text.strip()}
 
 
 def _whole(mission: Mission) -> float:

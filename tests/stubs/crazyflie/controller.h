@@ -5,4 +5,4 @@ void controllerOutOfTreeInit(void);
 bool controllerOutOfTreeTest(void);
 void controllerOutOfTree(
     control_t *control, const setpoint_t *setpoint, const sensorData_t *sensors,
-    const state_t *state, const uint32_t stabilizerStep);
+    const state_t *state, const stabilizerStep_t stabilizerStep);
