@@ -158,7 +158,10 @@ def test_the_closed_loop_is_put_together_in_one_place():
 
 
 def test_the_gains_of_a_law_are_listed_in_one_place():
-    """Others ask the law; the checker has to stand alone, and the paper names what it prints."""
+    """Others ask the law; the checker has to stand alone, and the paper names what it prints.
+
+    Coefficients of distortion happen to have such names too.
+    """
 
     def fault(path):
         for node in nodes(path):
@@ -168,7 +171,8 @@ def test_the_gains_of_a_law_are_listed_in_one_place():
                     yield f"line {node.lineno}"
 
     def own(path):
-        return path.name == "checker.py" or path.is_relative_to(HOUSE / "paper")
+        alone = (HOUSE / "checker.py", HOUSE / "mission" / "camera.py")
+        return path in alone or path.is_relative_to(HOUSE / "paper")
 
     assert faults(fault, [path for path in MODULES if not own(path)]) == {}
 

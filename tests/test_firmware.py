@@ -26,12 +26,12 @@ from hoverproof.export.contents import Standing
 from hoverproof.export.flight_law import assert_is_the_controller, flight_law
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.export.precision import FLOAT32, FLOAT64
-from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rotors import wrench
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Design
+from papers_law import CRAZYFLIE, PAPERS
 
 CALM = {"velocity": [0, 0, 0], "rate": [0, 0, 0], "gravity_direction": [0, 0, 1], "dt": 0.001}
 
@@ -46,7 +46,7 @@ def both(tmp_path_factory):
     """Each preset in float32 and float64, compiled for this computer."""
     tool("cc")
     made = {}
-    for preset in presets():
+    for preset in PAPERS.values():
         for precision in ("float32", "float64"):
             folder = tmp_path_factory.mktemp("both")
             export(folder, preset, precision=precision)
@@ -74,7 +74,7 @@ def seen_from_goal(firmware):
 @pytest.mark.parametrize("tunable", [False, True])
 @pytest.mark.parametrize("overrides", [{}, OFF_AXIS, LEVEL])
 def test_the_law_is_the_derived_controller_exactly(overrides, tunable):
-    for preset in presets():
+    for preset in PAPERS.values():
         law = flight_law(load(preset, overrides), sensing="centroid", tunable=tunable)
         assert law.function.n_instructions() < 250
 
@@ -159,7 +159,7 @@ def outputs(firmware, numbers):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("preset", presets())
+@pytest.mark.parametrize("preset", PAPERS.values(), ids=PAPERS)
 def test_casadis_own_c_of_the_derived_controller_agrees(both, preset, tmp_path):
     """CasADi prints the derived controller by itself; only the model is shared."""
     mission = load(preset)
@@ -188,7 +188,7 @@ def test_casadis_own_c_of_the_derived_controller_agrees(both, preset, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("preset", presets())
+@pytest.mark.parametrize("preset", PAPERS.values(), ids=PAPERS)
 def test_rotors_make_the_thrust_and_torque(both, preset):
     firmware, draw = both[preset, "float64"], np.random.default_rng(2)
     vehicle = load(preset).vehicle
@@ -210,7 +210,7 @@ def test_rotors_make_the_thrust_and_torque(both, preset):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("calm", [True, False])
-@pytest.mark.parametrize("preset", presets())
+@pytest.mark.parametrize("preset", PAPERS.values(), ids=PAPERS)
 def test_float32_is_within_a_millionth_of_the_scale_of_float64(both, preset, calm, whole):
     """Of 1,000 inputs, and with `make trials` of 4,000."""
     draw = np.random.default_rng(3)
@@ -402,7 +402,7 @@ def test_a_record_of_a_flight_holds_what_the_package_itself_flew(both, x4):
 
 def test_the_firmware_of_another_mission_is_refused(both, x4):
     with pytest.raises(InputError, match="not the mission of the firmware crazyflie_2_1"):
-        hoverproof.fly_firmware(x4, both["crazyflie-2.1", "float64"], duration=1.0)
+        hoverproof.fly_firmware(x4, both[CRAZYFLIE, "float64"], duration=1.0)
 
 
 @pytest.mark.parametrize(

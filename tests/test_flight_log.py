@@ -14,6 +14,7 @@ from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.flight import simulate, summary
 from hoverproof.simulation.flight_log import OUTCOMES
 from hoverproof.simulation.runs import simulate_batch
+from papers_law import CRAZYFLIE
 
 SOON = {"start.position": "[0.3, 0.2, -1.2]"}
 CONDITIONS = [{}, {"sensors.latency": "0.02"}]
@@ -23,7 +24,7 @@ CONDITIONS = [{}, {"sensors.latency": "0.02"}]
 @pytest.mark.parametrize("conditions", CONDITIONS, ids=["ideal", "late frames"])
 @pytest.mark.parametrize("every", [None, 1, 300])
 def test_one_flight_and_many_settle_at_the_same_time_whatever_is_kept(conditions, every):
-    mission = load("crazyflie-2.1", SOON | conditions)
+    mission = load(CRAZYFLIE, SOON | conditions)
     one = simulate(mission, duration=30, every=every)
     simulate_batch(mission, "many.nc", runs=2, duration=30)
     at = summary(one)["settled_at"]

@@ -21,6 +21,7 @@ from hoverproof.errors import InputError
 from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import slowest_rate
+from papers_law import CRAZYFLIE
 from test_brute_force import random_mission
 from test_tuning import tuned_once
 
@@ -264,8 +265,8 @@ def test_bounds_are_proved_once_for_all_gains(monkeypatch):
     monkeypatch.setattr(
         bounds, "enclose", lambda *a, old=bounds.enclose: calls.append(a) or old(*a)
     )
-    mission = load("crazyflie-2.1", AUTO)
+    mission = load(CRAZYFLIE, AUTO)
     for k3 in ("0.055", "0.06", "0.07"):
-        gain_problem(load("crazyflie-2.1", AUTO | {"gains.k3": k3}))
+        gain_problem(load(CRAZYFLIE, AUTO | {"gains.k3": k3}))
     attraction(mission, objective="radius", barrier=False)
     assert len(calls) == 1

@@ -20,8 +20,7 @@ from hoverproof.servo.law import Design
 from hoverproof.servo.loop import LoopNumbers, command, parameters, sense
 from hoverproof.simulation.flight import simulate
 from hoverproof.simulation.step import runge_kutta
-
-CRAZYFLIE = "crazyflie-2.1"
+from papers_law import CRAZYFLIE
 
 
 def final_height(mission, **overrides):

@@ -15,6 +15,7 @@ from hoverproof import checker
 from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.exponential import proof, search
 from hoverproof.mission.reading import load
+from papers_law import CRAZYFLIE
 from test_hostile_exponential import changed, larger, pruned
 from test_uncertain_flights import EIGHT, content, holds, in_doubt
 from uncertain_body import Case, View, size
@@ -46,7 +47,7 @@ def proofs():
 def natural():
     keys = test_potential.GAINS | test_potential.LATE | {"law.force": "measured"}
     more = {"uncertainty.yaw_rate": "0.2", "uncertainty.torque": "0.1"}
-    return attraction(load("crazyflie-2.1", keys | more), barrier=False)
+    return attraction(load(CRAZYFLIE, keys | more), barrier=False)
 
 
 # --- how it moves -------------------------------------------------------------------------------

@@ -20,6 +20,7 @@ from hoverproof.certification.attraction.tolerant import posed
 from hoverproof.certification.exponential.inequality import Sector, falls
 from hoverproof.certification.exponential.vehicles import Limits, Reach
 from hoverproof.mission.reading import load
+from papers_law import CRAZYFLIE
 from sampling import mostly_whole
 from sharing import kept_value
 from uncertain_flights import fly
@@ -44,7 +45,7 @@ slow = pytest.mark.slow
 
 
 def crazyflie(**extra):
-    return load("crazyflie-2.1", {**GAINS, **MEASURED, **extra})
+    return load(CRAZYFLIE, {**GAINS, **MEASURED, **extra})
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +112,7 @@ def test_the_checker_writes_the_inequality_that_the_graph_gives(name, proofs):
 def test_without_tolerance_it_is_the_region_of_the_modelled_vehicle():
     found = []
     for force in ("modelled", "measured"):
-        mission = load("crazyflie-2.1", {**GAINS, "law.force": force})
+        mission = load(CRAZYFLIE, {**GAINS, "law.force": force})
         potential, loop = posed(mission)
         starts = potential.hover_terms(np.array([[0.3, 0.2, -1.2]]))
         found.append(find(Search(potential, loop, SLACKS[0], None), "start", starts))

@@ -25,6 +25,7 @@ from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import slowest_rate
 from hoverproof.simulation.flight import simulate, summary
+from papers_law import CRAZYFLIE
 from sharing import kept
 
 FIVE_TIMES = 0.02337
@@ -200,7 +201,7 @@ def test_the_curve_of_region_against_speed_falls_and_each_point_is_proved(capsys
     """Of two points, and with `make trials` of three."""
     count = 3 if whole else 2
     options = ("--objective", "region", "--pareto", count, "--out", "curve.svg", "--json")
-    status, words, _ = run(capsys, "tune", "crazyflie-2.1", *options)
+    status, words, _ = run(capsys, "tune", CRAZYFLIE, *options)
     answer = json.loads(words)
     assert status == 0
     points = answer["points"]

@@ -29,6 +29,7 @@ from hoverproof.simulation.flight import (
 )
 from hoverproof.simulation.numbers import euler_angles
 from hoverproof.simulation.timing import Timing
+from papers_law import RESEARCH
 
 needs_compiler = pytest.mark.skipif(not compiled.find_compiler(), reason="no C compiler here")
 
@@ -217,7 +218,7 @@ def test_a_vehicle_that_leans_to_a_side_is_pushed_up_there(angle, stronger):
     lean = ["0", "0", "0"]
     lean[angle] = "0.1" if stronger == "right" else "-0.1"
     start = {"start.position": "[0, 0, -2]", "start.rotation": f"[{', '.join(lean)}]"}
-    flight = simulate(load("research-1.5kg", start), duration=0.02)
+    flight = simulate(load(RESEARCH, start), duration=0.02)
     first = flight["rotor_thrust"].isel(time=0).to_series()
     there = [name for name in first.index if stronger in name]
     assert first[there].min() > first.drop(there).max()

@@ -19,6 +19,7 @@ from hoverproof.certification.exponential.refuting import refused
 from hoverproof.cli import main
 from hoverproof.design.worst_vehicle import vehicles, worst_flight
 from hoverproof.mission.reading import load
+from papers_law import RACER
 
 MUCH = {"uncertainty.thrust": "0.9"}
 CASES = {
@@ -226,7 +227,7 @@ def test_the_command_tells_both_and_writes_the_states(capsys):
 @pytest.mark.slow
 def test_what_is_a_simulation_is_said_to_be_no_proof(capsys):
     given = ["--set=uncertainty.torque=0.2", "--set=law.force=measured", "--no-barrier"]
-    status, out = answered(capsys, "racer-250", *given)
+    status, out = answered(capsys, RACER, *given)
     assert status == 3
     assert all(len(line) <= 80 for line in out.splitlines())
     assert "a simulation, no proof: of 2 vehicles" in " ".join(out.split())
@@ -234,6 +235,6 @@ def test_what_is_a_simulation_is_said_to_be_no_proof(capsys):
 
 @pytest.mark.slow
 def test_a_mission_without_tolerances_is_told_no_more(capsys):
-    status, out = answered(capsys, "racer-250", "--no-barrier", "--json")
+    status, out = answered(capsys, RACER, "--no-barrier", "--json")
     assert status == 3
     assert json.loads(out)["unproved"] is None

@@ -1737,8 +1737,8 @@ def state_of(start: Object) -> str:
 # With terms -σB|B|² - σC|C|² - σG|G|² the same gives Ψ' <= -r Ψ + r ℓ∞, r ℓ∞ = σB max|B|² + ..., so
 # that {Ψ <= ℓ} is not left while ℓ∞ < ℓ, and Ψ(t) <= Ψ(0) exp(-r t) + ℓ∞.
 #
-# A camera at r from the centre of mass, in body axes, sees the feature of ξ + R r. With the
-# constant a that makes it s* at the wanted hover (ξ*, R*) it differs from that of ξ by
+# A camera at r from the centre of mass, in body axes, sees the feature of ξ + R r. With a constant
+# a that makes it s* at the wanted hover (ξ*, R*) it differs from that of ξ by
 #
 #   Rᵀ(σ(ξ + R r) - σ(ξ)) + a = (J* - J') r,   J', J* in body axes means of J between ξ and ξ + R r,
 #                                              and between ξ* and ξ* + R* r:
@@ -2040,9 +2040,8 @@ class Tolerant(Claim):
         self.felt = noise.force + self.m * gust if measured else Fraction(0)  # of m a
         self.shock = (self.felt + self.weight * tipped) / self.stiffness  # |φ|
         self.noise = noise.feature + self.m / self.k[0] * noise.velocity + self.shock
-        # of the feature, by the place of the camera
-        self.off_center = self.arm * (self.high - self.low) if self.arm else Fraction(0)
-        self.noise += self.off_center
+        self.displaced = self.arm * (self.high - self.low) if self.arm else Fraction(0)
+        self.noise += self.displaced
         s3 = self.c.enclosures.goal[1]
         if self.inertial:
             self.noise += s3 * tipped
@@ -2301,11 +2300,11 @@ class Tolerant(Claim):
         noise = self.may.noise
         feature, velocity, rate = map(about, (noise.feature, noise.velocity, noise.rate))
         wrong, right = [], ["Ω", "the vertical"]
-        if self.off_center:
+        if self.displaced:
             wrong = [
                 f"the camera is {about(self.arm)} m from the centre of mass, so that the feature "
                 f"of that image, plus the constant that makes it right at the hover, is wrong by "
-                f"at most {about(self.off_center)}, and by {feature} besides, and V by at most "
+                f"at most {about(self.displaced)}, and by {feature} besides, and V by at most "
                 f"{velocity} m/s"
             ]
         elif noise.feature or noise.velocity:
