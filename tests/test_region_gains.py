@@ -188,7 +188,7 @@ def test_options_of_another_objective_are_refused(x4, options, message):
 
 def test_a_goal_off_the_axis_is_refused():
     mission = load("x4-flyer", {"goal": "{centroid = [0.3, 0.2, 3.5]}"})
-    with pytest.raises(InputError, match="not straight below"):
+    with pytest.raises(InputError, match="is not straight below"):
         tune_region(mission, Limits(20.0))
 
 

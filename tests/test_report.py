@@ -219,7 +219,7 @@ def test_a_goal_for_which_no_region_can_be_asked_says_so():
     off_axis = hp.load("x4-flyer", {"goal": {"centroid": [0.1, -0.2, 3.5]}})
     held = parts.attempt(lambda: hp.attraction(off_axis))
     assert isinstance(held, parts.Missing)
-    assert "not straight below" in held.reason
+    assert "is not straight below" in held.reason
 
 
 @pytest.mark.slow

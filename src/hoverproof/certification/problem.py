@@ -351,6 +351,7 @@ def pose(
             "above that",
         )
     bottom, top = box[2]
+    room = top - bottom  # a checker may enclose q* less tightly: a value of f is to be one for it
     return GainProblem(
         mission=mission,
         goal=goal,
@@ -362,8 +363,8 @@ def pose(
             binary_above(force(low, top)[2], BITS),
         ),
         factor_attained=(
-            binary_above(force(high, top)[2], BITS),
-            binary_below(force(low, bottom)[2], BITS),
+            binary_above(force(high, top + room)[2], BITS),
+            binary_below(force(low, bottom - room)[2], BITS),
         ),
         eigenvalues=eigenvalue_bounds(mission) if region is None else region.eigenvalues,
         region=region,
