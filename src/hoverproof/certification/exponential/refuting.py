@@ -61,8 +61,8 @@ def refused(mission: Mission, starts: Sequence[Start]) -> Refusal | None:
 
     Returns
     -------
-    Refusal, or None if none was found: with noise, or a late feature that is not turned, none is
-    looked for
+    Refusal, or None if none was found: with noise, a control period, an accelerometer that lags, or
+    a late feature that is not turned, none is looked for
 
     Raises
     ------
@@ -74,7 +74,7 @@ def refused(mission: Mission, starts: Sequence[Start]) -> Refusal | None:
     search = Search.of(vehicles, Scene.of(mission), tuple(starts))
     search = replace(search, wider=wider, highest=highest)
     low, high = np.log(search.ends)
-    if vehicles.is_shaken or vehicles.swept or not low < high:
+    if vehicles.is_shaken or vehicles.swept or vehicles.behind or not low < high:
         return None
     found = candidate(mission, starts, None)
     if found is not None and found.solution.fill <= 1:
