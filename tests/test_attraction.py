@@ -29,6 +29,7 @@ from hoverproof.certification.attraction.search import HoverGrid
 from hoverproof.certification.attraction.starts import Start, State
 from hoverproof.certification.attraction.trees import Set
 from hoverproof.certification.exponential.lemmas import LEMMAS as TOLERANCES
+from hoverproof.certification.pattern import Pattern
 from hoverproof.certification.verdict import Proved, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.presets import presets
@@ -229,7 +230,7 @@ def test_a_barrier_needs_k3_large_enough():
 
 def test_a_goal_that_is_not_straight_below_is_refused():
     tilted = load("x4-flyer", {"goal": "{centroid = [0.3, 0.2, 3.5]}"})
-    with pytest.raises(InputError, match="axial"):
+    with pytest.raises(InputError, match="straight below"):
         attraction(tilted)
 
 
@@ -355,7 +356,8 @@ def over_five_points(content, q3, hover):
     forged["claim"] |= {"level": "1/100", "rate": "1/1000", "barrier_height": None, "reach": still}
     forged["claim"]["starts"], forged["multipliers"] = [], ["27/250", "27/250"]
     points, place = (np.array(x, float) for x in (targets, [F(c) for c in hover]))
-    region = Set(Potential(points, place, float(F(q3))), None, None, 0.01, 7.0, 0.0, None)
+    potential = Potential(Pattern.plain(points), place, float(F(q3)))
+    region = Set(potential, None, None, 0.01, 7.0, 0.0, None)
     halved = region.positions() or "0"  # it has none where no hover sees the goal
     forged["trees"] = {"positions": halved, "barrier": None, "starts": ["0", "0"]}
     forged["mission_sha256"] = checker.digest(forged["mission"])

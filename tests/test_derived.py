@@ -15,7 +15,7 @@ from hoverproof.algebra.derived import kept_graph, kept_json
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification import gains, problem
 from hoverproof.servo import loop
-from hoverproof.servo.law import Feature
+from hoverproof.servo.feature import Feature
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.simulation import compiled, record, step, timing
 

@@ -29,6 +29,7 @@ from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import SPARE
 from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.vehicles import Vehicles
+from hoverproof.certification.pattern import Pattern
 from hoverproof.mission.reading import load
 from laws_kit import feature, seen, slope
 
@@ -58,7 +59,8 @@ def wedges(points, sides, feature_is="scaled", goal=("8", "8")):
         domain=SimpleNamespace(wedge=held),
         enclosures=SimpleNamespace(goal=[F(x) for x in goal]),
     )
-    return checker.Wedges(c, points, feature_is == "scaled"), np.array(held, float)
+    target = checker.Pattern(points, [F(1)] * len(points))
+    return checker.Wedges(c, target, feature_is == "scaled"), np.array(held, float)
 
 
 def cells_of(rng, place, many):
@@ -85,7 +87,7 @@ def positions_in(rng, place, cell, many=20):
 
 def enclosed(x, values, share=1e-9):
     unit = 2.0**-checker.BITS
-    return (abs(values - x.mid * unit) <= x.spread() * unit + share * abs(values).max()).all()
+    return (abs(values - x.mid * unit) <= x.far * unit + share * abs(values).max()).all()
 
 
 @pytest.mark.parametrize("feature_is", ["scaled", "centroid"])
@@ -113,7 +115,9 @@ def test_many_cells_at_once_are_seen_as_each_is_by_the_checker():
     rng, points = np.random.default_rng(6), [*TAG, [F(1, 20), F(-1, 30), F(1, 50)]]
     place, _ = wedges(points, [["-1/2", "1/2"], ["-1/3", "1/2"], ["1/2", "3/2"]])
     cells = cells_of(rng, place, 30)
-    many = scaled.Sight.over_wedges(np.array(points, float), np.array(cells, float) / place.unit)
+    many = scaled.Sight.over_wedges(
+        Pattern.plain(np.array(points, float)), np.array(cells, float) / place.unit
+    )
     J, s, unit = many.slope(), many.scaled(), 2.0**-checker.BITS
     for k, cell in enumerate(cells):
         sight = place.sight(cell)
@@ -122,10 +126,10 @@ def test_many_cells_at_once_are_seen_as_each_is_by_the_checker():
         exact_J = sight.slope()
         pairs += [(J[i][j], exact_J[i][j]) for i, j in itertools.product(range(3), repeat=2)]
         for ours, theirs in pairs:
-            size = abs(theirs.mid * unit) + theirs.spread() * unit + 1
+            size = abs(theirs.mid * unit) + theirs.far * unit + 1
             assert ours.mid[k] == pytest.approx(theirs.mid * unit, abs=1e-9 * size)
             spread = np.broadcast_to(ours.spread, len(cells))[k]
-            assert spread == pytest.approx(theirs.spread() * unit, rel=1e-3, abs=1e-7 * size)
+            assert spread == pytest.approx(theirs.far * unit, rel=1e-3, abs=1e-7 * size)
 
 
 SIDES = ["0", "1/2"], ["0", "1/2"], ["1/2", "3/2"]

@@ -205,7 +205,7 @@ def test_space_is_drawn_to_one_scale_not_mirrored_and_with_up_on_top(flight):
 
 
 def test_a_rotor_s_place_gives_its_torque(flight):
-    places = Scene.of(flight).rotor_places()
+    places = Scene.of(flight).rotor_places
     thrusts = flight["rotor_thrust"].values[0]
     up = np.array([0, 0, -1.0])
     torque = sum(np.cross(p, t * up) for p, t in zip(places, thrusts, strict=True))

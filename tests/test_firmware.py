@@ -81,7 +81,7 @@ def test_the_law_is_the_derived_controller_exactly(overrides, tunable):
 def test_a_law_with_one_number_changed_is_not_the_controller(x4):
     law = flight_law(x4, sensing="centroid")
     goal = hover_goal(x4).centroid_midpoint
-    design = [*Design.values(x4, goal), x4.vehicle.arm, x4.vehicle.drag_ratio]
+    design = [*Design.values(x4, goal), x4.vehicle.reach, x4.vehicle.drag_ratio]
     numbers = list(law.coefficients.values())
     assert_is_the_controller(law.function, design, numbers)
     for i in range(len(numbers)):
@@ -194,7 +194,12 @@ def test_rotors_make_the_thrust_and_torque(both, preset):
         if out.status & 32:
             continue
         made = np.array(
-            wrench(ca.DM(list(out.rotor)), float(vehicle.arm), float(vehicle.drag_ratio))
+            wrench(
+                vehicle.frame,
+                ca.DM(list(out.rotor)),
+                float(vehicle.reach),
+                float(vehicle.drag_ratio),
+            )
         )
         wanted = [out.thrust, *out.torque]
         assert np.allclose(made[:, 0], wanted, rtol=1e-12, atol=1e-12 * out.thrust)

@@ -84,7 +84,8 @@ def test_answers_are_written_as_they_were_typed():
 
 def test_the_arm_is_the_lever_of_rotors_in_x_and_latency_is_all_that_ages_an_image():
     mission = of(without_asking({"rotor_distance": "0.17", "autopilot": "px4"}))
-    assert mission.vehicle.arm == Fraction("0.1202")
+    assert (mission.vehicle.layout, mission.vehicle.arm) == ("x", Fraction("0.17"))
+    assert float(mission.vehicle.reach) == pytest.approx(0.17 / 2**0.5, rel=1e-11)
     assert mission.uncertainty.latency >= mission.sensors.latency + Fraction(1, 30) + Fraction(
         1, 400
     )

@@ -30,7 +30,7 @@ start = {position = [0.3, 0, -1.5]}
 [vehicle]
 mass = 0.5
 inertia = [2.1e-3, 2.5e-3, 4e-3]
-arm = 0.12
+lever = 0.12
 drag_ratio = 0.016
 gravity = 9.81
 """

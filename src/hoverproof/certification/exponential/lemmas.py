@@ -539,8 +539,9 @@ LEMMAS = (
         "(h/h(t)) ((I + γ)(s_n + μ) - Ω3 G_t ζ)). |n|² <= (τ̄ + p') ∫ |y|² over the last τ̄ + p'. "
         "If w = ∫_{tk}^t g, Z = ∫_{tk}^t e^{r(x - t)} ((2p'/π)² e^{rp'} g² - w²) dx >= 0 and Z' = "
         "-r Z + (2p'/π)² e^{rp'} g² - w². If w <= ∫ κ g, w² <= (p' + f') ∫ κ g², and with k(x) = "
-        "∫_x^∞ e^{r(z - x)} κ'(z) dz, κ'(z) = 1 up to p' and e^{(p' - z)/f'} beyond, Z = ∫ k(t - x) "
-        "g² dx has Z' <= -r Z + k(0) g² - w²/(p' + f'), k(0) <= (p' + f'/(1 - r f'))/(1 - r p').",
+        "∫_x^∞ e^{r(z - x)} κ'(z) dz, κ'(z) = 1 up to p' and e^{(p' - z)/f'} beyond, Z = ∫ k(t - x"
+        ") g² dx has Z' <= -r Z + k(0) g² - w²/(p' + f') and k(0) <= (p' + f'/(1 - r f'))/(1 - r "
+        "p').",
         "What is measured at tk less what is now are errors b, v, d, ω and α, of coordinates in "
         "body axes, as in the lemma on noise: that of δ3 is n and the integral of δ3' - y, but for "
         "the force; m a = w̃ - T̃ e3 has (m a)' = -Ω×w̃ - ς U_a e3, and what a low-pass of it is "
