@@ -43,7 +43,7 @@ SMALL = {  # near, with a domain that few cells cover, so that it is soon proved
     | {"target.points": UNEVEN, "goal": "{centroid = [0, 0, 4.97]}"}
     | {"start.position": "[0.08, 0, -1.27]"},
 }
-FEW = {"HIGHEST": 0.25, "SETTLED": 0.8, "NEAR": 0.5, "EVALUATIONS": 4, "DIRECTIONS": 60}
+FEW = {"HIGHEST": 0.25, "SETTLED": 0.8, "NEAR": 0.5, "EVALUATIONS": 4}
 SHARE = 1e-8
 """By which share floating point may differ from what is exact."""
 

@@ -60,7 +60,7 @@ def wedges(points, sides, feature_is="scaled", goal=("8", "8")):
         enclosures=SimpleNamespace(goal=[F(x) for x in goal]),
     )
     target = checker.Pattern(points, [F(1)] * len(points))
-    return checker.Wedges(c, target, feature_is == "scaled"), np.array(held, float)
+    return checker.Wedges(c, target, feature_is == "scaled", F(0)), np.array(held, float)
 
 
 def cells_of(rng, place, many):

@@ -89,7 +89,7 @@ class Held:
         reach = Reach.of(self.case.w[1:], self.case.level)
         self.limits = Limits(self.vehicles, reach, self.case.slope)
         self.weights = {k: float(x) for k, x in vars(self.claim.hold).items()}
-        each = self.claim.moved()
+        each = self.claim.changes()
         self.radii = {k: [float(r) for _, r in v] for k, (_, v, _) in each.items()}
         self.factors = {k: float(x) for k, (*_, x) in each.items()}
 

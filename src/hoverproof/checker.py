@@ -835,7 +835,7 @@ def place_in(grid: Any, cell: Cell) -> Three:
     xi = []
     for k, (a, b) in enumerate(cell):
         half, mid = (x * ONE_OF_THEM // (2 * grid.unit) for x in (b - a, a + b))
-        xi.append(Tangent.of(mid, *(half * (k == i) for i in range(3)), 2))
+        xi.append(Tangent.of(mid, half * (k == 0), half * (k == 1), half * (k == 2), 2))
     return xi
 
 
@@ -1061,7 +1061,7 @@ def beyond_ball(target: Pattern, position: Row, x: Row, low: Fraction, high: Fra
 
 
 def bounded(
-    target: Target, scaled: bool, grid: Grid, cell: Cell, low: Fraction, high: Fraction
+    target: Pattern, scaled: bool, grid: Grid, cell: Cell, low: Fraction, high: Fraction
 ) -> bool:
     """Show the bounds of J, or of Q, over a cell."""
     if scaled:
@@ -1900,7 +1900,8 @@ class Wedges:
             return False
         corners = self.corners(cell)
         sides = [(min(side), max(side)) for side in zip(*corners, strict=True)]
-        return bounded(self.target, False, grid, grid.cell(sides), low, high)
+        view = View(grid, grid.cell(sides))
+        return largest_below(view, high) and smallest_above(view, low)
 
     def widened(self, cell: Cell) -> Cell:
         """Return a cell that holds all positions within the arm of the camera from a cell.
@@ -2097,12 +2098,12 @@ class Tolerant(Claim):
         past = self.high * speed
         if self.late_axes:
             past += self.sweep * self.turn + may.yaw_rate * self.reach
-        gain = (1 + may.thrust) * self.kappa
-        require(self.slow * gain < 1, "the accelerometer is too slow")
+        lift = (1 + may.thrust) * self.kappa
+        require(self.slow * lift < 1, "the accelerometer is too slow")
         known = self.late * past + self.noise  # |n + B| but for what is held
-        self.missed = upward((known + self.slow * gain * self.sink) / (1 - self.slow * gain))
+        self.missed = upward((known + self.slow * lift * self.sink) / (1 - self.slow * lift))
         self.sinking = upward(self.quick * (self.sink + self.missed))  # |p1 - p2|, |Ua/Dc|
-        lifted = self.behind * gain * (self.sink + self.missed)
+        lifted = self.behind * lift * (self.sink + self.missed)
         self.held_back = self.stiffness * lifted + self.behind * self.quick * self.turn * self.push
         moved = self.k12 * self.spread + self.quick * self.sink * self.turn
         self.sunk = upward(known + self.period * moved + lifted)  # |(n + B)z|
@@ -2236,7 +2237,7 @@ class Tolerant(Claim):
                 form -= (c.memory * latency * self.may.yaw_rate**2) * (aside @ aside)
         for t, (u, v, radius) in zip(c.multipliers.terms, self.terms(tau, pi), strict=True):
             form -= (radius / 2) * (t * (v @ v) + (1 / t) * (u @ u))
-        for part, (held, moves, kept) in self.moved().items() if self.hold else ():
+        for part, (held, moves, kept) in self.changes().items() if self.hold else ():
             weight, moves = getattr(self.hold, part), [(v, upward(r)) for v, r in moves if r]
             form += weight * (held @ held)
             whole = sum(radius for _, radius in moves)
@@ -2244,7 +2245,7 @@ class Tolerant(Claim):
                 form -= (weight * kept * whole * radius) * (v @ v)
         return form
 
-    def moved(self) -> dict[str, Any]:
+    def changes(self) -> dict[str, Any]:
         """Return the parts of E and H: each v and R, and what Σ R Σ R|v|² is multiplied by."""
         _, D2, D3, D4 = self.errors
         zeta, pulled, yaw, own = D4 - flat(D3), D3 - D2, self.may.yaw_rate, 1 + self.may.torque
@@ -2571,13 +2572,14 @@ class Exponential(Tolerant):
 
         (low, high), hover = self.c.near.bounds, [(x, x) for x in self.c.hover]
         off = place.start(self.grid, self.grid.cell(hover)) if place.holds(hover) else None
-        require(off is not None and off[0] <= soon.offset, "the hover point is off the goal")
+        away = off[0] if off else soon.offset + 1
+        require(away <= soon.offset, "the hover point is off the goal")
         require(soon.offset <= self.c.domain.offset, "the vehicle settles beyond the domain")
         require(0 < low < high, "the bounds of J near the goal are not in order")
         box = self.grid.cell([(x - soon.radius, x + soon.radius) for x in self.c.hover])
-        known, what = (self.target, self.scaled, self.grid), "the bounds of J near the goal are not"
+        known, what = (self.target, self.scaled, self.grid), "J is not bounded near the goal"
         cover(self.c.near.tree, box, lambda cell: bounded(*known, cell, low, high), what)
-        away = off[0] / self.low  # of the hover from the goal
+        away /= self.low  # of the hover from the goal, m
         what = "the vehicle is not shown to be within the radius"
         require(soon.offset < low * (soon.radius - away), what)
         if self.floor():

@@ -1,6 +1,6 @@
 """What a controller that runs in steps holds, and what an accelerometer that lags is behind.
 
-All in floating point; `checker.Tolerant.moved` bounds the same exactly.
+All in floating point; `checker.Tolerant.changes` bounds the same exactly.
 """
 
 from __future__ import annotations

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from hoverproof.certification.exponential.form import ROWS, Variables, Weights, derive_form
 from hoverproof.certification.exponential.held import factor, moved
+from hoverproof.certification.exponential.terms import terms
 from hoverproof.certification.exponential.vehicles import Limits, Vehicles
 from hoverproof.certification.robust import Inequality, Term
 from hoverproof.servo.law import Law
@@ -193,7 +194,7 @@ def falls(limits: Limits, slope: Ball | Sector, rate: float, potential: bool = F
         pushed |= {name: _of_memory(2 * v.latency * x, len(S)) for name, x in mine.items()}
     each = [
         Term(_over_parameters(pushed[name]), parts[by], np.array(size))
-        for name, by, size in limits.terms()
+        for name, by, size in terms(limits)
     ]
     return Falls(Inequality(S, tuple(each)), used, L.T @ at["energy"][-1] @ L)
 

@@ -32,6 +32,7 @@ from hoverproof.certification.exponential.refusal import (
     Vector,
 )
 from hoverproof.certification.exponential.search import Search
+from hoverproof.certification.exponential.terms import terms
 from hoverproof.certification.exponential.vehicles import Limits, Vehicles
 from hoverproof.certification.robust import Inequality, refuse
 from hoverproof.certification.semidefinite import Multipliers
@@ -197,7 +198,7 @@ def _asked(
         ball=(decimal_below(middle, DIGITS), decimal_below(radius * (1 - 1e-8), DIGITS)),
         slowness=mass / k1,
         lagged=v.rotor_lag > 0,
-        terms=tuple((a, b, decimal_below(size, DIGITS)) for a, b, size in limits.terms()),
+        terms=tuple((a, b, decimal_below(size, DIGITS)) for a, b, size in terms(limits)),
         level=decimal_above(level, DIGITS),
         start={name: decimal_below(max(mean[k], 0.0), DIGITS) for k, name in there.items()},
         reach=tuple(decimal_above(x, DIGITS) for x in most),
