@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 import hoverproof
-from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
+from papers_law import CRAZYFLIE, PAPERS
 from sharing import kept
 
 TARGET = Path(__file__).parent / "target"
@@ -100,7 +100,9 @@ class Kind:
 
 def kinds():
     """Every preset in both precisions, and every option at least once."""
-    plain = [Kind(p, (), (("precision", r),)) for p in presets() for r in ("float32", "float64")]
+    plain = [
+        Kind(p, (), (("precision", r),)) for p in PAPERS.values() for r in ("float32", "float64")
+    ]
     off, level = tuple(OFF_AXIS.items()), tuple(LEVEL.items())
     return [
         *plain,
@@ -122,14 +124,14 @@ def other_laws():
     uncertified = ("allow_uncertified", True)
     seen = (("goal.heading", "0.5"), ("goal.heading_from", "'image'"))
     return [
-        Kind("crazyflie-2.1", felt, (uncertified, ("tunable", True))),
-        Kind("crazyflie-2.1", best, (uncertified,)),
+        Kind(CRAZYFLIE, felt, (uncertified, ("tunable", True))),
+        Kind(CRAZYFLIE, best, (uncertified,)),
         Kind("x4-flyer", best, (uncertified, ("precision", "float64"), ("sensing", "centroid"))),
         Kind("x4-flyer", best, (uncertified, ("sensing", "centroid"))),
         Kind("x4-flyer", best, (uncertified, ("camera", True))),
-        Kind("crazyflie-2.1", (("goal.heading", "0.5"),), (("tunable", True),)),
+        Kind(CRAZYFLIE, (("goal.heading", "0.5"),), (("tunable", True),)),
         Kind("x4-flyer", (*best, ("goal.heading", "-2")), (uncertified, ("camera", True))),
-        Kind("crazyflie-2.1", seen),
+        Kind(CRAZYFLIE, seen),
         Kind("x4-flyer", (*best, *seen), (uncertified, ("camera", True))),
         Kind(options=(("camera", True), ("sensing", "centroid"), ("precision", "float64"))),
     ]

@@ -56,6 +56,7 @@ EXTREME = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", EXTREME, ids=" ".join)
 def test_extreme_numbers_get_an_answer(words, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

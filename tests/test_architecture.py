@@ -59,6 +59,7 @@ def imports(path):
             yield from (alias.name for alias in node.names)
 
 
+@pytest.mark.slow
 def test_imports_run_downward():
     def fault(path):
         part = path.relative_to(HOUSE).parts[0].removesuffix(".py")
@@ -157,7 +158,10 @@ def test_the_closed_loop_is_put_together_in_one_place():
 
 
 def test_the_gains_of_a_law_are_listed_in_one_place():
-    """Others ask the law; the checker has to stand alone, and the paper names what it prints."""
+    """Others ask the law; the checker has to stand alone, and the paper names what it prints.
+
+    Coefficients of distortion happen to have such names too.
+    """
 
     def fault(path):
         for node in nodes(path):
@@ -167,7 +171,8 @@ def test_the_gains_of_a_law_are_listed_in_one_place():
                     yield f"line {node.lineno}"
 
     def own(path):
-        return path.name == "checker.py" or path.is_relative_to(HOUSE / "paper")
+        alone = (HOUSE / "checker.py", HOUSE / "mission" / "camera.py")
+        return path in alone or path.is_relative_to(HOUSE / "paper")
 
     assert faults(fault, [path for path in MODULES if not own(path)]) == {}
 

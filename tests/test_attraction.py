@@ -59,6 +59,7 @@ def without_barrier():
 # --- the lemmas ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lemma", (*LEMMAS, *TOLERANCES), ids=lambda lemma: lemma.id)
 def test_every_identity_of_a_lemma_is_proved(lemma):
     identities = lemma.identities()
@@ -66,6 +67,7 @@ def test_every_identity_of_a_lemma_is_proved(lemma):
     assert all(identities.values()), identities
 
 
+@pytest.mark.slow
 def test_the_ledgers_in_proofs_are_those_of_today():
     make = runpy.run_path(str(ROOT / "proofs/make.py"))
     for name, ledger in make["LEDGERS"].items():
@@ -255,6 +257,7 @@ def test_an_estimate_for_tuning_is_near_what_is_proved(x4):
 # --- what flights say ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [40, pytest.param(100, marks=pytest.mark.slow)])
 def test_flights_from_inside_keep_inside_and_reach_the_goal(paper, count, whole):
     """The paper's vehicle alone, 100 times; `make trials` flies 1,500 times."""
@@ -488,6 +491,7 @@ def test_the_states_of_a_set_are_not_all_followed_where_one_is_given_up(tmp_path
     assert followed == [refutation.SOON, refutation.LATE]
 
 
+@pytest.mark.slow
 def test_a_flight_that_a_person_would_fly_is_followed_to_its_end(monkeypatch):
     for preset in presets():
         mission = load(preset)

@@ -146,6 +146,7 @@ def test_what_is_derived_of_a_law_that_is_not_of_the_house_is_not_kept(folder):
     assert not folder.exists()
 
 
+@pytest.mark.slow
 def test_processes_at_the_same_time_do_not_disturb_each_other(folder):
     code = (
         "from hoverproof.simulation.step import step_function\n"

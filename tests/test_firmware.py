@@ -26,12 +26,12 @@ from hoverproof.export.contents import Standing
 from hoverproof.export.flight_law import assert_is_the_controller, flight_law
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.export.precision import FLOAT32, FLOAT64
-from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rotors import wrench
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Design
+from papers_law import CRAZYFLIE, PAPERS
 
 CALM = {"velocity": [0, 0, 0], "rate": [0, 0, 0], "gravity_direction": [0, 0, 1], "dt": 0.001}
 
@@ -46,7 +46,7 @@ def both(tmp_path_factory):
     """Each preset in float32 and float64, compiled for this computer."""
     tool("cc")
     made = {}
-    for preset in presets():
+    for preset in PAPERS.values():
         for precision in ("float32", "float64"):
             folder = tmp_path_factory.mktemp("both")
             export(folder, preset, precision=precision)
@@ -70,10 +70,11 @@ def seen_from_goal(firmware):
 # --- the law ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tunable", [False, True])
 @pytest.mark.parametrize("overrides", [{}, OFF_AXIS, LEVEL])
 def test_the_law_is_the_derived_controller_exactly(overrides, tunable):
-    for preset in presets():
+    for preset in PAPERS.values():
         law = flight_law(load(preset, overrides), sensing="centroid", tunable=tunable)
         assert law.function.n_instructions() < 250
 
@@ -157,7 +158,8 @@ def outputs(firmware, numbers):
     return out
 
 
-@pytest.mark.parametrize("preset", presets())
+@pytest.mark.slow
+@pytest.mark.parametrize("preset", PAPERS.values(), ids=PAPERS)
 def test_casadis_own_c_of_the_derived_controller_agrees(both, preset, tmp_path):
     """CasADi prints the derived controller by itself; only the model is shared."""
     mission = load(preset)
@@ -185,7 +187,8 @@ def test_casadis_own_c_of_the_derived_controller_agrees(both, preset, tmp_path):
     assert (np.abs(np.subtract(found, expected)) <= 1e-12 * scale).all()
 
 
-@pytest.mark.parametrize("preset", presets())
+@pytest.mark.slow
+@pytest.mark.parametrize("preset", PAPERS.values(), ids=PAPERS)
 def test_rotors_make_the_thrust_and_torque(both, preset):
     firmware, draw = both[preset, "float64"], np.random.default_rng(2)
     vehicle = load(preset).vehicle
@@ -205,8 +208,9 @@ def test_rotors_make_the_thrust_and_torque(both, preset):
         assert np.allclose(made[:, 0], wanted, rtol=1e-12, atol=1e-12 * out.thrust)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("calm", [True, False])
-@pytest.mark.parametrize("preset", presets())
+@pytest.mark.parametrize("preset", PAPERS.values(), ids=PAPERS)
 def test_float32_is_within_a_millionth_of_the_scale_of_float64(both, preset, calm, whole):
     """Of 1,000 inputs, and with `make trials` of 4,000."""
     draw = np.random.default_rng(3)
@@ -329,6 +333,7 @@ def test_a_start_beyond_the_limits_is_limited_and_a_start_from_nan_hovers(firmwa
     assert firmware.thrust_excess == pytest.approx(4 * 47 - 94.08, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_tuned_gains_fly_as_those_folded_in_and_say_that_nothing_is_proved(tmp_path):
     tool("cc")
     export(tmp_path / "tunable", overrides=OFF_AXIS, tunable=True, precision="float64")
@@ -397,7 +402,7 @@ def test_a_record_of_a_flight_holds_what_the_package_itself_flew(both, x4):
 
 def test_the_firmware_of_another_mission_is_refused(both, x4):
     with pytest.raises(InputError, match="not the mission of the firmware crazyflie_2_1"):
-        hoverproof.fly_firmware(x4, both["crazyflie-2.1", "float64"], duration=1.0)
+        hoverproof.fly_firmware(x4, both[CRAZYFLIE, "float64"], duration=1.0)
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ from firmware_kit import (
     run,
     tool,
 )
-from hoverproof.mission.presets import presets
+from papers_law import PAPERS
 
 STUBS = Path(__file__).parent / "stubs"
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
@@ -107,7 +107,7 @@ def eva(package, folder, entry, excess, *options):
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
-@pytest.mark.parametrize("preset", presets())
+@pytest.mark.parametrize("preset", PAPERS.values(), ids=PAPERS)
 def test_eva_proves_finite_outputs_over_the_certified_box_and_alarms_beyond(
     preset, precision, tmp_path
 ):
@@ -239,7 +239,7 @@ def test_the_budgets_of_the_manifest_are_kept(kind, tmp_path):
     assert 0.7 * budgets["flash_bytes"] < text <= budgets["flash_bytes"]
 
 
-@pytest.mark.parametrize("preset", presets())
+@pytest.mark.parametrize("preset", PAPERS.values(), ids=PAPERS)
 def test_a_step_takes_no_more_instructions_than_c_by_hand(preset, tmp_path):
     sys.path.insert(0, str(BENCHMARKS))
     import firmware as benchmark

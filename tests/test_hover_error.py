@@ -20,8 +20,7 @@ from hoverproof.servo.law import Design
 from hoverproof.servo.loop import LoopNumbers, command, parameters, sense
 from hoverproof.simulation.flight import simulate
 from hoverproof.simulation.step import runge_kutta
-
-CRAZYFLIE = "crazyflie-2.1"
+from papers_law import CRAZYFLIE
 
 
 def final_height(mission, **overrides):
@@ -138,6 +137,7 @@ def test_stiff_gains_never_leave(x4):
     assert 0.5e-2 > soft.target_load - 1 > 0
 
 
+@pytest.mark.slow
 def test_tune_and_the_firmware_say_what_an_error_does(tmp_path, capsys):
     mission = load(CRAZYFLIE)
     rows = hover_error(mission).rows()

@@ -267,6 +267,7 @@ def test_it_flies_with_sensors_and_rotors_of_a_vehicle(x4):
     assert far < np.linalg.norm(papers["position"].values[-1] - ideal["position"].values[-1])
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize(
     ("law", "tunable"),

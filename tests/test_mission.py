@@ -73,6 +73,7 @@ BROKEN = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("old", "new", "key", "reason"), BROKEN)
 @pytest.mark.parametrize("command", ["certify", "simulate"])
 def test_a_broken_mission_gives_one_line_and_status_2(command, old, new, key, reason, capsys):

@@ -216,6 +216,7 @@ def spawn(*arguments):
     )
 
 
+@pytest.mark.slow
 def test_in_a_terminal_it_asks_and_writes():
     terminal = spawn("new", "my-flyer.toml", "--height", "1.0")
     for question in QUESTIONS:
@@ -228,6 +229,7 @@ def test_in_a_terminal_it_asks_and_writes():
     assert (float(mission.vehicle.mass), float(mission.goal.height)) == (1.5, 1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["c", "d"])
 def test_leaving_writes_nothing(key):
     terminal = spawn("new", "my-flyer.toml")
@@ -244,6 +246,7 @@ def test_leaving_writes_nothing(key):
     assert list(Path.cwd().iterdir()) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("option", [["--yes"], ["--from", "x4-flyer"], ["--json"]])
 def test_nothing_is_asked_of_those_who_say_so(option):
     terminal = spawn("new", "my-flyer.toml", *option)

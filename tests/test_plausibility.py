@@ -12,6 +12,7 @@ from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
 from hoverproof.plausibility import warnings
 from hoverproof.reporting.tables import strange_tables
+from papers_law import CRAZYFLIE
 
 STRANGE = {
     "inertia in g cm²": (
@@ -79,7 +80,7 @@ def test_vehicles_of_usual_shape_are_not_strange_at_any_size(grams, slender):
 
 @pytest.mark.parametrize(("overrides", "name"), STRANGE.values(), ids=STRANGE)
 def test_what_no_vehicle_has_is_named(overrides, name):
-    found = warnings(load("crazyflie-2.1", overrides))
+    found = warnings(load(CRAZYFLIE, overrides))
     assert name in [finding.name for finding in found]
     assert len({finding.name for finding in found}) == len(found)
 
@@ -99,21 +100,20 @@ def run(capsys, *arguments):
 
 def test_a_command_warns_once_and_goes_on(capsys):
     strange = ("--set", "vehicle.inertia=[165.7,166.6,292.6]")
-    status, out, err = run(capsys, "certify", "crazyflie-2.1", *strange, "--json")
+    status, out, err = run(capsys, "certify", CRAZYFLIE, *strange, "--json")
     assert status == 0
     assert err.count("\n") == err.count("warning") == 1
-    assert (
-        "hoverproof: warning: crazyflie-2.1: vehicle.inertia: a radius of gyration of 104 m" in err
-    )
+    assert f"warning: {CRAZYFLIE}: vehicle.inertia: a radius of gyration of 104 m" in err
     (warned,) = json.loads(out)["warnings"]
     assert warned in err
-    status, out, err = run(capsys, "certify", "crazyflie-2.1", "--json")
+    status, out, err = run(capsys, "certify", CRAZYFLIE, "--json")
     assert (json.loads(out)["warnings"], err) == ([], "")
 
 
+@pytest.mark.slow
 def test_tune_warns_of_gains_that_no_rotor_follows(capsys):
     status, out, err = run(
-        capsys, *["tune", "crazyflie-2.1", "--objective", "decay", "--bandwidth", "300", "--json"]
+        capsys, *["tune", CRAZYFLIE, "--objective", "decay", "--bandwidth", "300", "--json"]
     )
     assert status == 0
     assert err.count("warning") == 1

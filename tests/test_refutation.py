@@ -24,6 +24,8 @@ from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters
+from papers_law import CRAZYFLIE, PAPERS, RACER, RESEARCH
+from sampling import mostly_whole
 
 F = Fraction
 FALLING = {"start": "{position = [0.1, 0.2, -0.5], velocity = [0.1, 0, 1.5]}"}
@@ -31,7 +33,6 @@ LEANING = {
     "start": "{position = [0.1, 0.2, -0.5], velocity = [0.1, 0, 1.5], rotation = [0.1, -0.2, 1], "
     "rates = [0.3, 0.1, 0]}"
 }
-PRESETS = ("x4-flyer", "x4-flyer-tuned", "crazyflie-2.1", "racer-250", "research-1.5kg")
 
 
 def numbers(mission):
@@ -64,7 +65,7 @@ def refuted(mission, start=None):
 # --- the checker's equations and enclosures -----------------------------------------------------
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PAPERS.values(), ids=PAPERS)
 def test_the_checker_has_the_motion_of_the_derived_loop(name):
     mission = load(name, LEANING)
     state = State.of(mission)
@@ -97,9 +98,8 @@ def enclosures(p, step, count):
     return found
 
 
-@pytest.mark.parametrize(
-    "name", [*PRESETS[:2], *(pytest.param(n, marks=pytest.mark.slow) for n in PRESETS[2:])]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", mostly_whole(list(PAPERS.values()), every=3))
 def test_the_enclosure_holds_the_motion(name, monkeypatch):
     """Another integrator stays near it; enclosures by other steps and orders overlap it."""
     mission = load(name, LEANING)
@@ -137,7 +137,8 @@ def test_a_product_of_series_is_enclosed(pairs):
 # --- which starts are refuted -------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", mostly_whole(list(PAPERS.values()), every=2, first=1))
 def test_what_is_refuted_is_what_another_integrator_sees_sink(name, whole):
     """Of two starts, and with `make trials` of four."""
     for seed in range(4 if whole else 2):
@@ -163,7 +164,7 @@ def refuted_if_it_sinks(mission, rng):
 
 def test_both_kinds_occur_among_the_starts_of_that_test():
     fast, slow = (Start(((F(0),) * 2, (F(0),) * 2, (F(-1, 2),) * 2), F(v)) for v in (2, 0))
-    mission = load("racer-250")
+    mission = load(RACER)
     assert isinstance(refuted(mission, fast), Refuted)
     told = refuted(mission, slow)
     assert isinstance(told, Undecided)
@@ -234,7 +235,8 @@ def test_of_a_target_on_two_heights_the_lowest_point_counts():
 sides = st.tuples(*[st.fractions(-2, 2, max_denominator=8)] * 2).map(sorted)
 
 
-@settings(max_examples=300, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=100, deadline=None)
 @given(st.lists(sides, min_size=3, max_size=3), st.lists(sides, min_size=3, max_size=3))
 def test_a_start_that_is_shown_to_be_inhabited_has_a_state(axis, turning):
     if not checker.inhabited(axis, turning):
@@ -269,7 +271,7 @@ def test_a_start_without_a_state_is_told(axis, turning, found):
 
 
 def test_a_proved_start_settles():
-    told = refuted(load("crazyflie-2.1"))
+    told = refuted(load(CRAZYFLIE))
     assert isinstance(told, Undecided)
     assert "settles" in told.reason
 
@@ -359,7 +361,7 @@ def test_a_step_too_long_is_not_taken(sinking):
 
 @pytest.mark.slow
 def test_a_search_that_fails_goes_on_to_refute(capsys):
-    command = ["attraction", "research-1.5kg", "--start=0,0,-1", "--speed", "3", "--json"]
+    command = ["attraction", RESEARCH, "--start=0,0,-1", "--speed", "3", "--json"]
     with pytest.raises(SystemExit) as done:
         cli.main(command)
     assert done.value.code == 1

@@ -253,6 +253,7 @@ def test_a_box_beside_a_target_point_is_enclosed(mission):
     assert values.max() < region.eigenvalues[1] < 2 * values.max()
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 10**6), st.integers(2, 5), st.floats(0.01, 2))
 def test_no_box_is_shown_to_hold_what_a_sample_in_it_breaks(seed, n, size):

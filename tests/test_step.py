@@ -14,6 +14,7 @@ from hoverproof.servo.loop import slowest_rate
 from hoverproof.simulation.flight import simulate, without_conditions
 from hoverproof.simulation.runs import simulate_batch
 from hoverproof.simulation.timing import STEP, fastest_rate, flight_step
+from papers_law import CRAZYFLIE
 
 FAST = {"gains.k1": "0.0056", "gains.k2": "4.8", "gains.k3": "0.064", "gains.k4": "8"}
 """Gains for a Crazyflie with an attitude bandwidth of 300 rad/s."""
@@ -21,7 +22,7 @@ FAST = {"gains.k1": "0.0056", "gains.k2": "4.8", "gains.k3": "0.064", "gains.k4"
 
 @pytest.fixture(scope="module")
 def fast():
-    return load("crazyflie-2.1", FAST)
+    return load(CRAZYFLIE, FAST)
 
 
 def test_gains_of_a_high_bandwidth_fly_without_being_told_a_step(fast):
@@ -34,7 +35,7 @@ def test_gains_of_a_high_bandwidth_fly_without_being_told_a_step(fast):
 
 @pytest.mark.parametrize("k4", ["0.9", "9", "2700", "2699.5", "26999.93", "1e9"])
 def test_however_fast_a_loop_is_there_is_a_step_no_longer_than_its_fastest_motion(k4):
-    mission = load("crazyflie-2.1", {"gains.k4": k4})
+    mission = load(CRAZYFLIE, {"gains.k4": k4})
     assert 0.1 < flight_step(mission, None) * fastest_rate(mission) <= 1
 
 
@@ -78,7 +79,7 @@ def test_no_step_is_longer_than_from_tick_to_tick(sensors, step):
 
 
 def test_what_is_lighter_than_modelled_moves_faster_and_gets_a_shorter_step():
-    light = load("crazyflie-2.1", {"model_error.mass": "-0.9"})
+    light = load(CRAZYFLIE, {"model_error.mass": "-0.9"})
     assert flight_step(light, None) < STEP
 
 
@@ -110,7 +111,7 @@ def test_without_a_compiler_fewer_steps_are_flown_and_the_refusal_says_why(chang
 
 
 def test_a_held_controller_is_compared_with_a_loop_that_is_too_fast_for_its_step(fast):
-    held = load("crazyflie-2.1", {**FAST, "sensors.control_rate": "100"})
+    held = load(CRAZYFLIE, {**FAST, "sensors.control_rate": "100"})
     flight = simulate(held, duration=1)
     assert flight.attrs["step"] == 0.01
     assert flight.attrs["step"] * fastest_rate(fast) > 2
@@ -121,7 +122,7 @@ def test_a_held_controller_is_compared_with_a_loop_that_is_too_fast_for_its_step
 
 def test_a_flight_is_written_though_the_one_it_is_compared_with_is_beyond_reason(tmp_path, capsys):
     out, sets = tmp_path / "f.nc", ("gains.k_yaw=1e6", "sensors.control_rate=100")
-    words = ["simulate", "crazyflie-2.1", *(w for s in sets for w in ("--set", s)), "--no-figures"]
+    words = ["simulate", CRAZYFLIE, *(w for s in sets for w in ("--set", s)), "--no-figures"]
     with pytest.raises(SystemExit) as end:
         cli.main([*words, "--duration", "1", "--out", str(out)])
     assert end.value.code in (0, 1)

@@ -1757,8 +1757,8 @@ def state_of(start: Object) -> str:
 # z)/f') beyond, with k(0) <= (p' + f'/(1 - r f'))/(1 - r p'). So W (|part|² - (2p'/π)² exp(r p')
 # Θ), or W (|part|² - b k(0) Θ), is added to -Ψ' - rΨ.
 #
-# A camera at r from the centre of mass, in body axes, sees the feature of ξ + R r. With the
-# constant a that makes it s* at the wanted hover (ξ*, R*) it differs from that of ξ by
+# A camera at r from the centre of mass, in body axes, sees the feature of ξ + R r. With a constant
+# a that makes it s* at the wanted hover (ξ*, R*) it differs from that of ξ by
 #
 #   Rᵀ(σ(ξ + R r) - σ(ξ)) + a = (J* - J') r,   J', J* in body axes means of J between ξ and ξ + R r,
 #                                              and between ξ* and ξ* + R* r:
@@ -2057,9 +2057,8 @@ class Tolerant(Claim):
         self.jolt = self.m / self.k[0] * gust
         self.noise = noise.feature + self.m / self.k[0] * noise.velocity + self.shock
         self.noise += self.period * self.jolt
-        # of the feature, by the place of the camera
-        self.off_center = self.arm * (self.high - self.low) if self.arm else Fraction(0)
-        self.noise += self.off_center
+        self.displaced = self.arm * (self.high - self.low) if self.arm else Fraction(0)
+        self.noise += self.displaced
         s3 = self.c.enclosures.goal[1]
         if self.inertial:
             self.noise += s3 * tipped
@@ -2363,17 +2362,17 @@ class Tolerant(Claim):
         """Say how well the feature, V, Ω and the vertical are known."""
         noise = self.may.noise
         seen = f"the feature of that image is wrong by at most {about(noise.feature)} and V by at "
-        if self.off_center:
+        if self.displaced:
             seen = (
                 f"the camera is {about(self.arm)} m from the centre of mass, so that the feature "
                 "of that image, plus the constant that makes it right at the hover, is wrong by at "
-                f"most {about(self.off_center)}, and by {about(noise.feature)} besides, and V by "
+                f"most {about(self.displaced)}, and by {about(noise.feature)} besides, and V by "
                 "at "
             )
         tipped = getattr(noise, "vertical", Fraction(0))
         each = [
             (
-                self.off_center + noise.feature + noise.velocity,
+                self.displaced + noise.feature + noise.velocity,
                 "V",
                 f"{seen}most {about(noise.velocity)} m/s",
             ),

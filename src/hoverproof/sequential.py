@@ -1,7 +1,9 @@
 """Descent with slopes under constraints: quadratic programs, one after the other (S.-P. Han, 1977).
 
 Each is solved within a trust region. What is beyond a constraint is not forbidden but costs `STEEP`
-times as much, so that a descent may set out where constraints are not kept.
+times as much, so that a descent may set out where constraints are not kept. A constraint may have
+edges, as the largest eigenvalue of a matrix has: planes that touch it at places that were seen
+before are kept, as in a bundle method (C. Lemaréchal, 1975), lowered where they would lie above it.
 """
 
 from __future__ import annotations
@@ -19,6 +21,10 @@ FIRST, SMALLEST, LARGEST = 0.3, 3e-4, 1.0
 """Of the trust region: the largest step of each parameter, at first, at last and ever."""
 ENOUGH = 3e-4
 """A descent ends where no more than that is promised."""
+AGAIN = 0.03
+"""The trust region with which a descent that is at its end goes on without the planes it kept."""
+KEPT = 12
+"""So many of the planes that touch the constraints at places before are kept."""
 CURVED = 0.3
 """The curvature that is supposed at first."""
 
@@ -87,19 +93,28 @@ class Descent:
         """
         radius, bend = FIRST, CURVED * np.eye(len(z))
         slopes = self.slopes(z, at)
+        seen: list[tuple[Array, Array, Array]] = []
         for _ in range(evaluations):
             if self.enough is not None and self.enough(at):
                 break
-            step, prices, promised = _step(at, slopes, bend, radius, self.highest - z)
+            cuts = [(np.minimum(over + S @ (z - y), at.over), S) for y, over, S in seen]
+            step, prices, promised = _step(at, slopes, cuts, bend, radius, self.highest - z)
             if promised < ENOUGH or radius < SMALLEST:
-                break
+                if not seen:
+                    break
+                seen, radius = [], max(radius, AGAIN)
+                continue
             new = self.value(z + step)
             size = float(np.abs(step).max())
             if new is None:
                 radius = 0.4 * min(radius, size)
                 continue
             gained, there = at.merit - new.merit, self.slopes(z + step, new)
-            bend = _bent(bend, step, prices @ (there - slopes))
+            if gained > 0:
+                bend = _bent(bend, step, prices @ (there - slopes))
+                seen = [*seen, (z, at.over, slopes[1:])][-KEPT:]
+            else:
+                seen = [*seen, (z + step, new.over, there[1:])][-KEPT:]
             if gained > 0.7 * promised:
                 radius = min(max(radius, 2 * size), LARGEST)
             elif gained < 0.1 * promised:
@@ -110,20 +125,25 @@ class Descent:
 
 
 def _step(
-    at: Value, slopes: Array, bend: Array, radius: float, room: Array
+    at: Value,
+    slopes: Array,
+    cuts: list[tuple[Array, Array]],
+    bend: Array,
+    radius: float,
+    room: Array,
 ) -> tuple[Array, Array, float]:
     """Return the best step in a trust region, the prices of all, and what it promises."""
     import clarabel
     from scipy.sparse import csc_array
 
-    over, k = slopes[1:], slopes.shape[1]
-    m = len(over)
+    k, m = slopes.shape[1], len(slopes) - 1
+    values = np.stack([at.over, *(value for value, _ in cuts)])
+    planes = np.stack([slopes[1:], *(slope for _, slope in cuts)])
+    rows, share = planes.reshape(-1, k), np.tile(-np.eye(m), (len(values), 1))
     most = np.minimum(radius, np.maximum(room, 0))
     none, sides = np.zeros((k, m)), np.eye(k)
-    A = np.block(
-        [[over, -np.eye(m)], [np.zeros((m, k)), -np.eye(m)], [sides, none], [-sides, none]]
-    )
-    b = np.concatenate([-at.over, np.zeros(m), most, np.full(k, radius)])
+    A = np.block([[rows, share], [np.zeros((m, k)), -np.eye(m)], [sides, none], [-sides, none]])
+    b = np.concatenate([-values.ravel(), np.zeros(m), most, np.full(k, radius)])
     P = np.zeros((k + m, k + m))
     P[:k, :k] = np.triu(bend)
     q = np.concatenate([slopes[0], np.full(m, STEEP)])
@@ -132,9 +152,11 @@ def _step(
     cones = [clarabel.NonnegativeConeT(len(b))]
     solver = clarabel.DefaultSolver(csc_array(P), q, csc_array(A), b, cones, settings)
     solution = solver.solve()
-    step, prices = np.array(solution.x)[:k], np.array(solution.z)[:m]
-    beyond = float(np.maximum(at.over + over @ step, 0).sum())
-    model = at.cost + slopes[0] @ step + step @ bend @ step / 2 + STEEP * beyond
+    step = np.array(solution.x)[:k]
+    prices = np.array(solution.z)[: values.size].reshape(values.shape).sum(axis=0)
+    over = (values + planes @ step).max(axis=0)
+    model = at.cost + slopes[0] @ step + step @ bend @ step / 2
+    model += STEEP * float(np.maximum(over, 0).sum())
     return step, np.array([1.0, *prices]), float(at.merit - model)
 
 

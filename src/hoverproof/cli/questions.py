@@ -10,13 +10,14 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 from cyclopts import Parameter
 
 from hoverproof.cli.completion import mission_names
-from hoverproof.mission.vehicle import Vehicle
-from hoverproof.mission.writing import decimal
+
+if TYPE_CHECKING:
+    from hoverproof.mission.vehicle import Vehicle
 
 Answers = dict[str, str]
 OWN, NONE = "own", "none"
@@ -160,6 +161,8 @@ class Given:
 
 def placed(vehicle: Vehicle) -> str:
     """Write where the rotors of a vehicle are, as lines of a mission file."""
+    from hoverproof.mission.writing import decimal  # help, which asks nothing, comes at once
+
     if vehicle.lever is not None:
         return f"lever = {decimal(vehicle.lever)}  # m, of each rotor about roll and pitch axis"
     arms = vehicle.arm if isinstance(vehicle.arm, tuple) else (vehicle.arm or Fraction(0),)

@@ -35,6 +35,8 @@ class LensText:
     ray, begin, better, left, point : tuple of str
         Statements: from a pixel to a distorted point, to where Newton's method begins, from what is
         found to what is better, to the square of what is left, and to the point.
+    model : str
+        Of the distortion.
     size, steps : int
         How many numbers are sought, and the steps of Newton's method: bare numbers.
     left_square, reach_square : Fraction
@@ -50,6 +52,7 @@ class LensText:
     better: tuple[str, ...]
     left: tuple[str, ...]
     point: tuple[str, ...]
+    model: str
     size: int
     steps: int
     left_square: Fraction
@@ -91,6 +94,7 @@ def lens_text(mission: Mission, options: Options) -> LensText | None:
     }
     return LensText(
         **written,
+        model=lens.model,
         size=size,
         steps=sight.steps,
         left_square=LEFT,
@@ -155,5 +159,5 @@ def _vectors(
         for _ in range(steps):
             found = rounded("better", found, ray)
         point = rounded("point", found, ray)
-        vectors.append((braces(pixel), braces([c.value for c in point])))
+        vectors.append((braces([*pixel]), braces([c.value for c in point])))
     return vectors

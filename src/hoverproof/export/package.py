@@ -223,7 +223,6 @@ def _whole(mission: Mission) -> float:
 
 def _manifest(filled: Contents, texts: Mapping[str, str], law: Law) -> dict[str, Any]:
     options, limits, evidence = filled.options, filled.limits, filled.evidence
-    lens = filled.mission.camera.lens
     return {
         "format": "hoverproof firmware",
         "version": 1,
@@ -237,7 +236,7 @@ def _manifest(filled: Contents, texts: Mapping[str, str], law: Law) -> dict[str,
         "precision": options.precision.name,
         "sensing": options.sensing,
         **({"camera": options.camera} if options.camera else {}),
-        **({"lens": lens.distortion_model} if lens is not None and filled.lens else {}),
+        **({"lens": filled.lens.model} if filled.lens else {}),
         "tunable": options.tunable,
         "tools": {"hoverproof": __version__, "casadi": version("casadi")},
         "thrust": [float(t) for t in limits.thrust],

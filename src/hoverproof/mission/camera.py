@@ -11,8 +11,8 @@ from pydantic import BeforeValidator, Field, model_validator
 from hoverproof.mission.fields import Section, array, one_of, quantity, reject, shown
 
 COEFFICIENTS = {
-    "plumb_bob": tuple(["k1", "k2", "p1", "p2", "k3"]),
-    "equidistant": tuple(["k1", "k2", "k3", "k4"]),
+    "plumb_bob": ("k1", "k2", "p1", "p2", "k3"),
+    "equidistant": ("k1", "k2", "k3", "k4"),
 }
 """The names of the coefficients of each model of distortion, in the order of ROS and OpenCV."""
 

@@ -29,7 +29,7 @@ def lens_of_file(path: str | Path) -> dict[str, Any]:
         If it cannot be read or holds no lens that can be used.
     """
     where = str(path)
-    data = read_yaml(where)
+    data = read_yaml(where, "no such file; camera.file is relative to the mission")
     if not isinstance(data, Mapping):
         raise InputError(where, "", f"is no camera_info: must be a mapping, not {shown(data)}")
     matrix = _numbers(where, data, "camera_matrix", "K", "k")

@@ -12,13 +12,15 @@ MAX_BYTES = 1_000_000
 MAX_DIGITS = 40
 
 
-def read_yaml(where: str) -> Any:
+def read_yaml(where: str, absent: str = "no such file") -> Any:
     """Return what a YAML or JSON file holds; its decimals are `Fraction`.
 
     Parameters
     ----------
     where : str
         Path of the file.
+    absent : str
+        What is said where there is none.
 
     Raises
     ------
@@ -42,7 +44,7 @@ def read_yaml(where: str) -> Any:
         first, _, rest = text.partition("\n")
         return yaml.load(rest if first.startswith("%YAML:") else text, Loader=Exact)  # a SafeLoader
     except FileNotFoundError:
-        raise InputError(where, "", "no such file") from None
+        raise InputError(where, "", absent) from None
     except OSError as error:
         raise InputError(where, "", f"cannot be read: {error.strerror}") from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:

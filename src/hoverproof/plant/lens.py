@@ -26,7 +26,7 @@ ENOUGH = 1e-12
 """In focal lengths: what is left of the distance at the last step, in floating point."""
 BEHIND = 1e-9
 """In focal lengths: so near to the axis a point has no direction from it."""
-ON_AN_EDGE = 256
+ON_AN_EDGE = 1024
 """Into how many parts the edges of the image are divided, to find how far it reaches."""
 
 
@@ -66,16 +66,9 @@ class LensModel:
             return None
         missing = len(COEFFICIENTS[lens.distortion_model]) - len(lens.distortion)
         coefficients = (*map(float, lens.distortion), *[0.0] * missing)
-        return cls(
-            float(lens.width),
-            float(lens.height),
-            float(lens.fx),
-            float(lens.fy),
-            float(lens.cx),
-            float(lens.cy),
-            lens.distortion_model,
-            coefficients,
-        )
+        names = ("width", "height", "fx", "fy", "cx", "cy")
+        sides = {name: float(getattr(lens, name)) for name in names}
+        return cls(**sides, model=lens.distortion_model, coefficients=coefficients)
 
     def pixel(self, point: ca.SX) -> ca.SX:
         """Return the pixel of a point, (2, 1), px.

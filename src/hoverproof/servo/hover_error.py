@@ -21,7 +21,6 @@ from itertools import pairwise
 from operator import itemgetter
 
 import casadi as ca
-from scipy.optimize import brentq
 
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, hover_at_height, hover_goal
@@ -196,6 +195,8 @@ class _Column:
 
     def height(self, q3: float) -> float | None:
         """Return the height of the hover that sees a certain q3, m; None if there is none."""
+        from scipy.optimize import brentq  # as long to import as all that `tune` needs besides
+
         for (low, near, below), (high, _, above) in pairwise(self.hovers):
             if below < q3 <= above:
 

@@ -24,8 +24,9 @@ from hoverproof.certification.region import Box
 from hoverproof.mission.target import Target
 
 Array = NDArray[np.float64]
-SPARE = 1.08
-"""By what factor faces are beyond the domain, as sampled."""
+SPARE, SPARE_BESIDE = 1.08, 1.3
+"""By what factor faces are beyond the domain, as sampled; and where the camera is not at the centre
+of mass: a cell that holds all within its arm holds more than that."""
 COST = 15
 """Of a cell of which J is bounded."""
 
@@ -101,8 +102,9 @@ class Domain:
             j - ϱ and j + ϱ, 1/m.
         """
         ends = _widened(scene.reach(offset)[None], scene.arm)[0]
-        low = [decimal_below(SPARE * x if x < 0 else x / SPARE, 3) for x in ends[:, 0]]
-        high = [decimal_above(x * SPARE, 3) for x in ends[:, 1]]
+        spare = SPARE_BESIDE if scene.arm else SPARE
+        low = [decimal_below(spare * x if x < 0 else x / spare, 3) for x in ends[:, 0]]
+        high = [decimal_above(x * spare, 3) for x in ends[:, 1]]
         both = swapped(target)
         for axis in (0, 1):
             if mirrored(target, axis):
