@@ -84,7 +84,8 @@ def parts(of, *, level=20, rate=0.1, weights=(0.6, 0.5, 0.2), lag=(0.02, 0.05), 
             "cone": None,
             "rotors": ["-100", "100"],
         },
-        "trees": {"near": "0", "starts": ["0"]},
+        "near": {"bounds": ["6", "20"], "tree": "0"},
+        "hold": None,
     }
     if asked["rotor_lag"] == "0":
         content["lag"] = None

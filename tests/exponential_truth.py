@@ -21,7 +21,8 @@ import test_potential
 import uncertain_body as kit
 from hoverproof.certification.exponential import proof, search
 from hoverproof.certification.exponential.inequality import Ball, Sector, falls
-from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
+from hoverproof.certification.exponential.reach import Reach
+from hoverproof.certification.exponential.vehicles import Limits, Vehicles
 from hoverproof.mission.reading import load
 from hoverproof.servo.laws.hamel_mahony import LAWS
 from laws_kit import depth_matrix, feature, floats, seen, slope
@@ -42,7 +43,7 @@ SMALL = {  # near, with a domain that few cells cover, so that it is soon proved
     | {"target.points": UNEVEN, "goal": "{centroid = [0, 0, 4.97]}"}
     | {"start.position": "[0.08, 0, -1.27]"},
 }
-FEW = {"HIGHEST": 0.25, "SETTLED": 0.8, "NEAR": 0.5, "EVALUATIONS": 4, "DIRECTIONS": 60}
+FEW = {"HIGHEST": 0.25, "SETTLED": 0.8, "NEAR": 0.5, "EVALUATIONS": 4}
 SHARE = 1e-8
 """By which share floating point may differ from what is exact."""
 

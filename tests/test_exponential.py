@@ -87,7 +87,7 @@ def positions_in(rng, place, cell, many=20):
 
 def enclosed(x, values, share=1e-9):
     unit = 2.0**-checker.BITS
-    return (abs(values - x.mid * unit) <= x.spread() * unit + share * abs(values).max()).all()
+    return (abs(values - x.mid * unit) <= x.far * unit + share * abs(values).max()).all()
 
 
 @pytest.mark.parametrize("feature_is", ["scaled", "centroid"])
@@ -126,10 +126,10 @@ def test_many_cells_at_once_are_seen_as_each_is_by_the_checker():
         exact_J = sight.slope()
         pairs += [(J[i][j], exact_J[i][j]) for i, j in itertools.product(range(3), repeat=2)]
         for ours, theirs in pairs:
-            size = abs(theirs.mid * unit) + theirs.spread() * unit + 1
+            size = abs(theirs.mid * unit) + theirs.far * unit + 1
             assert ours.mid[k] == pytest.approx(theirs.mid * unit, abs=1e-9 * size)
             spread = np.broadcast_to(ours.spread, len(cells))[k]
-            assert spread == pytest.approx(theirs.spread() * unit, rel=1e-3, abs=1e-7 * size)
+            assert spread == pytest.approx(theirs.far * unit, rel=1e-3, abs=1e-7 * size)
 
 
 SIDES = ["0", "1/2"], ["0", "1/2"], ["1/2", "3/2"]

@@ -200,27 +200,32 @@ def halved(depth):
 
 
 PLACES = {
-    "outside": lambda self, cell, distance: touches(self, cell) and small(self, cell),
     "hold": held,
-    "close": lambda self, cell, center, radius: 20 * radius >= 1 and cell[0][1] < self.unit,
-    "start": lambda self, grid, cell: (F(3), F(2)),
+    "start": lambda self, grid, cell: (
+        (F(3), F(2)) if cell[2][0] * 5 < -6 * grid.unit else (F(0),) * 2
+    ),
 }
+
+
+def bounded(target, scaled, grid, cell, low, high):
+    return low < 7 and high > 15 and 4 * (cell[0][1] - cell[0][0]) < grid.unit
 
 
 @pytest.fixture(scope="module")
 def content():
     """Return a certificate that stands if cells are as `PLACES` says."""
     found = proved(**TOLERANCES)
+    found["claim"]["starts"][0]["position"][2] = ["-13/10", "-13/10"]
     bound = claim_of(found).at_start(claim_of(found).c.claim.starts[0], F(3), F(2))
     found["domain"] |= {"offset": "751/100", "cone": "1/2", "tree": halved(6)}
-    found["trees"]["near"] = halved(6)
+    found["near"]["tree"] = "100"
     found["claim"] |= {"start_level": str(F(math.ceil(bound * 1000), 1000)), "cone": "39/100"}
-    found["claim"]["settling"] |= {"offset": "1", "time": "24"}
+    found["claim"]["settling"] |= {"offset": "1", "radius": "1/5", "time": "24"}
     return found
 
 
 def checked(content):
-    with patch.multiple(checker.Wedges, **PLACES):
+    with patch.multiple(checker.Wedges, **PLACES), patch.object(checker, "bounded", bounded):
         return checker.check(sealed(content))
 
 
@@ -259,7 +264,11 @@ def test_a_wider_tolerance_is_noticed_though_its_hashes_are_made_anew(content, w
         (("domain", "tree"), "0", "domain"),
         (("domain", "tree"), halved(6)[:-1], "shorter"),
         (("domain", "wedge", 0, 1), "2", "domain"),
-        (("trees", "near"), "0", "radius"),
+        (("near", "tree"), "0", "not bounded near the goal"),
+        (("near", "bounds", 0), "8", "not bounded near the goal"),
+        (("near", "bounds", 0), "4", "within the radius"),
+        (("near", "bounds", 1), "5", "not in order"),
+        (("claim", "settling", "offset"), "8", "beyond the domain"),
         (("claim", "cone"), "1/2", "angle"),
         (("domain", "cone"), None, "angle"),
         (("domain", "cone"), "3/4", "domain"),
@@ -274,7 +283,7 @@ def test_a_wider_tolerance_is_noticed_though_its_hashes_are_made_anew(content, w
         (("hover",), ["0", "0", "-1"], "hover point"),
         (("claim", "starts", 0, "position", 0), ["0", "3/2"], "not in the wedge"),
         (("claim", "starts"), [], "no start"),
-        (("trees", "starts"), [], "a tree a start"),
+        (("hold",), {"lift": "1"}, "weights of what is held"),
     ],
 )
 def test_what_does_not_follow_is_noticed(content, path, new, reason):

@@ -130,8 +130,11 @@ MORE = {
     "one multiplier more": (("multipliers", "terms"), lambda terms: [*terms, "1"]),
     "domain of one cell": (("domain", "tree"), "0"),
     "domain cut": (("domain", "tree"), lambda tree: pruned(tree)),
-    "near of one cell": (("trees", "near"), "0"),
-    "near cut": (("trees", "near"), lambda tree: pruned(tree)),
+    "near of one cell": (("near", "tree"), "0"),
+    "near cut": (("near", "tree"), lambda tree: pruned(tree) if len(tree) > 1 else tree + "0"),
+    "near ball": (("near", "bounds", 0), larger(F(3, 2))),
+    "narrow near ball": (("near", "bounds", 1), larger(F(1, 2))),
+    "loose near ball": (("near", "bounds", 0), larger(F(9, 10))),
     "an uneven target": (
         ("mission", "target", "points"),
         lambda points: [[str(F(points[0][0]) * 2), *points[0][1:]], *points[1:]],

@@ -11,7 +11,8 @@ import pytest
 import uncertain_body as kit
 from hoverproof import checker
 from hoverproof.certification.exponential.proof import converge
-from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
+from hoverproof.certification.exponential.reach import Reach
+from hoverproof.certification.exponential.vehicles import Limits, Vehicles
 from hoverproof.cli.answers.exponential import as_json, lines
 from hoverproof.mission.reading import load
 from sharing import kept_value

@@ -183,8 +183,8 @@ def test_j_at_a_single_place_is_enclosed_to_fifty_digits():
             unit = mpmath.mpf(2) ** -checker.BITS
             for row, wanted in zip(J, exact_slope(points, place), strict=True):
                 for x, value in zip(row, wanted, strict=True):
-                    assert abs(value - x.mid * unit) <= x.spread() * unit
-                    assert x.spread() * unit * size < mpmath.mpf(10) ** -30
+                    assert abs(value - x.mid * unit) <= x.far * unit
+                    assert x.far * unit * size < mpmath.mpf(10) ** -30
 
 
 def test_a_grid_cell_that_is_a_point_is_enclosed_too():
@@ -305,7 +305,7 @@ def tangents(draw, most=1 << 14, *, positive=False):
         spread = sum(map(abs, slope_)) + rest + 1
         share = F(mid - 1, spread) * draw(st.sampled_from([F(1), F(1), F(1, 2), F(1, 100)]))
         slope_, rest = [int(x * share) for x in slope_], int(rest * share)
-    return checker.Tangent(mid, tuple(slope_), rest)
+    return checker.Tangent.of(mid, *slope_, rest)
 
 
 share = st.one_of(st.sampled_from([F(-1), F(1)]), st.fractions(-1, 1, max_denominator=8))
@@ -324,7 +324,7 @@ def holds(tangent, x, value):
 
 def with_bits(count):
     one = 1 << count
-    whole = checker.Tangent(one, (0, 0, 0), 0)
+    whole = checker.Tangent.of(one, 0, 0, 0, 0)
     return patch.multiple(checker, BITS=count, ONE_OF_THEM=one, ONE_TANGENT=whole)
 
 
@@ -382,7 +382,9 @@ def test_the_places_of_a_cell_are_in_its_tangents(count, unit, sides, x):
 
 @given(bits, tangents())
 def test_what_may_be_zero_has_neither_inverse_nor_root(count, a):
-    near = a._replace(rest=max(0, a.mid - sum(map(abs, a.slope))))  # spread >= mid
+    near = checker.Tangent.of(
+        a.mid, *a.slope, max(0, a.mid - sum(map(abs, a.slope)))
+    )  # spread >= mid
     with with_bits(count):
         for operation in (near.inverse, near.root):
             with pytest.raises(checker.Rejected, match="not shown to be positive"):

@@ -353,7 +353,7 @@ UNCERTAINTY = also(  # what a proof is asked to cover; without it, nothing
         **dict.fromkeys(("latency", "rotor_lag", "wind", "yaw_rate"), size),  # s, s, m/s², rad/s
         "noise": also(NOISE, vertical=positive),  # 1
     },
-    gust=positive,  # m/s²
+    **dict.fromkeys(("gust", "control_period", "force_lag"), positive),  # m/s², s, s
     gyro_turned=word("false", "a late image is turned by the gyroscope unless this is false"),
 )
 LENS = also(  # it bears on no claim
@@ -751,39 +751,37 @@ class Tangent(NamedTuple):
     mid: int
     slope: tuple[int, int, int]
     rest: int
+    far: int  # bounds how far it is from mid
+
+    @classmethod
+    def of(cls, mid: int, a: int, b: int, c: int, rest: int) -> "Tangent":
+        """Return one with a slope."""
+        return cls(mid, (a, b, c), rest, abs(a) + abs(b) + abs(c) + rest)
 
     @classmethod
     def constant(cls, c: Fraction) -> "Tangent":
         """Enclose a number."""
-        return cls(math.floor(c * ONE_OF_THEM), (0, 0, 0), 1)
-
-    def spread(self) -> int:
-        """Bound how far it is from mid."""
-        a, b, c = self.slope
-        return abs(a) + abs(b) + abs(c) + self.rest
+        return cls(math.floor(c * ONE_OF_THEM), (0, 0, 0), 1, 1)
 
     def __add__(self, other: "Tangent") -> "Tangent":  # type: ignore[override]
-        (a, b, c), (x, y, z) = self.slope, other.slope
-        return Tangent(self.mid + other.mid, (a + x, b + y, c + z), self.rest + other.rest)
+        (m, (a, b, c), e, _), (k, (x, y, z), f, _) = self, other
+        return self.of(m + k, a + x, b + y, c + z, e + f)
 
     def __sub__(self, other: "Tangent") -> "Tangent":
-        (a, b, c), (x, y, z) = self.slope, other.slope
-        return Tangent(self.mid - other.mid, (a - x, b - y, c - z), self.rest + other.rest)
+        (m, (a, b, c), e, _), (k, (x, y, z), f, _) = self, other
+        return self.of(m - k, a - x, b - y, c - z, e + f)
 
     def __mul__(self, other: "Tangent") -> "Tangent":  # type: ignore[override]
-        (m, (p, q, r), e), (k, (s, t, u), f) = self, other
-        far = (abs(p) + abs(q) + abs(r) + e) * (abs(s) + abs(t) + abs(u) + f)
-        return Tangent(
-            m * k >> BITS,
-            (m * s + k * p >> BITS, m * t + k * q >> BITS, m * u + k * r >> BITS),
-            (abs(m) * f + abs(k) * e + far >> BITS) + 5,
-        )
+        (m, (p, q, r), e, g), (k, (s, t, u), f, h) = self, other
+        a, b, c = m * s + k * p >> BITS, m * t + k * q >> BITS, m * u + k * r >> BITS
+        rest = (abs(m) * f + abs(k) * e + g * h >> BITS) + 5
+        return Tangent(m * k >> BITS, (a, b, c), rest, abs(a) + abs(b) + abs(c) + rest)
 
     def times(self, n: int, d: int = 1) -> "Tangent":
         """Return it times n/d."""
         a, b, c = self.slope
-        slope = a * n // d, b * n // d, c * n // d
-        return Tangent(self.mid * n // d, slope, self.rest * abs(n) // d + 5)
+        rest = self.rest * abs(n) // d + 5
+        return self.of(self.mid * n // d, a * n // d, b * n // d, c * n // d, rest)
 
     def scaled(self, c: Fraction) -> "Tangent":
         """Return it times a number."""
@@ -796,12 +794,12 @@ class Tangent(NamedTuple):
         given may be off by one unit and by 2/mid, and so the tangent line by spread + 2 units.
         """
         a, b, c = ((slope * x) >> BITS for x in self.slope)
-        rest = (abs(slope) * self.rest + self.spread() >> BITS) + bend // 2 + 10
-        return Tangent(value + least + bend // 2, (a, b, c), rest)
+        rest = (abs(slope) * self.rest + self.far >> BITS) + bend // 2 + 10
+        return self.of(value + least + bend // 2, a, b, c, rest)
 
     def inverse(self) -> "Tangent":
         """Return 1/x of x > 0, which is above its tangent line by at most d²/(m² (m - d))."""
-        m, d = self.mid, self.spread()
+        m, d = self.mid, self.far
         require(m > d, "a number is not shown to be positive")
         value = (ONE_OF_THEM**2) // m
         bend = d * d * ONE_OF_THEM**2 // (m * m * (m - d)) + 1
@@ -809,7 +807,7 @@ class Tangent(NamedTuple):
 
     def root(self) -> "Tangent":
         """Return √x of x > 0, below its tangent line by at most d²/(2√m (√m + √(m - d))²)."""
-        m, d = self.mid, self.spread()
+        m, d = self.mid, self.far
         require(m > d, "a number is not shown to be positive")
         value, low = math.isqrt(m << BITS), math.isqrt((m - d) << BITS)
         bend = d * d * ONE_OF_THEM // (2 * value * (value + low) ** 2 >> BITS) + 1
@@ -817,21 +815,20 @@ class Tangent(NamedTuple):
 
 
 Three = list[Tangent]
-NOTHING = Tangent(0, (0, 0, 0), 0)
-ONE_TANGENT = Tangent(ONE_OF_THEM, (0, 0, 0), 0)
+NOTHING, ONE_TANGENT = (Tangent.of(mid, 0, 0, 0, 0) for mid in (0, ONE_OF_THEM))
 
 
 def along(x: Iterable[Tangent], y: Iterable[Tangent]) -> Tangent:
     """Return xᵀy."""
     mid = a = b = c = rest = 0
-    for (m, (p, q, r), e), (k, (s, t, u), f) in zip(x, y, strict=True):
+    for (m, (p, q, r), e, g), (k, (s, t, u), f, h) in zip(x, y, strict=True):
         mid += m * k
         a += m * s + k * p
         b += m * t + k * q
         c += m * u + k * r
-        far = (abs(p) + abs(q) + abs(r) + e) * (abs(s) + abs(t) + abs(u) + f)
-        rest += abs(m) * f + abs(k) * e + far
-    return Tangent(mid >> BITS, (a >> BITS, b >> BITS, c >> BITS), (rest >> BITS) + 5)
+        rest += abs(m) * f + abs(k) * e + g * h
+    a, b, c, rest = a >> BITS, b >> BITS, c >> BITS, (rest >> BITS) + 5
+    return Tangent(mid >> BITS, (a, b, c), rest, abs(a) + abs(b) + abs(c) + rest)
 
 
 def add_up(values: Iterable[Tangent]) -> Tangent:
@@ -839,13 +836,12 @@ def add_up(values: Iterable[Tangent]) -> Tangent:
     return sum(values, NOTHING)
 
 
-def place_in(grid: Grid, cell: Cell) -> Three:
-    """Return the positions of a cell."""
+def place_in(grid: Any, cell: Cell) -> Three:
+    """Return the positions of a cell, in the unit of its grid or wedge."""
     xi = []
     for k, (a, b) in enumerate(cell):
-        half = (b - a) * ONE_OF_THEM // (2 * grid.unit)
-        slope = (half * (k == 0), half * (k == 1), half * (k == 2))
-        xi.append(Tangent((a + b) * ONE_OF_THEM // (2 * grid.unit), slope, 2))
+        half, mid = (x * ONE_OF_THEM // (2 * grid.unit) for x in (b - a, a + b))
+        xi.append(Tangent.of(mid, half * (k == 0), half * (k == 1), half * (k == 2), 2))
     return xi
 
 
@@ -1062,12 +1058,22 @@ def beyond_ball(target: Pattern, position: Row, x: Row, low: Fraction, high: Fra
     j, size, square = (low + high) / 2, square_root(dot(x, x))[1], Fraction(0)
     for row, along_it in zip(J, x, strict=True):
         value = dot([Fraction(y.mid, ONE_OF_THEM) for y in row], x) - j * along_it
-        loss = dot([Fraction(y.spread(), ONE_OF_THEM) for y in row], [abs(c) for c in x])
+        loss = dot([Fraction(y.far, ONE_OF_THEM) for y in row], [abs(c) for c in x])
         square += max(abs(value) - loss, Fraction(0)) ** 2
     return bool(square > ((high - low) / 2 * size) ** 2)
 
 
 # --- bounds of Q, or of J, over a box -----------------------------------------------------------
+
+
+def bounded(
+    target: Pattern, scaled: bool, grid: Grid, cell: Cell, low: Fraction, high: Fraction
+) -> bool:
+    """Show the bounds of J, or of Q, over a cell."""
+    if scaled:
+        return within_ball(slope_over(target, grid, cell), low, high)
+    view = View(grid, cell)
+    return largest_below(view, high) and smallest_above(view, low)
 
 
 class Eigenvalues(Claim):
@@ -1095,10 +1101,7 @@ class Eigenvalues(Claim):
 
     def hold(self, grid: Grid, cell: Cell) -> bool:
         """Show the bounds over a cell."""
-        if self.scaled:
-            return within_ball(slope_over(self.target, grid, cell), self.low, self.high)
-        view = View(grid, cell)
-        return largest_below(view, self.high) and smallest_above(view, self.low)
+        return bounded(self.target, self.scaled, grid, cell, self.low, self.high)
 
     def ball(self) -> str:
         """Say in which ball J is."""
@@ -1743,6 +1746,23 @@ def state_of(start: Object) -> str:
 # With terms -σB|B|² - σC|C|² - σG|G|² the same gives Ψ' <= -r Ψ + r ℓ∞, r ℓ∞ = σB max|B|² + ..., so
 # that {Ψ <= ℓ} is not left while ℓ∞ < ℓ, and Ψ(t) <= Ψ(0) exp(-r t) + ℓ∞.
 #
+# A controller that runs at tk, t - p' <= tk <= t, p' the control_period, and until it runs again
+# holds U and the torque, has what was measured at tk. Let also the force be behind a low-pass of a
+# time up to f', the force_lag, and let n be that of tk and ∫ y over [tk, t]: |n|² <= (τ' + p') ∫
+# |y|² over the last τ' + p'. With κ = 1 in [tk, t] and at most exp((x - tk)/f') before, B has E, C
+# has H and αz has c ∫ κ (|ς u| + |p3| Dc/c) besides, and the noise φ has f' |Ω×w|/c:
+#
+#   E = ∫_{tk}^t (k12 (δ3 - δ2) + P κχζ - Ω×δ3) - e3 ∫ κ ς u
+#   H = ∫_{tk}^t ((1 + ι) k12 P(κχζ + s3 h ζ - Ω×(δ3 - δ2)) + (K + πc - Ω3(tk) Gc) h/h(t) ((I + γ)σ
+#       - Ω3 Gt ζ)).
+#
+# Let a part of them be at most w = ∫ g, g = Σ R|v|, g² <= Θ = ΣR ΣR|v|². As w(tk) = 0, ∫ w² <=
+# (2p'/ π)² ∫ Θ over [tk, t]: for the level part of E, and H, Ψ has W ∫_{tk}^t exp(r (x - t))
+# ((2p'/π)² exp(r p') Θ - w²) dx >= 0 besides, which drops to 0 at tk. For the other part it has W b
+# ∫ k(t - x) Θ dx, b = p' + f', k(x) = ∫_x^∞ exp(r (z - x)) κ' dz, κ' = 1 up to p' and exp((p' -
+# z)/f') beyond, with k(0) <= (p' + f'/(1 - r f'))/(1 - r p'). So W (|part|² - (2p'/π)² exp(r p')
+# Θ), or W (|part|² - b k(0) Θ), is added to -Ψ' - rΨ.
+#
 # A camera at r from the centre of mass, in body axes, sees the feature of ξ + R r. With a constant
 # a that makes it s* at the wanted hover (ξ*, R*) it differs from that of ξ by
 #
@@ -1765,10 +1785,14 @@ def state_of(start: Object) -> str:
 #   and the tilt φ has sin φ <= (f + m w')/(m g). |Ua| <= cκ(|δ3| + |n|), as of U, whose lag it is.
 #
 # With σ(ξ) the feature that a level camera sees, |σ - s*| = |δ1| for an inertial goal; for that of
-# the image |σ - s3 R e3| = |δ1|, |R e3 - e3| = sin φ/cos(φ/2) <= t sin φ. So |σ - s*| <=
-# √(2ΨA) + b, A = 1 + (s3 t c/(m g))² (1/w2 + 1/w3), b = s3 t w'/g. The domain is a wedge each cell
-# of which has |σ - s*| > d >= √(2ℓA) + b, or J in its ball; those at the faces have the first. So
-# no motion leaves it. At a start, |F| <= f0 and sin φ <= (f0 + m w')/(m g).
+# the image |σ - s3 R e3| = |δ1|, |R e3 - e3| = sin φ/cos(φ/2) <= t sin φ. So |σ - s*| <= √(2ΨA) +
+# b, A = 1 + (s3 t c/(m g))² (1/w2 + 1/w3), b = s3 t w'/g. The domain is a wedge each cell of which
+# has |σ - s*| > d >= √(2ℓA) + b, or J in its ball; those at the faces have the first. So no motion
+# leaves it. In it ξ' = J⁻¹(σ - s*), for which (σ - s*)' = -(σ - s*), leads from where |σ - s*| <= e
+# <= d to the one ξ* with σ = s*, on a way of length |σ - s*|/(j - ϱ) at most, on which |σ - s*|
+# falls. So if |J - j' I| <= ϱ' over a box about a point x, x ± R, e < (j' - ϱ')(R - |x - ξ*|), all
+# of |σ - s*| <= e is in the box, where |σ - s*| >= (j' - ϱ')|ξ - ξ*|. At a start, |F| <= f0 and sin
+# φ <= (f0 + m w')/(m g).
 #
 # A vehicle whose mass, inertia, rotors and drag ratio κd are the mission's makes the thrust T, that
 # is within f + m w' of m g, and torques Γ1, Γ2 that are the moments of inertia times at most
@@ -1841,37 +1865,21 @@ class Wedges:
 
     def sight(self, cell: Cell) -> "Sight":
         """See the target from a cell."""
-        axes = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
-        wedge = [
-            Tangent(
-                (a + b) * ONE_OF_THEM // (2 * self.unit),
-                tuple(x * ((b - a) * ONE_OF_THEM // (2 * self.unit)) for x in axis),  # type: ignore[arg-type]
-                2,
-            )
-            for (a, b), axis in zip(cell, axes, strict=True)
-        ]
-        return Sight.over_wedge(self.target, wedge)
+        return Sight.over_wedge(self.target, place_in(self, cell))
 
     def off(self, sight: "Sight") -> Three:
         """Enclose σ - σ*."""
         seen = sight.scaled() if self.scaled else sight.centroid()
         low, high = (math.floor(end * ONE_OF_THEM) for end in self.goal)
-        return [*seen[:2], seen[2] - Tangent((low + high) // 2, (0, 0, 0), high - low + 2)]
+        return [*seen[:2], seen[2] - Tangent.of((low + high) // 2, 0, 0, 0, high - low + 2)]
 
     def beyond(self, off: Three, distance: Fraction) -> bool:
         """Show |σ - σ*| > distance, along its direction in the middle."""
         largest = max(abs(x.mid) for x in off)
         along = [x.mid * 2**30 // largest for x in off] if largest else [0, 0, 0]
         part = add_up(x.times(a) for x, a in zip(off, along, strict=True))
-        least = part.mid - part.spread()
+        least = part.mid - part.far
         return least > 0 and least**2 > dot(along, along) * (distance * ONE_OF_THEM) ** 2
-
-    def outside(self, cell: Cell, distance: Fraction) -> bool:
-        """Show |σ - σ*| > distance over a cell, or leave it out."""
-        try:
-            return self.left_out(cell) or self.beyond(self.off(self.sight(cell)), distance)
-        except Rejected:  # a number is not shown to be positive
-            return False
 
     def hold(self, cell: Cell, grid: Grid, domain: Any) -> bool:
         """Show that a cell is beyond the domain, or J in its bounds over it, and what is seen.
@@ -1940,12 +1948,6 @@ class Wedges:
             for x, y, u in itertools.product(*cell)
         ]
 
-    def on_symmetry(self, position: Row) -> bool:
-        """Tell whether a position is its own image wherever images are not looked at."""
-        level = minus(position, self.mean)[:2]
-        alike = not self.swapped or level[0] == level[1]
-        return alike and not any(x for k, x in enumerate(level) if self.halved(k))
-
     def steep(self, cell: Cell, cosine: Fraction) -> bool:
         """Show that all target points are in a cone about the vertical.
 
@@ -1961,11 +1963,6 @@ class Wedges:
             if z <= 0 or (q - p) * z**2 < p * (x**2 + y**2):
                 return False
         return True
-
-    def close(self, cell: Cell, center: Row, radius: Fraction) -> bool:
-        """Show that a cell is within a radius."""
-        rays = (minus(corner, center) for corner in self.corners(cell))
-        return all(dot(ray, ray) <= radius**2 for ray in rays)
 
     def holds(self, box: Sequence[Interval]) -> bool:
         """Tell whether a box of positions is in the wedge, or in its mirror images."""
@@ -1987,7 +1984,7 @@ class Wedges:
             off = self.off(Sight.over(self.target, place_in(grid, cell)))
         except Rejected:
             return None
-        far = [Fraction(abs(x.mid) + x.spread(), ONE_OF_THEM) ** 2 for x in off]
+        far = [Fraction(abs(x.mid) + x.far, ONE_OF_THEM) ** 2 for x in off]
         whole, level = (square_root(sum(part, Fraction(0)))[1] for part in (far, far[:2]))
         return whole, level
 
@@ -2009,12 +2006,19 @@ NONE = Object(
 )
 
 
+SAWTOOTH = Fraction(4053, 10000)  # above 4/π²
+HOLD = {"lift": positive}
+
+
 class Tolerant(Claim):
     """A claim about every vehicle within tolerances."""
 
     w1: ClassVar[Fraction] = Fraction(1)  # 0 if there is a potential in place of |δ1|²
     low: Fraction  # the ball of J, 1/m
     high: Fraction  # bounds |J|, 1/m
+    hold: Any = None  # weights of the memory of what is held
+    fastest: Callable[[], Fraction]  # bounds |δ1 + δ2|
+    seen: Callable[[], Fraction]  # bounds |s|
 
     def __init__(self, c: Any) -> None:
         super().__init__(c)
@@ -2027,29 +2031,39 @@ class Tolerant(Claim):
         self.inertial = self.law[1] == "inertial"
         self.may = may = getattr(c.mission, "uncertainty", NONE)
         self.late_axes = hasattr(may, "gyro_turned") and may.latency > 0
+        self.period, self.slow = (
+            getattr(may, name, Fraction(0)) for name in ("control_period", "force_lag")
+        )
+        self.late, self.behind = may.latency + self.period, self.period + self.slow
+        held = self.behind == 0 or (may.rotor_lag > 0 and not self.late_axes)
+        require(held, "what is held is shown for rotors that lag, and images turned to now")
+        kept = {"lift": self.behind, "level": self.period, "command": self.period}
+        have = {name for name, time in kept.items() if time} == set(vars(self.hold or Object()))
+        require(have, "weights of what is held belong to it")
         self.disturb(may.noise, getattr(may, "gust", Fraction(0)))
         exact = self.law[2] == "measured" or not (may.thrust or may.rotor_lag or may.wind)
         require(exact, "a modelled force knows nothing of thrust, rotor lag and wind")
         require((c.lag is not None) == (may.rotor_lag > 0), "weights of the lag belong to a lag")
-        require((c.memory is not None) == (may.latency > 0), "a memory belongs to a latency")
+        require((c.memory is not None) == (self.late > 0), "a memory belongs to a latency")
         known = not (may.torque or may.rotor_lag or may.noise.rate)
         aside = hasattr(c.mission.vehicle, "products")
         require(known or not aside, "other torques are covered for principal moments alone")
         i1, i2, i3 = c.mission.vehicle.inertia
         self.gyroscopic = max(abs(i3 - i2) / i1, abs(i3 - i1) / i2)  # bounds |Gc|
         self.bound()
-        late, lagged = may.latency > 0, may.rotor_lag > 0
+        late, lagged, hold = self.late > 0, may.rotor_lag > 0, self.period > 0
         noisy, struck, blown = (self.shaken[name] > 0 for name in ("noise", "command", "gust"))
         held = [*[(True, True)] * 3, (True, False), (True, True)]
-        held += [(late, late), (noisy, noisy), (struck, False), (blown, blown), (lagged, lagged)]
+        held += [(late, late), (noisy, noisy), (struck, False), (blown, blown)]
+        held += [(hold, self.behind > 0), (hold, False), (lagged, lagged)]
         self.size = sum(map(sum, held))
         count = itertools.count()
-        *self.errors, self.Y, self.N, self.B, self.C, self.G, lag = (
+        *self.errors, self.Y, self.N, self.B, self.C, self.G, self.E, self.H, lag = (
             Vector(Form({(next(count),): Fraction(1)} if there else {}) for there in (x, False, z))
             for x, z in held
         )
         self.lag, self.lift = flat(lag), upright(lag)  # μ and μT
-        self.A = Vector(self.N + self.B)  # what is used less what is now
+        self.A = Vector(self.N + self.B + self.E)  # what is used less what is now
         require(
             len(c.multipliers.terms) == len(self.terms(Fraction(0), Fraction(0))),
             "a multiplier a term",
@@ -2061,7 +2075,9 @@ class Tolerant(Claim):
         measured = self.law[2] == "measured"
         self.felt = noise.force + self.m * gust if measured else Fraction(0)  # of m a
         self.shock = (self.felt + self.weight * tipped) / self.stiffness  # |φ|
+        self.jolt = self.m / self.k[0] * gust
         self.noise = noise.feature + self.m / self.k[0] * noise.velocity + self.shock
+        self.noise += self.period * self.jolt
         self.displaced = self.arm * (self.high - self.low) if self.arm else Fraction(0)
         self.noise += self.displaced
         s3 = self.c.enclosures.goal[1]
@@ -2070,7 +2086,6 @@ class Tolerant(Claim):
             if self.late_axes:
                 turned = self.may.latency * self.may.yaw_rate * s3 * self.may.wind
                 self.noise += turned / self.gravity
-        self.jolt = self.m / self.k[0] * gust
 
     def bound(self) -> None:
         """Bound what the set {Ψ <= ℓ} holds."""
@@ -2094,13 +2109,24 @@ class Tolerant(Claim):
         self.reach = self.seen()  # bounds |s|
         self.sweep = upward(self.quick * self.reach)  # |Ω×s| <= sweep |ζ| + Ω3' |Ps|
         if not self.late_axes:
-            self.noise += upward(may.latency * self.spun * self.reach)
+            self.noise += upward(self.late * self.spun * self.reach)
+        # what is left, of a wind that turns past the vehicle, by an accelerometer that lags
+        self.cross = upward(self.quick * self.turn * self.tipped)  # |p3|
+        swayed = (self.quick * self.turn + may.yaw_rate) * self.push / self.stiffness
+        self.shock += upward(self.slow * swayed)
+        self.noise += upward(self.slow * swayed)
         past = self.high * speed
         if self.late_axes:
             past += self.sweep * self.turn + may.yaw_rate * self.reach
-        self.missed = upward(may.latency * past + self.noise)  # |n + ν|
-        self.cross = upward(self.quick * self.turn * self.tipped)  # |p3|
+        lift = (1 + may.thrust) * self.kappa
+        require(self.slow * lift < 1, "the accelerometer is too slow")
+        known = self.late * past + self.noise  # |n + B| but for what is held
+        self.missed = upward((known + self.slow * lift * self.sink) / (1 - self.slow * lift))
         self.sinking = upward(self.quick * (self.sink + self.missed))  # |p1 - p2|, |Ua/Dc|
+        lifted = self.behind * lift * (self.sink + self.missed)
+        self.held_back = self.stiffness * lifted + self.behind * self.quick * self.turn * self.push
+        moved = self.k12 * self.spread + self.quick * self.sink * self.turn
+        self.sunk = upward(known + self.period * moved + lifted)  # |(n + B)z|
         self.pace = 2 * self.sinking + self.cross
         self.mislead(lever, longest / gain)
         self.sine = (self.force + self.push) / self.weight  # bounds sin φ
@@ -2109,9 +2135,11 @@ class Tolerant(Claim):
 
     def mislead(self, lever: Fraction, slow: Fraction) -> None:
         """Bound ι, πm - π, and what errors of force and of Ω are in the command without others."""
-        require(lever > self.felt, "the error of the force is not shown to be below the lever")
-        self.stray = upward(self.felt / (lever - self.felt))  # |ι|
+        felt = self.felt + self.held_back
+        require(lever > felt, "the error of the force is not shown to be below the lever")
+        self.stray = upward(felt / (lever - felt))  # |ι|
         turned = self.quick * self.turn * self.felt + self.spun * (self.push + self.felt)
+        turned += 2 * self.quick * self.turn * self.push if self.behind else 0
         wrong = self.stray * self.pace + (1 + self.stray) * turned / lever
         self.wobble = upward(wrong + self.spun * self.gyroscopic)  # with that of Ω3 Gc
         stiff, yaw = self.kappa + self.damping, self.may.yaw_rate
@@ -2119,16 +2147,9 @@ class Tolerant(Claim):
         turning = stiff + self.pace + wrong + (yaw + self.spun) * self.gyroscopic
         struck = (1 + self.stray) * self.k12 * self.shock + turning * self.spun * slow
         self.struck = upward(struck) if struck else Fraction(0)
+        self.turning = upward(turning)
         gain = Fraction(1) if self.c.lag else 1 + self.may.torque
         self.shaken = {"noise": self.noise, "command": gain * self.struck, "gust": self.jolt}
-
-    def fastest(self) -> Fraction:
-        """Bound |δ1 + δ2|."""
-        raise NotImplementedError
-
-    def seen(self) -> Fraction:
-        """Bound |s|."""
-        raise NotImplementedError
 
     def vertices(self) -> Any:
         """Return the corners of χ, s3 h, ς, τ and π."""
@@ -2159,7 +2180,7 @@ class Tolerant(Claim):
         d4 = d4 if self.c.lag else d4 + self.C
         total: Form = self.w1 * (D1 @ d1) + w2 * (D2 @ d2) + w3 * (D3 @ d3) + w4 * (D4 @ d4)
         if self.c.lag:
-            steady = stiff * flat(N) - pi * zeta - self.lag + self.C
+            steady = stiff * flat(N) - pi * zeta - self.lag + self.C + self.H
             late = steady + tau * (stiff * d4 + self.k12 * ((kappa * chi) * zeta + dragged))
             sinks = Fraction(-1) * (kappa * upright(N) + self.lift + (tau * kappa) * upright(d3))
             total += self.c.lag.torque * (self.lag @ late) + self.c.lag.thrust * (self.lift @ sinks)
@@ -2178,13 +2199,13 @@ class Tolerant(Claim):
         _, D2, D3, D4 = self.errors
         may, yaw, zeta = self.may, self.may.yaw_rate, D4 - flat(D3)
         u, missed, sigma = self.c.weights[2] * D4, flat(D3 - self.A), self.command(pi)
-        turned = self.quick * self.missed + may.thrust * self.cross / 2
+        turned = self.quick * self.sunk + may.thrust * self.cross / 2
         pulled, strayed, gain = flat(D3 - D2), self.stray * self.k12, 1 + may.torque
         if self.c.lag is None:
             each = [
                 (u, sigma, may.torque),
                 (u, zeta, turned + yaw * may.torque + gain * self.wobble),
-                (u, flat(self.A), yaw if may.latency or self.noise else Fraction(0)),
+                (u, flat(self.A), yaw if self.late or self.noise else Fraction(0)),
                 (u, missed, may.torque * yaw + gain * self.twist),
                 (u, pulled, gain * strayed),
             ]
@@ -2206,7 +2227,7 @@ class Tolerant(Claim):
                 (lag, sigma, late * moving),
             ]
         if self.late_axes:
-            twice, aside = 2 * self.c.memory * may.latency, self.level_part()
+            twice, aside = 2 * self.c.memory * self.late, self.level_part()
             each += [
                 (twice * self.Y, zeta, self.sweep),
                 (twice * flat(self.Y), aside, yaw),
@@ -2225,7 +2246,7 @@ class Tolerant(Claim):
     def least_fall(self, fading: Fraction, *corner: Fraction) -> Form:
         """Return the lower bound of -Ψ' at a corner, without what is known of J."""
         *_, tau, pi = corner
-        c, latency = self.c, self.may.latency
+        c, latency = self.c, self.late
         form: Form = Form() - self.nominal(*corner)
         if c.memory:
             form += (c.memory * fading / latency) * (self.N @ self.N)
@@ -2236,7 +2257,40 @@ class Tolerant(Claim):
                 form -= (c.memory * latency * self.may.yaw_rate**2) * (aside @ aside)
         for t, (u, v, radius) in zip(c.multipliers.terms, self.terms(tau, pi), strict=True):
             form -= (radius / 2) * (t * (v @ v) + (1 / t) * (u @ u))
+        for part, (held, moves, kept) in self.changes().items() if self.hold else ():
+            weight, moves = getattr(self.hold, part), [(v, upward(r)) for v, r in moves if r]
+            form += weight * (held @ held)
+            whole = sum(radius for _, radius in moves)
+            for v, radius in moves:
+                form -= (weight * kept * whole * radius) * (v @ v)
         return form
+
+    def changes(self) -> dict[str, Any]:
+        """Return the parts of E and H: each v and R, and what Σ R Σ R|v|² is multiplied by."""
+        _, D2, D3, D4 = self.errors
+        zeta, pulled, yaw, own = D4 - flat(D3), D3 - D2, self.may.yaw_rate, 1 + self.may.torque
+        spun, leaned = self.quick * self.sink, self.kappa * (1 + self.tipped)
+        stiff, k12 = self.kappa + self.damping, (1 + self.stray) * self.k12
+        drift = (1 + self.may.thrust) * self.sinking + self.cross  # bounds |Dc'/Dc|
+        require(self.period * drift < 1, "the control period is too long")
+        turned = self.turning / (1 - self.period * drift)
+        by_zeta = k12 * (leaned + self.drag[1] + self.quick * self.spread)
+        by_zeta += turned * yaw * (own * self.gyroscopic + self.may.torque)
+        lifted = upright(D3) + (1 / self.kappa) * self.lift, (1 + self.may.thrust) * self.kappa
+        level = [(flat(pulled), self.k12), (zeta, leaned + spun), (flat(D3), yaw)]
+        early, fades = (self.c.claim.rate * x for x in (self.period, self.slow))
+        require(max(early, fades) < 1, "the rate is too fast for what is held")
+        step = SAWTOOTH * self.period**2 / (1 - early)
+        kept = self.behind * (self.period + self.slow / (1 - fades)) / (1 - early)
+        sinks = [(upright(pulled), self.k12), (zeta, spun)] if self.period else []
+        asked = (1 / stiff) * self.command(Fraction(0)), turned * own * stiff
+        command = [(flat(pulled), k12 * yaw), (zeta, by_zeta), asked]
+        each = {
+            "lift": (upright(self.E), [*sinks, lifted], kept),
+            "level": (flat(self.E), level, step),
+            "command": (self.H, command, step),
+        }
+        return {name: each[name] for name in vars(self.hold)}
 
     def at_start(self, start: Object, offset: Fraction, level: Fraction) -> Fraction:
         """Bound Ψ, without a potential, at a start by |σ - s*| and its horizontal part.
@@ -2266,7 +2320,7 @@ class Tolerant(Claim):
             if self.late_axes:
                 s3 = self.c.enclosures.goal[1]
                 flow += self.reach * start.rate + may.yaw_rate * (level + lean * (offset + s3))
-            total += self.c.memory * (may.latency * flow) ** 2
+            total += self.c.memory * (self.late * flow) ** 2
         return Fraction(total / 2)
 
     def left_out(self) -> str:
@@ -2276,82 +2330,81 @@ class Tolerant(Claim):
     def vehicles(self) -> str:
         """Say which vehicles, winds and cameras are covered."""
         may = self.may
-        ends = f"{about(1 - may.thrust)} to {about(1 + may.thrust)} times"
-        gained = f"by {ends} what is commanded" if may.thrust else "just as commanded"
-        law = "measured force is exact" if self.law[2] == "measured" else "force is as modelled"
-        torque = "e3×Ω' as commanded"
-        if may.torque:
-            torque = (
-                "e3×Ω' = (I + γ) a + Ω3 G e3×Ω but for lag, a the angular acceleration commanded, "
-                "with any 2 x 2 matrices γ and G, which may change, of norm at most "
-                f"{about(may.torque)}"
-            )
-        lag = "no rotor lag"
-        if may.rotor_lag:
-            lag = (
-                "rotors that follow the commanded change of thrust and the commanded torque with a "
-                f"first-order lag of one constant time of at most {about(may.rotor_lag)} s"
-            )
-        late = "no latency"
-        if may.latency:
+        gust, law = getattr(may, "gust", None), "force is as modelled"
+        ends = f"by {about(1 - may.thrust)} to {about(1 + may.thrust)} times what is commanded"
+        if self.law[2] == "measured":
+            law = "measured force is exact"
+            if may.noise.force:
+                law = f"accelerometer is wrong by at most {about(may.noise.force)} N over m"
+        turned = "turned to now by the body rates"
+        if self.late_axes:
             turned = "used in the axes that the camera had then, not turned to now"
-            if not self.late_axes:
-                turned = "turned to now by the body rates"
-            late = (
-                f"an image at most {about(may.latency)} s old when it is used, the frame period "
-                f"included, in any way that changes, and {turned}"
-            )
-        wind, gust = "no wind", getattr(may, "gust", None)
-        if may.wind:
-            wind = f"a steady wind from anywhere whose force over mass is <= {about(may.wind)} m/s²"
-        if gust:
-            most = f"{about(gust)} m/s²"
-            wind += f", gusts besides that change at will, whose force over mass is <= {most}"
+        torque = (
+            "e3×Ω' = (I + γ) a + Ω3 G e3×Ω but for lag, a the angular acceleration commanded, with "
+            f"any 2 x 2 matrices γ and G, which may change, of norm at most {about(may.torque)}"
+        )
+        lag = (
+            "rotors that follow the commanded change of thrust and the commanded torque with a "
+            f"first-order lag of one constant time of at most {about(may.rotor_lag)} s"
+        )
+        late = (
+            f"an image at most {about(may.latency)} s old when it is used, the frame period "
+            f"included, in any way that changes, and {turned}"
+        )
+        runs = (
+            f"a controller that runs at least every {about(self.period)} s and in between holds "
+            "the torque and the rate at which the thrust commanded changes"
+        )
+        slow = (
+            "an accelerometer with a first-order low-pass of one constant time of at most "
+            f"{about(self.slow)} s, settled at the start"
+        )
+        wind = f"a steady wind from anywhere whose force over mass is <= {about(may.wind)} m/s²"
         yaw = f"|Ω3| <= {about(may.yaw_rate)} rad/s" if may.yaw_rate else "Ω3 = 0"
         if not (may.torque or may.latency or may.rotor_lag or self.noise or self.spun):
             yaw = "any Ω3"  # nothing but these depends on it
-        if self.law[2] == "measured" and may.noise.force:
-            law = f"accelerometer is wrong by at most {about(may.noise.force)} N over m"
+        each = [
+            torque if may.torque else "e3×Ω' as commanded",
+            lag if may.rotor_lag else "no rotor lag",
+            late if may.latency else "no latency",
+            *([runs] if self.period else []),
+            *([slow] if self.slow else []),
+            wind if may.wind else "no wind",
+        ]
+        if gust:
+            most = f"<= {about(gust)} m/s²"
+            each.append(f"gusts besides that change at will, whose force over mass is {most}")
         return (
-            f"a true thrust over mass that changes {gained}, {torque}, {lag}, {late}, {wind} and "
-            f"{yaw} on the way, where {self.known()} and the {law}"
+            f"a true thrust over mass that changes {ends if may.thrust else 'just as commanded'}, "
+            f"{', '.join(each)} and {yaw} on the way, where {self.known()} and the {law}"
         )
 
     def known(self) -> str:
         """Say how well the feature, V, Ω and the vertical are known."""
         noise = self.may.noise
-        feature, velocity, rate = map(about, (noise.feature, noise.velocity, noise.rate))
-        wrong, right = [], ["Ω", "the vertical"]
+        seen = f"the feature of that image is wrong by at most {about(noise.feature)} and V by at "
         if self.displaced:
-            wrong = [
+            seen = (
                 f"the camera is {about(self.arm)} m from the centre of mass, so that the feature "
-                f"of that image, plus the constant that makes it right at the hover, is wrong by "
-                f"at most {about(self.displaced)}, and by {feature} besides, and V by at most "
-                f"{velocity} m/s"
-            ]
-        elif noise.feature or noise.velocity:
-            wrong = [
-                f"the feature of that image is wrong by at most {feature} and V by at most "
-                f"{velocity} m/s"
-            ]
-        else:
-            right = ["V", *right]
-        if noise.rate:
-            right.remove("Ω")
-            wrong.append(f"Ω by at most {rate} rad/s")
-        if hasattr(noise, "vertical"):
-            right.remove("the vertical")
-            wrong.append(f"ρ by at most {about(noise.vertical)}")
-        if wrong:
-            wrong[-1] += ", in any way that changes"
-        if right:
-            *others, last = right
-            wrong.append(
-                f"{', '.join(others)} and {last} are known exactly"
-                if others
-                else f"{last} known exactly"
+                "of that image, plus the constant that makes it right at the hover, is wrong by at "
+                f"most {about(self.displaced)}, and by {about(noise.feature)} besides, and V by "
+                "at "
             )
-        return ", ".join(wrong)
+        tipped = getattr(noise, "vertical", Fraction(0))
+        each = [
+            (
+                self.displaced + noise.feature + noise.velocity,
+                "V",
+                f"{seen}most {about(noise.velocity)} m/s",
+            ),
+            (noise.rate, "Ω", f"Ω by at most {about(noise.rate)} rad/s"),
+            (tipped, "the vertical", f"ρ by at most {about(tipped)}"),
+        ]
+        *others, last = right = [name for size, name, _ in each if not size] or [""]
+        known = f"{', '.join(others)} and {last} are" if others else last
+        wrong = ", ".join(words for size, _, words in each if size)
+        wrong += ", in any way that changes" if wrong else ""
+        return ", ".join(filter(None, (wrong, f"{known} known exactly" if any(right) else "")))
 
     def state(self, start: Object, place: str = "") -> str:
         """Describe a set of states, by another description of its positions if there is one."""
@@ -2385,7 +2438,6 @@ CLAIM = {
     "cone": maybe(share),
     "rotors": interval,  # N
 }
-TREES = {"near": TREE, "starts": several(TREE, MAX_STARTS)}
 
 
 class Exponential(Tolerant):
@@ -2396,6 +2448,7 @@ class Exponential(Tolerant):
         "weights": [positive] * 3,  # w2, w3, w4
         "lag": maybe({"torque": positive, "thrust": positive}),  # a5, a6
         "memory": maybe(positive),  # M
+        "hold": maybe((HOLD, HOLD | dict.fromkeys(("level", "command"), positive))),
         "multipliers": also(
             {"slope": positive, "terms": TERMS},
             **dict.fromkeys(("noise", "command", "gust"), positive),
@@ -2407,11 +2460,11 @@ class Exponential(Tolerant):
         "enclosures": {"goal": interval},  # of s3*
         "hover": VECTOR,  # near the hover at the goal, m
         "claim": (CLAIM, CLAIM | {"ultimate": dict.fromkeys(("offset", "radius"), positive)}),
-        "trees": (TREES, TREES | {"ultimate": TREE}),
+        "near": {"bounds": [positive] * 2, "tree": TREE},  # of J, about the hover
     }
 
     def __init__(self, c: Any) -> None:
-        self.low, self.high = c.domain.bounds
+        (self.low, self.high), self.hold = c.domain.bounds, c.hold
         super().__init__(c)
         require(self.low < self.high, "the bounds of J are not in order")
         self.grid = Grid(self.target)
@@ -2419,13 +2472,10 @@ class Exponential(Tolerant):
         require(c.claim.starts, "there is no start")
         require(c.claim.start_level <= c.claim.level, "a start is above the level")
         restless = any(self.shaken.values())
-        have = [hasattr(x, "ultimate") for x in (c.claim, c.trees)] == [restless] * 2
+        have = hasattr(c.claim, "ultimate") == restless
         have &= all(hasattr(c.multipliers, name) == (x > 0) for name, x in self.shaken.items())
-        require(have, "noise is to have its multipliers, bound and tree")
-        far = [c.trees.ultimate] if restless else []
-        costs = ((tree, 10) for tree in (c.trees.near, *far, *c.trees.starts))
-        require_little(self.points, (c.domain.tree, 40 if self.arm else 15), *costs)
-        require(len(c.trees.starts) == len(c.claim.starts), "a tree a start")
+        require(have, "noise is to have its multipliers and bound")
+        require_little(self.points, (c.domain.tree, 40 if self.arm else 15), (c.near.tree, 15))
         angles = c.claim.cone is None or c.domain.cone is not None
         require(angles, "the angle under which all is seen needs a cone over the domain")
 
@@ -2435,9 +2485,8 @@ class Exponential(Tolerant):
         c, (w2, w3, _), may = self.c, self.c.weights, self.may
         high = c.enclosures.goal[1]
         self.aside = Fraction(0) if self.inertial else high * self.lean  # s3 t
-        self.stretch = upward(
-            1 + (self.aside * self.stiffness / self.weight) ** 2 * (1 / w2 + 1 / w3)
-        )
+        leaned = (self.aside * self.stiffness / self.weight) ** 2
+        self.stretch = upward(1 + leaned * (1 / w2 + 1 / w3))
         self.shift = upward(self.aside * may.wind / self.gravity)
 
     def fastest(self) -> Fraction:
@@ -2459,7 +2508,7 @@ class Exponential(Tolerant):
             )
         j, reach = (self.low + self.high) / 2, (self.high - self.low) / 2
         V = (self.k[0] / self.m) * (self.errors[0] + self.errors[1])
-        out, x = self.Y - j * V, rate * self.may.latency
+        out, x = self.Y - j * V, rate * self.late
         fading = 1 - x + x**2 / 2 - x**3 / 6  # below exp(-x)
         form: Form = (
             self.least_fall(fading, *corner)
@@ -2488,21 +2537,16 @@ class Exponential(Tolerant):
         require(within(self.rotors(), self.c.claim.rotors), "the thrust of a rotor does not follow")
         self.verify_domain()
         self.verify_settling()
-        for start, tree in zip(self.c.claim.starts, self.c.trees.starts, strict=True):
-            self.verify_start(start, tree)
+        for start in self.c.claim.starts:
+            self.verify_start(start)
 
     def verify_domain(self) -> None:
         """Verify that no motion leaves the box, in which J is in its ball, and what is seen."""
         claim, domain, place = self.c.claim, self.c.domain, self.place
-        require(claim.start_level <= claim.level, "a start is above the level")
         far = self.shift + square_root(2 * claim.level * self.stretch)[1]
         require(far <= domain.offset, "the level is not shown to be within the domain")
-        cover(
-            domain.tree,
-            place.whole,
-            lambda cell: place.hold(cell, self.grid, domain),
-            "the domain is not shown",
-        )
+        what = "the domain is not shown"
+        cover(domain.tree, place.whole, lambda cell: place.hold(cell, self.grid, domain), what)
         if claim.cone is not None:
             cosine, sine = domain.cone, square_root(1 - domain.cone**2)[1]
             seen = claim.cone <= cosine * self.cosine - sine * self.sine
@@ -2560,35 +2604,33 @@ class Exponential(Tolerant):
         fallen = exponential_above(claim.rate * soon.time, claim.start_level / level)
         require(fallen, "the settling time does not follow from the rate")
 
-        require(place.on_symmetry(self.c.hover), "the hover point is not where the target is alike")
-
+        (low, high), hover = self.c.near.bounds, [(x, x) for x in self.c.hover]
+        off = place.start(self.grid, self.grid.cell(hover)) if place.holds(hover) else None
+        away = off[0] if off else soon.offset + 1
+        require(away <= soon.offset, "the hover point is off the goal")
+        require(soon.offset <= self.c.domain.offset, "the vehicle settles beyond the domain")
+        require(0 < low < high, "the bounds of J near the goal are not in order")
+        box = self.grid.cell([(x - soon.radius, x + soon.radius) for x in self.c.hover])
+        known, what = (self.target, self.scaled, self.grid), "J is not bounded near the goal"
+        cover(self.c.near.tree, box, lambda cell: bounded(*known, cell, low, high), what)
+        away /= self.low  # of the hover from the goal, m
         what = "the vehicle is not shown to be within the radius"
-        cover(self.c.trees.near, place.whole, lambda cell: self.nearby(cell, soon), what)
+        require(soon.offset < low * (soon.radius - away), what)
         if self.floor():
             last = claim.ultimate
             least = self.shift + square_root(2 * self.floor() * self.stretch)[1]
             require(last.offset > least, "the noise may move the vehicle by more than the offset")
-            cover(self.c.trees.ultimate, place.whole, lambda cell: self.nearby(cell, last), what)
+            near = last.offset <= soon.offset and last.offset <= low * (last.radius - away)
+            require(near, what)
 
-    def nearby(self, cell: Cell, claimed: Object) -> bool:
-        """Show that a cell is within a radius of the hover point, or beyond an offset."""
-        near = self.place.close(cell, self.c.hover, claimed.radius)
-        return near or self.place.outside(cell, claimed.offset)
-
-    def verify_start(self, start: Object, tree: str) -> None:
+    def verify_start(self, start: Object) -> None:
         """Verify that Ψ <= ℓ0 in a set of states; the vehicle was near its positions before."""
-        moved = start.speed * self.may.latency
+        moved = start.speed * self.late
         box = [(a - moved, b + moved) for a, b in start.position]
         require(self.place.holds(box), "a start is not in the wedge of the domain")
-
-        def hold(cell: Cell) -> bool:
-            offsets = self.place.start(self.grid, cell)
-            return (
-                offsets is not None and self.at_start(start, *offsets) <= self.c.claim.start_level
-            )
-
-        what = "a start is not shown to have Ψ <= its level"
-        cover(tree, self.grid.cell(box), hold, what)
+        offsets = self.place.start(self.grid, self.grid.cell(box))
+        inside = offsets and self.at_start(start, *offsets) <= self.c.claim.start_level
+        require(inside, "a start is not shown to have Ψ <= its level")
 
     def words(self) -> str:
         """Say what is proved."""
@@ -2603,6 +2645,8 @@ class Exponential(Tolerant):
             more += "t + x to t, x from minus the latency to 0, y = J V"
             more += " + Ω×s, but for what the lean in the wind adds," if self.late_axes else ""
             more += " the flow of the feature"
+        if self.hold:
+            more += " + what is held, which is 0 at the start and never below"
         half = ""
         if claim.cone is not None:
             angle = f"{math.degrees(math.acos(claim.cone)):.4g}°"
@@ -2624,12 +2668,13 @@ class Exponential(Tolerant):
             f"For the mission {self.name} ({self.of_another_law()}m = {self.m} kg, g = "
             f"{self.gravity} m/s², {self.gains()}, goal straight below where its feature is (0, 0, "
             f"{s3}) to 12 digits), and for every vehicle with {self.vehicles()}, let Ψ = ½(|δ1|² + "
-            f"w2|δ2|² + w3|δ3|² + w4|δ4|²){more}, (w2, w3, w4) = ({weights}). In continuous time "
-            f"and with all target points seen, the controller may be switched on in every {starts}."
-            f" Then Ψ(0) <= {about(claim.start_level)} and {fall}, r = "
-            f"{about(claim.rate)} 1/s, for all t >= 0; the vehicle stays {self.place.words()}; and "
-            f"after {about(soon.time)} s it is, and stays, within {about(soon.radius)} m of the "
-            f"point ({hover}) m{last}{half}. On the way each rotor of a vehicle whose mass, "
+            f"w2|δ2|² + w3|δ3|² + w4|δ4|²){more}, (w2, w3, w4) = ({weights}). "
+            f"{'With' if self.period else 'In continuous time and with'} all target points seen, "
+            f"the controller may be switched on in every {starts}. Then Ψ(0) <= "
+            f"{about(claim.start_level)} and {fall}, r = {about(claim.rate)} 1/s, for all t >= 0; "
+            f"the vehicle stays {self.place.words()}; and after {about(soon.time)} s it is, and "
+            f"stays, within {about(soon.radius)} m of the point ({hover}) m{last}{half}. "
+            "On the way each rotor of a vehicle whose mass, "
             f"inertia, {placed} and drag ratio are the mission's makes, and is set to make, a "
             f"thrust in {about(*claim.rotors)} N{turning}."
         )
@@ -2667,7 +2712,8 @@ class Potential(Tolerant, Attraction):
     def __init__(self, c: Any) -> None:
         self.high = c.enclosures.largest_eigenvalue
         super().__init__(c)
-        require(not any(self.shaken.values()), "noise is not covered by this theorem")
+        shaken = self.behind or any(self.shaken.values())
+        require(not shaken, "noise, and what is held, are not covered by this theorem")
         moved = self.may.wind > 0 and not self.inertial
         require(not moved, "wind moves the potential of a goal that is fixed in the image")
         tossed = self.may.thrust or self.may.latency or self.may.rotor_lag or self.may.wind

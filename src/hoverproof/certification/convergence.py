@@ -28,7 +28,11 @@ def not_covered(verdict: Converges) -> tuple[str, ...]:
     """
     if isinstance(verdict, Exponential) or verdict.mission.law.feature == "scaled":
         proved = isinstance(verdict, Exponential) and verdict.mission.camera.half_angle is not None
-        return (*NOT_COVERED[:-1], HIDDEN) if proved else NOT_COVERED
+        may = verdict.mission.uncertainty
+        steps = [] if may.control_period else ["control in steps, but for noise given for it"]
+        lags = [] if may.force_lag else ["an accelerometer that lags, but for noise given for it"]
+        rest = (*NOT_COVERED[:-1], HIDDEN) if proved else NOT_COVERED
+        return (rest[0], *steps, *lags, *rest[1:])
     return of_potential.not_covered(verdict)
 
 

@@ -38,6 +38,7 @@ def beyond_tolerances(mission: Mission) -> list[Beyond]:
         "thrust": _thrust(mission),
         "torque": _torque(mission),
         "latency": _latency(mission),
+        **_in_steps(mission),
         "rotor_lag": float(mission.rotors.time_constant),
         "wind": _wind(mission),
     }
@@ -58,9 +59,22 @@ def _torque(mission: Mission) -> float:
 
 
 def _latency(mission: Mission) -> float:
-    sensors = mission.sensors
-    periods = (1 / rate for rate in (sensors.frame_rate, sensors.control_rate) if rate)
+    """Return the age of an image; a control period that is not covered itself counts in it."""
+    sensors, held = mission.sensors, mission.uncertainty.control_period
+    rates = (sensors.frame_rate, None if held else sensors.control_rate)
+    periods = (1 / rate for rate in rates if rate)
     return float(sensors.latency + sum(periods, Fraction(0)))
+
+
+def _in_steps(mission: Mission) -> dict[str, float]:
+    """Return control period and low-pass of the accelerometer, s, as far as they are covered."""
+    may, sensors = mission.uncertainty, mission.sensors
+    taken = {}
+    if may.control_period and sensors.control_rate:
+        taken["control_period"] = float(1 / sensors.control_rate)
+    if may.force_lag:
+        taken["force_lag"] = float(sensors.accelerometer_time_constant)
+    return taken
 
 
 def _wind(mission: Mission) -> float:

@@ -336,6 +336,18 @@ class Mission(_Section):
                     "one that acts, so that the hover moves; law.force = 'measured' can cover it",
                     key=f"uncertainty.{key}",
                 )
+        for key in ("control_period", "force_lag"):
+            if getattr(self.uncertainty, key) and not self.uncertainty.rotor_lag:
+                raise _reject(
+                    "is proved for rotors that lag: give uncertainty.rotor_lag, or leave it out",
+                    key=f"uncertainty.{key}",
+                )
+            if getattr(self.uncertainty, key) and self.holds_old_axes:
+                raise _reject(
+                    "is proved for images that are turned to the present axes alone: set "
+                    "sensors.gyro_turned = true, or leave it out",
+                    key=f"uncertainty.{key}",
+                )
         return self
 
     def _covers_its_inertia(self) -> None:
@@ -412,7 +424,7 @@ class Mission(_Section):
                 del numbers["vehicle"]["reversed"]
         text: dict[str, Any] = _as_text(numbers)
         for part, key in (
-            (text.get("uncertainty"), "gust"),
+            *((text.get("uncertainty"), key) for key in ("gust", "control_period", "force_lag")),
             (text.get("uncertainty", {}).get("noise"), "vertical"),
         ):
             if part and part[key] == "0":  # as in the missions before these keys

@@ -7,7 +7,10 @@ from typing import Annotated
 
 from hoverproof.mission.fields import Section, quantity, shown
 
-TOLERANCES = "thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate"
+TOLERANCES = (
+    *("thrust", "torque", "latency", "rotor_lag", "wind", "yaw_rate"),
+    *("control_period", "force_lag"),
+)
 """Keys of `Uncertainty` that leave a vehicle at rest where it is: all but noise and gusts."""
 _ZERO = Fraction(0)
 
@@ -61,6 +64,11 @@ class Uncertainty(Section):
         Steady force of wind over mass, in any direction; below gravity.
     yaw_rate : rad/s
         Bound of |Ω3|.
+    control_period : s
+        Most time from one run of the controller to the next. Between them the torques are held,
+        and the thrust goes on changing at the rate that was asked for. With rotors that lag.
+    force_lag : s
+        Time constant, at most, of a first-order low-pass of the accelerometer. Likewise.
     gust : m/s²
         Bound of the wind less the steady one, which may change at will, as force over mass.
     noise : Noise
@@ -75,6 +83,8 @@ class Uncertainty(Section):
     yaw_rate: _BodyRate = _ZERO
     noise: Noise = Noise()
     gust: _Acceleration = _ZERO
+    control_period: _Time = _ZERO
+    force_lag: _Time = _ZERO
 
     @property
     def is_shaken(self) -> bool:
@@ -102,6 +112,8 @@ class Uncertainty(Section):
             (self.wind, f"steady wind up to {shown(self.wind)} m/s²"),
             (self.gust, f"gusts up to {shown(self.gust)} m/s²"),
             (self.yaw_rate, f"yaw rate up to {shown(self.yaw_rate)} rad/s"),
+            (self.control_period, f"control period up to {shown(self.control_period)} s"),
+            (self.force_lag, f"low-pass of the force up to {shown(self.force_lag)} s"),
             (noise.feature, f"noise of the feature up to {shown(noise.feature)}"),
             (noise.velocity, f"noise of the velocity up to {shown(noise.velocity)} m/s"),
             (noise.force, f"noise of the force up to {shown(noise.force)} N"),

@@ -164,6 +164,11 @@ def _why_noisy(mission: Mission) -> str:
             "bounded noise and gusts are not covered by a region of attraction: the motion ends "
             "near the goal"
         )
+    if may.control_period or may.force_lag:
+        return (
+            "a controller that runs in steps and an accelerometer that lags are not covered by a "
+            "region of attraction; theorem 5 covers them"
+        )
     if Vehicles.of(mission).is_shaken:
         return (
             "in the wind a vehicle leans, and while it yaws this turns in an image that is not "

@@ -26,7 +26,8 @@ from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.inequality import MEMORY, SLOPE, Sector, falls
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import SPARE
-from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
+from hoverproof.certification.exponential.reach import Reach
+from hoverproof.certification.exponential.vehicles import Limits, Vehicles
 from hoverproof.certification.robust import Inequality, optimise, reciprocals
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.uncertainty import TOLERANCES

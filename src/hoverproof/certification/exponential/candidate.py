@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import Program, Solution
-from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
+from hoverproof.certification.exponential.reach import Reach
+from hoverproof.certification.exponential.vehicles import Limits, Vehicles
 
 Array = NDArray[np.float64]
 LOUDEST = 0.5

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification import scaled
-from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.cells import ROOM, Told, grow_tree, most_cells
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.flow import OfJ
@@ -28,9 +27,8 @@ Array = NDArray[np.float64]
 SPARE, SPARE_BESIDE = 1.08, 1.15
 """By what factor faces are beyond the domain, as sampled; and where the camera is not at the centre
 of mass: a cell that holds all within its arm holds more than that."""
-COST, COST_BESIDE, LOOK_COST = 15, 40, 10
-"""Of a cell of which J is bounded, the same with a camera beside the centre of mass, and of one of
-which the feature is bounded."""
+COST, COST_BESIDE = 15, 40
+"""Of a cell of which J is bounded, and the same with a camera beside the centre of mass."""
 HALVED = 2
 """So often is halved along each axis what lies within the arm of a cell."""
 
@@ -215,38 +213,24 @@ class Domain:
         rays = self.scene.points[None, None] - self._corners(cells)[:, :, None]
         return np.asarray((rays[..., 2] / np.linalg.norm(rays, axis=3)).min(axis=(1, 2)))
 
-    def near(self, offset: float, radius: float) -> str | None:
-        """Halve the wedge until each cell has |σ - σ*| > offset or is near the goal.
+    def near(self, radius: float, bounds: tuple[float, float]) -> str | None:
+        """Halve the box within a radius of the goal until J is in bounds over each cell.
 
         Parameters
         ----------
-        offset : float
-            A bare number, dimensionless.
         radius : float
             m.
+        bounds : (low, high)
+            1/m.
         """
+        box = self.scene.goal[:, None] + radius * np.array([-1.0, 1.0])
+        target = self.scene.target
 
         def hold(cells: Array) -> Told:
-            far = np.linalg.norm(self._corners(cells) - self.scene.goal, axis=2).max(axis=1)
-            told = self._left_out(cells) | (far < radius * (1 - ROOM))
             with np.errstate(all="ignore"):
-                rest = ~told
-                part = cells[rest]
-                told[rest] = self._beyond(self._sight(part), len(part), offset)
-            return np.asarray(told)
+                return np.asarray(self.scene.flow.hold(target, cells, *bounds))
 
-        return grow_tree(
-            self._sides, hold, most_cells(len(self.scene.points), LOOK_COST), self._scale
-        )
-
-    def start(self, start: Start) -> str:
-        """Return the tree of a start: its box is not halved.
-
-        Parameters
-        ----------
-        start : Start
-        """
-        return "0"
+        return grow_tree(box, hold, most_cells(len(self.scene.points), COST))
 
 
 def _widened(cells: Array, arm: float) -> Array:

@@ -13,9 +13,10 @@ from hoverproof.algebra.decimals import binary_above, binary_below, decimal_abov
 from hoverproof.certification.attraction.draft import NotShown
 from hoverproof.certification.exponential.candidate import Candidate, Tilted
 from hoverproof.certification.exponential.domain import Domain
+from hoverproof.certification.exponential.reach import Reach
 from hoverproof.certification.exponential.rotors import thrusts
 from hoverproof.certification.exponential.search import Search
-from hoverproof.certification.exponential.vehicles import Limits, Reach
+from hoverproof.certification.exponential.vehicles import Limits
 from hoverproof.certification.problem import wanted
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
@@ -29,8 +30,8 @@ CONE_ROOMS = 0.01, 0.05
 """By which shares the angle to the vertical under which points are seen is widened, in turn."""
 WIDEST = math.pi / 2 - 1e-3
 """Of the angles to the axis that are claimed, rad."""
-LAST_ROOM = 0.04
-"""By which share |σ - σ*|, and the radius, in the end are widened."""
+LITTLE = 1e-5
+"""By what share the bound of J about the goal is above what is needed of it."""
 SPARE = 1e-7
 """By what share numbers that are compared with exact ones are on the safe side."""
 
@@ -59,6 +60,8 @@ class Rounded:
         Of the rounded numbers.
     noise : dict
         σ by the name of the disturbance: what its square adds to the rate of Ψ, 1/s.
+    hold : dict
+        What the memory of each part of what is held weighs, s.
     limits : Limits
         Of the rounded numbers.
     """
@@ -75,6 +78,7 @@ class Rounded:
     limits: Limits
     tilted: Tilted
     noise: dict[str, Fraction]
+    hold: dict[str, Fraction]
 
     @classmethod
     def of(cls, search: Search, found: Candidate) -> Rounded:
@@ -110,6 +114,7 @@ class Rounded:
             limits=limits,
             tilted=tilted,
             noise={name: short(x) for name, x in s.noise.items()},
+            hold={name: short(x) for name, x in s.hold.items()},
         )
 
     @property
@@ -160,15 +165,17 @@ def _seen(domain: Domain, r: Rounded) -> tuple[str | None, Fraction | None]:
     return plain or domain.tree(), None
 
 
-def _ultimate(r: Rounded, domain: Domain) -> tuple[dict[str, Fraction], str]:
-    """Return where the vehicle is in the end, and the tree that shows it."""
-    offset = float(r.tilted.offset(r.weights, r.floor)) * (1 + LAST_ROOM)
-    radius = np.linalg.norm(domain.scene.ends(offset), axis=1).max() * (1 + LAST_ROOM) ** 2
-    last = {"offset": decimal_above(offset, DIGITS), "radius": decimal_above(float(radius), 4)}
-    tree = domain.near(float(last["offset"]), float(last["radius"]))
-    if tree is None:
-        raise NotShown("where noise leaves the vehicle takes more cells than are checked")
-    return last, tree
+def _ultimate(r: Rounded, low: float) -> dict[str, Fraction]:
+    """Return where the vehicle is in the end, low a lower bound of J about the goal, 1/m."""
+    offset = decimal_above(float(r.tilted.offset(r.weights, r.floor)) * (1 + SPARE), DIGITS)
+    return {"offset": offset, "radius": decimal_above(float(offset) / low * (1 + LITTLE), 4)}
+
+
+def _near(search: Search, offset: Fraction) -> tuple[Fraction, Fraction]:
+    """Return bounds of J about the goal with which |σ - σ*| is below an offset only near it."""
+    low, high = search.scene.around(float(search.radius))
+    least = decimal_above(float(offset / search.radius) * (1 + LITTLE), DIGITS)
+    return least, decimal_above(low + high, DIGITS) - least
 
 
 @dataclass(frozen=True)
@@ -209,17 +216,21 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
     bounds = float(r.ball[0]), float(r.ball[1])
     domain = Domain.of(search.scene, mission.target, float(r.offset), bounds)
     tree, cosine = _seen(domain, r)
-    trees = {"domain": tree, "near": domain.near(float(offset), float(search.radius))}
+    near = _near(search, offset)
+    trees = {
+        "domain": tree,
+        "near": domain.near(float(search.radius), (float(near[0]), float(near[1]))),
+    }
     for name, tree in trees.items():
         if tree is None:
             raise NotShown(f"the {name} takes more cells than are checked")
     low, high = thrusts(r.limits, np.array(r.weights, float), float(r.level), mission)
     rotors = [decimal_below(low - SPARE * high, 6), decimal_above(high * (1 + SPARE), 6)]
-    last = _ultimate(r, domain) if r.noise else None
     content: dict[str, Any] = {
         "weights": list(r.weights),
         "lag": None if r.lag is None else dict(zip(("torque", "thrust"), r.lag, strict=True)),
         "memory": r.memory,
+        "hold": r.hold or None,
         "multipliers": {"slope": r.slope, "terms": list(r.multipliers), **r.noise},
         "domain": {
             "wedge": [list(side) for side in domain.wedge],
@@ -243,11 +254,8 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
             "cone": None if cosine is None else r.cone(cosine),
             "rotors": rotors,
         },
-        "trees": {
-            "near": trees["near"],
-            "starts": [domain.start(start) for start in search.starts],
-        },
+        "near": {"bounds": list(near), "tree": trees["near"]},
     }
-    if last is not None:
-        content["claim"]["ultimate"], content["trees"]["ultimate"] = last
+    if r.noise:
+        content["claim"]["ultimate"] = _ultimate(r, float(near[0]))
     return Parts(content, r, domain)

@@ -15,16 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.exponential.form import ROWS, Variables, Weights, derive_form
+from hoverproof.certification.exponential.held import factor, moved
+from hoverproof.certification.exponential.terms import terms
 from hoverproof.certification.exponential.vehicles import Limits, Vehicles
 from hoverproof.certification.robust import Inequality, Term
 from hoverproof.servo.law import Law
 
 Array = NDArray[np.float64]
 W2, W3, W4, TORQUE, THRUST, SLOPE, MEMORY, NOISE, COMMAND, GUST = range(1, 11)
+LEVEL, LIFT, HELD = range(11, 14)
 """Places among (1, parameters)."""
-PARAMETERS = 10
+PARAMETERS = 13
 SHAKEN = {"noise": NOISE, "command": COMMAND, "gust": GUST}
 """The places of what weighs each disturbance, by its name in `Limits.disturbances`."""
+HOLD = {"level": LEVEL, "lift": LIFT, "command": HELD}
+"""Likewise of the memory of each part of what is held, by its name in `held.moved`."""
 ALONG_Y = 1, 4, 7, 10, 12, 15, 18
 """Places of what is along the second axis among the variables. No product in the inequality joins
 it with the others, and it is in it as what is along the first: so it is left out."""
@@ -134,7 +139,7 @@ def variables(v: Vehicles) -> list[int]:
     ----------
     v : Vehicles
     """
-    late, lagged = v.latency > 0, v.rotor_lag > 0
+    late, lagged = v.age > 0, v.rotor_lag > 0
     there = {"errors": True, "flow": True, "ahead": late, "torque": lagged, "thrust": lagged}
     every = range(Variables.size())
     held = [place for name, has in there.items() if has for place in every[Variables.place(name)]]
@@ -155,30 +160,33 @@ def falls(limits: Limits, slope: Ball | Sector, rate: float, potential: bool = F
         See `derive_form`; then r is to be 0.
     """
     v = limits.vehicles
-    lagged, late, kept = v.rotor_lag > 0, v.latency > 0, variables(v)
-    shaken = [name for name, _ in limits.disturbances()]
-    L, own = _variables(kept, shaken)
+    lagged, late, kept = v.rotor_lag > 0, v.age > 0, variables(v)
+    shaken, held = [name for name, _ in limits.disturbances()], moved(limits)
+    L, own = _variables(kept, [*shaken, *(f"held {name}" for name in held)])
     y, n = (np.pad(x, ((0, 0), (0, L.shape[1] - len(kept)))) for x in _flow_and_ahead(kept))
     there = ((TORQUE, lagged), (THRUST, lagged), (SLOPE, True), (MEMORY, late))
-    used = (W2, W3, W4, *(name for name, has in there if has), *(SHAKEN[name] for name in shaken))
+    used = (W2, W3, W4, *(name for name, has in there if has))
+    used += (*(SHAKEN[name] for name in shaken), *(HOLD[name] for name in held))
     at = _at_vertices(limits, potential)
     S = np.zeros((len(at["fall"]), 1 + PARAMETERS, L.shape[1], L.shape[1]))
     S[:, :6] = L.T @ (at["fall"] - rate / 2 * at["energy"]) @ L
     S[:, SLOPE] = slope.lost(y, at["sum"][0, 0] @ L / float(v.design.slowness))
-    for name, d in own.items():
-        S[:, SHAKEN[name]] = d.T @ d
-    if "command" in own:
-        S[:, :6] -= _symmetric(at["torque" if lagged else "d4"][:, :, :1] @ L, own["command"])
+    for name in shaken:
+        S[:, SHAKEN[name]] = own[name].T @ own[name]
+    for d in (own[name] for name in ("command", "held command") if name in own):
+        S[:, :6] -= _symmetric(at["torque" if lagged else "d4"][:, :, :1] @ L, d)
     if "gust" in own:  # in the forms it is in the place of y, but it is not in δ1'
         S[:, 0] -= _symmetric(L[[0, 2]], own["gust"])
     if late:
-        forgets = np.exp(-rate * v.latency)
-        S[:, MEMORY] = forgets / v.latency * n.T @ n - v.latency * y.T @ y
+        S[:, MEMORY] = np.exp(-rate * v.age) / v.age * n.T @ n - v.age * y.T @ y
     at["yaw"] = at["d4"].copy()
     at["yaw"][:, W4] -= at["h3"][:, 0]
     pushed = {name: at[name] @ L for name in ("d4", "yaw", "torque", "lift")}
     parts = {name: at[name][:, 0] @ L for name in ROWS if name not in (*pushed, "fall", "energy")}
-    parts["aside"] = _aside(at, v, potential) @ L
+    parts["aside"], parts["slowly"] = _aside(at, v, potential) @ L, parts["applied"] / v.stiff
+    for name, moves in held.items():
+        S[:, HOLD[name]] = own[f"held {name}"].T @ own[f"held {name}"]
+        S[:, HOLD[name]] -= factor(name, v, rate) * _spread(moves, parts | _upward(v, L))
     if v.swept:
         for x in (limits.sweep * parts["zeta"], v.yaw_rate * parts["aside"]):
             S[:, MEMORY] -= v.latency * x.swapaxes(-1, -2) @ x
@@ -186,7 +194,7 @@ def falls(limits: Limits, slope: Ball | Sector, rate: float, potential: bool = F
         pushed |= {name: _of_memory(2 * v.latency * x, len(S)) for name, x in mine.items()}
     each = [
         Term(_over_parameters(pushed[name]), parts[by], np.array(size))
-        for name, by, size in limits.terms()
+        for name, by, size in terms(limits)
     ]
     return Falls(Inequality(S, tuple(each)), used, L.T @ at["energy"][-1] @ L)
 
@@ -197,14 +205,32 @@ def _variables(kept: Sequence[int], shaken: Sequence[str]) -> tuple[Array, dict[
     Noise is in the forms as what is used less what is now, and a gust as y.
     """
     L, own = np.eye(Variables.size())[:, kept], {}
-    places = {"noise": "ahead", "gust": "flow"}
+    every = range(Variables.size())
+    (ahead_x, _, ahead_z), (flow_x, _, flow_z) = (
+        every[Variables.place(name)] for name in ("ahead", "flow")
+    )
+    places = {"noise": [ahead_x, ahead_z], "gust": [flow_x, flow_z]}
+    places |= {"held level": [ahead_x], "held lift": [ahead_z]}
     for name in shaken:
-        sides = range(Variables.size())[Variables.place(places.get(name, "flow"))]
-        columns = np.eye(len(L))[:, [k for k in sides if k not in ALONG_Y]]
-        columns = columns if name in places else np.zeros((len(L), 1))
+        columns = np.zeros((len(L), 1))  # what is in no form
+        if name in places:
+            columns = np.eye(len(L))[:, places[name]]
         own[name] = L.shape[1] + np.arange(columns.shape[1])
         L = np.hstack([L, columns])
     return L, {name: np.eye(L.shape[1])[at] for name, at in own.items()}
+
+
+def _spread(moves: Sequence[tuple[str, float]], parts: dict[str, Array]) -> Array:
+    """Return ΣR Σ R|v|², above (Σ R|v|)²."""
+    whole = sum(radius for _, radius in moves)
+    return np.asarray(sum(whole * r * np.swapaxes(parts[n], -1, -2) @ parts[n] for n, r in moves))
+
+
+def _upward(v: Vehicles, L: Array) -> dict[str, Array]:
+    """Return (δ3 - δ2)z and δ3z + μT/κ."""
+    row = np.eye(Variables.size())
+    d2, d3, thrust = row[5], row[8], row[Variables.place("thrust")]
+    return {"sinks": (d3 - d2)[None] @ L, "lifted": (d3[None] + thrust / v.pace) @ L}
 
 
 def _flow_and_ahead(kept: Sequence[int]) -> Iterator[Array]:

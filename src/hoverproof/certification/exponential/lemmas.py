@@ -19,7 +19,7 @@ from hoverproof.certification.exponential.form import (
     Weights,
     derive_form,
 )
-from hoverproof.certification.exponential.noise_lemmas import axes, noise
+from hoverproof.certification.exponential.noise_lemmas import axes, held, noise
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.lagged import (
     LaggedLoop,
@@ -525,6 +525,33 @@ LEMMAS = (
         "beside F is in V' alone, and adds (m/k1) g to δ2' and δ3', and P of it to δ4'.",
         "By the controller of each law at any measurement, and by differences.",
         noise,
+    ),
+    Lemma(
+        "held",
+        "a controller that runs in steps, and an accelerometer that lags",
+        "Let U and the torque commanded at t be those asked for at tk, t - p' <= tk <= t, by what "
+        "is measured then, the specific force with a low-pass whose time is f' at most and which "
+        "was settled at the start. Let n be the n of tk and ∫ y over [tk, t], κ = 1 on [tk, t] and "
+        "0 <= κ <= e^{(x - tk)/f'} before. The lemma on noise holds with Ω3(tk) for Ω3 + ω3, its "
+        "own noise, αz at most c ∫ κ (|ς u| + |p3| D_c/c) more, B more by E and a b of at most f' "
+        "|Ω×w̃|/c, φ more by as much, and C by H: E = ∫_{tk}^t (k12 (δ3 - δ2) + P κχζ - Ω×δ3) - e3 "
+        "∫ κ ς u, H = ∫_{tk}^t ((1 + ι) k12 P(κχζ + s3 h ζ - Ω×(δ3 - δ2)) + (K + π_c - Ω3(tk) G_c) "
+        "(h/h(t)) ((I + γ)(s_n + μ) - Ω3 G_t ζ)). |n|² <= (τ̄ + p') ∫ |y|² over the last τ̄ + p'. "
+        "If w = ∫_{tk}^t g, Z = ∫_{tk}^t e^{r(x - t)} ((2p'/π)² e^{rp'} g² - w²) dx >= 0 and Z' = "
+        "-r Z + (2p'/π)² e^{rp'} g² - w². If w <= ∫ κ g, w² <= (p' + f') ∫ κ g², and with k(x) = "
+        "∫_x^∞ e^{r(z - x)} κ'(z) dz, κ'(z) = 1 up to p' and e^{(p' - z)/f'} beyond, Z = ∫ k(t - x"
+        ") g² dx has Z' <= -r Z + k(0) g² - w²/(p' + f') and k(0) <= (p' + f'/(1 - r f'))/(1 - r "
+        "p').",
+        "What is measured at tk less what is now are errors b, v, d, ω and α, of coordinates in "
+        "body axes, as in the lemma on noise: that of δ3 is n and the integral of δ3' - y, but for "
+        "the force; m a = w̃ - T̃ e3 has (m a)' = -Ω×w̃ - ς U_a e3, and what a low-pass of it is "
+        "behind is the integral of that with κ. By the first two identities B, and φ, are then "
+        "what is said. ω = -∫ (h ζ)', by the third, and D_c(t)/D_c = h/h(t). w(tk) = 0. With ψ = a "
+        "cot(a (x - tk)), a = π/(2p'), w²ψ is 0 at tk, as w² <= (x - tk) ∫ g², and 0 or more until "
+        "tk + p': so by the fourth identity ∫ g² >= a² ∫ w² up to any t, and e^{rp'} e^{r(x - t)} "
+        ">= 1. The last two identities are -k' - r k = κ' beyond and up to p', and κ(x) <= κ'(t - "
+        "x). (e^{rp'} - 1)/r <= p' e^{rp'}, e^{rp'} <= 1/(1 - r p').",
+        held,
     ),
     Lemma(
         "natural",

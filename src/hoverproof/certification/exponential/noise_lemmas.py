@@ -1,4 +1,7 @@
-"""Identities behind noise, gusts and late images that are not turned; `lemmas` has the ledger."""
+"""Identities behind noise, gusts, late images that are not turned, and what is held in steps.
+
+`lemmas` has the ledger.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,14 @@ from hoverproof.algebra.identity import prove_equal
 from hoverproof.plant import camera
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.lagged import derive_lagged_loop, own_gyroscopic, smooth_command
+from hoverproof.servo.lagged import (
+    Rotors,
+    Setting,
+    derive_lagged_loop,
+    lagged_rates,
+    own_gyroscopic,
+    smooth_command,
+)
 from hoverproof.servo.law import Design, Errors, Law, Measurement
 from hoverproof.servo.laws.hamel_mahony import LAWS
 from hoverproof.servo.uncertain import QUARTER, kappa
@@ -118,3 +128,52 @@ def _misled() -> bool:
     more = C - (told - pi) * zeta + w3 * own @ zeta + (1 + iota) * w3 * QUARTER @ missed
     more -= iota * (K * missed - yaw * QUARTER @ missed) + iota * k12 * pulled
     return bool(prove_equal(asked, calm + more))
+
+
+def held() -> dict[str, bool]:
+    """Prove how errors change while an output is held, and what remembers by how much."""
+    d, e, at, rotors = Design.symbols(), Errors.symbols(), Setting.symbols(), Rotors.symbols()
+    rates = lagged_rates(e, at, rotors, d)
+    d2, d3, d4 = rates[3:6], rates[6:9], rates[9:11]
+    k, k12, h, zeta = kappa(d), d.k1 * d.k2 / d.mass, at.quickness, e.d4 - e.d3[:2]
+    turn = -skew(ca.vertcat(-QUARTER @ (h * zeta), at.yaw))
+    lifted = rotors.thrust_gain * (k * e.d3[2] + rotors.thrust)  # ς u
+    pushed = ca.vertcat(k * at.lever_ratio * zeta, -lifted)
+    dragged = ca.vertcat(at.goal * h * zeta, 0)
+    applied = smooth_command(e, d) + rotors.torque
+    gain, turned = (ca.reshape(x, 2, 2) for x in (rotors.angular_gain, rotors.gyroscopic))
+    drift = h / k * lifted + at.crosswind  # D_c'/D_c
+    return {
+        "δ3' - y = k12 (δ3 - δ2) + P κχζ - Ω×δ3 - ς u e3": bool(
+            prove_equal(d3 - at.depth_flow, k12 * (e.d3 - e.d2) + pushed + turn @ e.d3)
+        ),
+        "(δ3 - δ2)' = P (κχ + s3 h) ζ - Ω×(δ3 - δ2) - ς u e3": bool(
+            prove_equal(d3 - d2, pushed + dragged + turn @ (e.d3 - e.d2))
+        ),
+        "(h ζ)'/h = (I + γ)(s_n + μ) - Ω3 G_t ζ": bool(
+            prove_equal(
+                d4 - d3[:2] - drift * zeta,
+                applied + gain @ applied - at.yaw * turned @ zeta,
+            )
+        ),
+        **_memories(),
+    }
+
+
+def _memories() -> dict[str, bool]:
+    """Prove what an integral that begins anew, and one that fades, come to."""
+    w, g, psi, a = map(ca.SX.sym, ("w", "g", "psi", "a"))
+    grows = 2 * w * g * psi - w**2 * (a**2 + psi**2)  # of w² ψ, w' = g, ψ' = -a² - ψ²
+    r, f, early, late = map(ca.SX.sym, ("r", "f", "A", "B"))
+    first = (early - 1) / r + early * f / (1 - r * f)
+    return {
+        "g² - a² w² - (w²ψ)' = (g - wψ)², w' = g, ψ' = -a² - ψ²": bool(
+            prove_equal(g**2 - (a * w) ** 2 - grows, (g - w * psi) ** 2)
+        ),
+        "k' = -r k - 1, k = (A - 1)/r + A f'/(1 - r f'), A' = -r A": bool(
+            prove_equal(-r * early * ca.jacobian(first, early), -r * first - 1)
+        ),
+        "k' = -r k - B, k = B f'/(1 - r f'), B' = -B/f'": bool(
+            prove_equal(-late / (1 - r * f), -r * late * f / (1 - r * f) - late)
+        ),
+    }

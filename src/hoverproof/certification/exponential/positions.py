@@ -24,6 +24,8 @@ MIDDLES, FINE = 20, 12
 """So many j are looked at, and so many times as many where that matters."""
 EVEN = 40
 """So many d: between them balls change evenly, so that a search is not led astray."""
+ALONG = 5
+"""So many positions are looked at along each side of a box about the goal."""
 AROUND = 14
 """So many directions are looked at from a position to where the camera may be."""
 ARMS = 1.5
@@ -170,6 +172,23 @@ class Scene:
         if isinstance(self.flow, OfJ):
             return scaled.slopes_at(self.target, positions)
         return View.at(self.target, positions).depths
+
+    def around(self, radius: float) -> tuple[float, float]:
+        """Return the ends of a ball that holds J all over a box about the goal, as sampled, 1/m.
+
+        It is the one whose lower end is highest.
+
+        Parameters
+        ----------
+        radius : float
+            Half the side of the box, m.
+        """
+        side = self.goal + radius * np.linspace(-1, 1, ALONG)[:, None]
+        J = self.slopes(np.stack(np.meshgrid(*side.T), axis=-1).reshape(-1, 3))
+        middles = np.linspace(0.7, 3, FINE * MIDDLES) * np.linalg.norm(J, 2, axis=(1, 2)).max()
+        radii = _away(J[None], middles)[-1]
+        best = int((middles - radii).argmax())
+        return float(middles[best] - radii[best]), float(middles[best] + radii[best])
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.certification.exponential.held import is_kept
 from hoverproof.certification.exponential.inequality import (
+    HOLD,
     MEMORY,
     SHAKEN,
     SLOPE,
@@ -25,7 +27,8 @@ from hoverproof.certification.exponential.inequality import (
     Falls,
     falls,
 )
-from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
+from hoverproof.certification.exponential.reach import Reach
+from hoverproof.certification.exponential.vehicles import Limits, Vehicles
 from hoverproof.certification.robust import Solution as Optimum
 from hoverproof.certification.robust import optimise, reciprocals
 
@@ -64,6 +67,8 @@ class Solution:
         Bound of Ψ at the starts, dimensionless.
     noise : dict
         σ by the name of the disturbance: what its square adds to the rate of Ψ, 1/s.
+    hold : dict
+        What the memory of each part of what is held weighs, by its name in `held.moved`, s.
     floor : float
         ℓ∞, dimensionless: what disturbances leave of Ψ.
     tight : tuple of int
@@ -82,6 +87,7 @@ class Solution:
     level: float
     start: float
     noise: dict[str, float]
+    hold: dict[str, float]
     floor: float
     tight: tuple[int, ...]
     optimum: Optimum
@@ -165,7 +171,7 @@ class Program:
         fill : float, optional
             What the largest Ψ/ℓ of the starts is to be, dimensionless; by default it is made small.
         """
-        if not np.isfinite(limits.lever).all() or limits.tilt >= 1:
+        if not np.isfinite(limits.lever).all() or limits.tilt >= 1 or not is_kept(limits, rate):
             return None
         low, high = ball
         found = falls(limits, Ball((low + high) / 2, (high - low) / 2), rate)
@@ -220,6 +226,7 @@ class Program:
             multipliers=answer.multipliers[0],
             level=self.level,
             noise={name: values[SHAKEN[name]] for name in self.shaken},
+            hold={name: values[place] for name, place in HOLD.items() if place in values},
             floor=sum(x * values[SHAKEN[name]] for name, x in self.shaken.items()),
             start=float((self.starts @ [1.0, *answer.x[:-1]]).max()),
             tight=tight,

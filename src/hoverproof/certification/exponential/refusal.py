@@ -88,7 +88,7 @@ class Asked:
     lagged : bool
         Whether rotors lag.
     terms : tuple of (pushed, by, radius)
-        See `Limits.terms`; the radius is a bare number.
+        See `terms.terms`; the radius is a bare number.
     level : Fraction
         ℓ, dimensionless.
     start : mapping

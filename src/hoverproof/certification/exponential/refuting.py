@@ -32,6 +32,7 @@ from hoverproof.certification.exponential.refusal import (
     Vector,
 )
 from hoverproof.certification.exponential.search import Search
+from hoverproof.certification.exponential.terms import terms
 from hoverproof.certification.exponential.vehicles import Limits, Vehicles
 from hoverproof.certification.robust import Inequality, refuse
 from hoverproof.certification.semidefinite import Multipliers
@@ -61,8 +62,8 @@ def refused(mission: Mission, starts: Sequence[Start]) -> Refusal | None:
 
     Returns
     -------
-    Refusal, or None if none was found: with noise, or a late feature that is not turned, none is
-    looked for
+    Refusal, or None if none was found: with noise, a control period, an accelerometer that lags, or
+    a late feature that is not turned, none is looked for
 
     Raises
     ------
@@ -74,7 +75,7 @@ def refused(mission: Mission, starts: Sequence[Start]) -> Refusal | None:
     search = Search.of(vehicles, Scene.of(mission), tuple(starts))
     search = replace(search, wider=wider, highest=highest)
     low, high = np.log(search.ends)
-    if vehicles.is_shaken or vehicles.swept or not low < high:
+    if vehicles.is_shaken or vehicles.swept or vehicles.behind or not low < high:
         return None
     found = candidate(mission, starts, None)
     if found is not None and found.solution.fill <= 1:
@@ -197,7 +198,7 @@ def _asked(
         ball=(decimal_below(middle, DIGITS), decimal_below(radius * (1 - 1e-8), DIGITS)),
         slowness=mass / k1,
         lagged=v.rotor_lag > 0,
-        terms=tuple((a, b, decimal_below(size, DIGITS)) for a, b, size in limits.terms()),
+        terms=tuple((a, b, decimal_below(size, DIGITS)) for a, b, size in terms(limits)),
         level=decimal_above(level, DIGITS),
         start={name: decimal_below(max(mean[k], 0.0), DIGITS) for k, name in there.items()},
         reach=tuple(decimal_above(x, DIGITS) for x in most),

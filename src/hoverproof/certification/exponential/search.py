@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_below
-from hoverproof.certification.attraction.potential import sphere
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.candidate import LOUDEST, Asked, Candidate, Tilted
 from hoverproof.certification.exponential.inequality import (
@@ -25,7 +24,8 @@ from hoverproof.certification.exponential.inequality import (
 )
 from hoverproof.certification.exponential.positions import Balls, Scene
 from hoverproof.certification.exponential.program import Program
-from hoverproof.certification.exponential.vehicles import Limits, Reach, Vehicles
+from hoverproof.certification.exponential.reach import Reach
+from hoverproof.certification.exponential.vehicles import Limits, Vehicles
 from hoverproof.descent import Ends, descend
 
 Array = NDArray[np.float64]
@@ -43,9 +43,8 @@ ROOM = 0.01
 SETTLED = 0.1, 0.2, 0.4, 0.8
 """Of the largest distance of a start from the goal: there the vehicle has settled. With noise the
 first of them that it allows."""
-NEAR = 0.1
+NEAR = 0.04
 """Share of |σ - σ*| there that is spared for the proof."""
-DIRECTIONS = 300
 
 
 @dataclass(frozen=True)
@@ -113,9 +112,7 @@ class Search:
     @cached_property
     def settled_offset(self) -> float:
         """What |σ - σ*| is surely below only within that radius."""
-        around = self.scene.goal + float(self.radius) * sphere(DIRECTIONS)
-        least = np.linalg.norm(self.scene.offset(around), axis=1).min()
-        return float((1 - NEAR) * least)
+        return (1 - NEAR) * float(self.radius) * self.scene.around(float(self.radius))[0]
 
     def terms(self) -> Array:
         """Return what (1, parameters) are multiplied by in Ψ of each start, (k, 11)."""
@@ -158,7 +155,7 @@ class Search:
         if v.swept:
             turned = 2 * v.goal * rate + v.yaw_rate * (level + lean * (away + v.goal))
             flow = flow + turned
-        result[:, MEMORY] = v.latency**2 / 2 * flow**2
+        result[:, MEMORY] = v.age**2 / 2 * flow**2
         return result
 
     def limits(self, x: Array, ball: tuple[float, float]) -> Limits:

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.certification.exponential.reach import Reach
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.uncertainty import TOLERANCES
 from hoverproof.servo.law import Design, Law
@@ -57,6 +58,8 @@ class Vehicles:
         Bound of the error of V, m/s.
     arm : float
         From the centre of mass to the camera, m.
+    control_period, force_lag : float
+        From one run of the controller to the next, and of the low-pass of the accelerometer, s.
     """
 
     law: Law
@@ -75,6 +78,8 @@ class Vehicles:
     gusts: float = 0.0
     turned: bool = True
     noise_of_velocity: float = 0.0
+    control_period: float = 0.0
+    force_lag: float = 0.0
     arm: float = 0.0
 
     @classmethod
@@ -181,6 +186,16 @@ class Vehicles:
         return 0.0 if self.turned else self.latency
 
     @property
+    def age(self) -> float:
+        """Bound of the age of an image, until the controller runs again, s."""
+        return self.latency + self.control_period
+
+    @property
+    def behind(self) -> float:
+        """Bound of how far the force that is used is behind, s."""
+        return self.control_period + self.force_lag
+
+    @property
     def shock(self) -> float:
         """Bound of the error of the force over c, dimensionless."""
         return (self.felt + self.leaned) / self.stiffness
@@ -192,12 +207,14 @@ class Vehicles:
         What the wind leans the vehicle by turns with the yaw in a feature that is not turned.
         """
         leans = 0.0 if self.in_image else self.goal * self.wind / float(self.design.gravity)
-        return self.noise + self.shock + self.swept * self.yaw_rate * leans
+        jolted = self.control_period * float(self.design.slowness) * self.gusts
+        return self.noise + self.shock + jolted + self.swept * self.yaw_rate * leans
 
     @property
     def is_shaken(self) -> bool:
         """Whether something keeps the vehicle from coming to rest."""
-        return bool(self.missed or self.gyro or self.gusts or self.arm)
+        lasting = self.missed, self.gyro, self.gusts, self.arm, self.force_lag * self.wind
+        return any(lasting)
 
     @property
     def gust(self) -> float:
@@ -214,46 +231,6 @@ class Vehicles:
         """How much of Ω3 e3 × Ω the gyroscopic torque is at most, by the mission's inertia."""
         i1, i2, i3 = self.design.inertia[:3]
         return float(max(abs(i3 - i2) / i1, abs(i3 - i1) / i2))
-
-
-@dataclass(frozen=True)
-class Reach:
-    """How large errors are on a set {Ψ <= ℓ}, dimensionless.
-
-    Attributes
-    ----------
-    image : float
-        Bound of |δ1|, dimensionless.
-    force : float
-        Bound of |δ3 - δ2|, dimensionless.
-    d3 : float
-        Of |δ3|, dimensionless.
-    turn : float
-        Of |ζ|, ζ = δ4 - P δ3, dimensionless.
-    speed : float
-        Of |δ1 + δ2|, dimensionless.
-    """
-
-    image: float
-    force: float
-    d3: float
-    turn: float
-    speed: float
-
-    @classmethod
-    def of(cls, weights: Array, level: float) -> Reach:
-        """Return the reach that weights give.
-
-        Parameters
-        ----------
-        weights : (3,)
-            w2, w3, w4.
-        level : float
-            ℓ, dimensionless.
-        """
-        w2, w3, w4 = weights
-        parts = 1, 1 / w2 + 1 / w3, 1 / w3, 1 / w3 + 1 / w4, 1 + 1 / w2
-        return cls(*(float(np.sqrt(2 * level * x)) for x in parts))
 
 
 @dataclass(frozen=True)
@@ -306,18 +283,53 @@ class Limits:
         return (self.force + v.gust) / v.weight
 
     @cached_property
-    def ahead(self) -> float:
-        """Bound of |n + ν|: what is used of the feature and of V, less what is now."""
+    def late(self) -> float:
+        """Bound of |n + ν|: what is used of the feature and of V, less what is now, but a hold."""
         v = self.vehicles
         speed = self.reach.speed / float(v.design.slowness)
         swept = v.swept * (self.sweep * self.reach.turn + v.yaw_rate * self.seen)
-        return v.latency * self.largest * speed + swept + self.missed
+        return v.age * self.largest * speed + swept + self.missed
+
+    @cached_property
+    def ahead(self) -> float:
+        """Bound of the same as the controller runs, with the accelerometer; NaN if it is slow."""
+        gain = self.vehicles.force_lag * self.lift
+        return (self.late + gain * self.reach.d3) / (1 - gain) if gain < 1 else np.nan
+
+    @property
+    def lift(self) -> float:
+        """Bound of how fast the thrust changes over what δ3z is used, over c, 1/s."""
+        return (1 + self.vehicles.thrust) * self.vehicles.pace
+
+    @property
+    def swayed(self) -> float:
+        """Bound of what the low-pass leaves, over c, as the vehicle turns in the wind."""
+        v = self.vehicles
+        turning = self.quickness[1] * self.reach.turn + v.yaw_rate
+        return v.force_lag * turning * v.gust / v.stiffness
+
+    @property
+    def shock(self) -> float:
+        """Bound of the error of the force over c, dimensionless."""
+        return self.vehicles.shock + self.swayed
+
+    @cached_property
+    def lifted(self) -> float:
+        """Bound of how much the thrust changes in what the force is behind, over c."""
+        return self.vehicles.behind * self.lift * (self.reach.d3 + self.ahead)
+
+    @cached_property
+    def sunk(self) -> float:
+        """Bound of the third part of what is used less what is now."""
+        v, r = self.vehicles, self.reach
+        moved = v.pull * r.force + self.quickness[1] * r.d3 * r.turn
+        return self.late + v.control_period * moved + self.lifted
 
     @property
     def missed(self) -> float:
         """Bound of |ν|: of that what is there without y and errors; a wrong gyroscope turns too."""
         v = self.vehicles
-        return v.missed + (v.latency - v.swept) * v.gyro * self.seen
+        return v.missed + self.swayed + (v.age - v.swept) * v.gyro * self.seen
 
     @property
     def seen(self) -> float:
@@ -347,7 +359,9 @@ class Limits:
     @cached_property
     def stray(self) -> float:
         """Bound of the share by which the h that the controller has is wrong; NaN if by all."""
-        felt, lever = self.vehicles.felt, self.lever[0]
+        v, lever = self.vehicles, self.lever[0]
+        felt = v.felt + v.stiffness * self.lifted
+        felt += v.behind * self.quickness[1] * self.reach.turn * v.gust
         return felt / (lever - felt) if lever > felt else np.nan
 
     @cached_property
@@ -355,6 +369,7 @@ class Limits:
         """Bound of the error of π that the controller has, 1/s."""
         v, stray = self.vehicles, self.stray
         turning = self.quickness[1] * self.reach.turn * v.felt + v.gyro * (v.gust + v.felt)
+        turning += 2 * self.quickness[1] * self.reach.turn * v.gust if v.behind else 0.0
         own = stray * (2 * self.sinking + self.crosswind)
         return own + (1 + stray) * turning / self.lever[0]
 
@@ -362,9 +377,14 @@ class Limits:
     def struck(self) -> float:
         """Bound of what errors of force and body rates, without others, add to the command, 1/s."""
         v, slow = self.vehicles, 1 / self.quickness[0]
-        turning = v.stiff + 2 * self.sinking + self.crosswind + self.wobble
-        turning += (v.yaw_rate + v.gyro) * v.gyroscopic
-        return (1 + self.stray) * v.pull * v.shock + turning * v.gyro * slow
+        return (1 + self.stray) * v.pull * self.shock + self.turning * v.gyro * slow
+
+    @cached_property
+    def turning(self) -> float:
+        """Bound of what an error of e3×Ω is multiplied by in the command, but for h, 1/s."""
+        v = self.vehicles
+        own = (v.yaw_rate + v.gyro) * v.gyroscopic
+        return v.stiff + 2 * self.sinking + self.crosswind + self.wobble + own
 
     @cached_property
     def misled(self) -> tuple[float, float, float]:
@@ -411,48 +431,3 @@ class Limits:
             (self.lean if v.in_image else 0.0,),
         )
         yield from itertools.product(*(sorted(set(side)) for side in sides))
-
-    def terms(self) -> list[tuple[str, str, float]]:
-        """Return the norm-bounded terms that are there: what they push, by what, and the radius.
-
-        What they push are names of `form.Push`, by which of `form.PARTS`. "yaw" is d4 without what
-        is turned across P δ3; "flow" is 2 M τ̄ y, "level" its P y, "swept" 2 M τ̄ ζ and "aside" P s,
-        where a late feature s is not turned.
-        """
-        v, h = self.vehicles, self.quickness[1]
-        late = self.ahead * h + v.thrust * self.crosswind / 2
-        wobble, twisted, strayed = self.misled
-        if not v.rotor_lag:
-            own = 1 + v.torque
-            each = [
-                ("d4", "applied", v.torque),
-                ("d4", "zeta", late + v.yaw_rate * v.torque + own * wobble),
-                ("d4", "ahead", v.yaw_rate if v.latency or v.missed else 0.0),
-                ("d4", "missed", v.torque * v.yaw_rate + own * twisted),
-                ("d4", "pulled", own * strayed),
-            ]
-        else:
-            own = (1 + v.torque) * v.gyroscopic + v.torque
-            late += (1 + v.thrust) * 2 * self.sinking + v.yaw_rate * own
-            slow = v.rotor_lag * v.pull
-            each = [
-                ("d4", "applied", v.torque),
-                ("d4", "zeta", late),
-                ("yaw", "h3", v.yaw_rate),
-                (
-                    "torque",
-                    "zeta",
-                    v.yaw_rate * v.gyroscopic + slow * h * self.reach.force + wobble,
-                ),
-                ("torque", "missed", v.yaw_rate + twisted),
-                ("torque", "pulled", slow * v.yaw_rate + strayed),
-                ("lift", "zeta", v.rotor_lag * v.pace * h * self.reach.d3),
-                ("torque", "applied", v.rotor_lag * self.stretching),
-            ]
-        if v.swept:
-            each += [
-                ("flow", "zeta", self.sweep),
-                ("level", "aside", v.yaw_rate),
-                ("swept", "aside", self.sweep * v.yaw_rate),
-            ]
-        return [term for term in each if term[2]]

@@ -25,8 +25,13 @@ WORDS = {
     "latency": "images as old as",
     "rotor_lag": "rotors that lag by",
     "wind": "wind of",
+    "control_period": "a control period of",
+    "force_lag": "a low-pass of the accelerometer of",
 }
-UNITS = {"thrust": "", "torque": "", "latency": " s", "rotor_lag": " s", "wind": " m/s²"}
+UNITS = {
+    **{"thrust": "", "torque": "", "latency": " s", "rotor_lag": " s", "wind": " m/s²"},
+    **{"control_period": " s", "force_lag": " s"},
+}
 """Of tolerances."""
 
 
