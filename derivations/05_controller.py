@@ -13,6 +13,7 @@ import casadi as ca
 
 from hoverproof.algebra.identity import prove_equal, prove_zero
 from hoverproof.algebra.linear import lie_derivative
+from hoverproof.mission.frame import X
 from hoverproof.plant import rigid_body, rotors
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.controller import derive_controller
@@ -187,12 +188,12 @@ print("δ3' and δ4' of the closed loop: proved")
 
 # %%
 arm, drag_ratio = ca.SX.sym("d"), ca.SX.sym("kappa")
-thrusts = rotors.rotor_thrusts(T, law.torque, arm, drag_ratio)
-assert prove_equal(rotors.wrench(thrusts, arm, drag_ratio), ca.vertcat(T, law.torque))
+thrusts = rotors.rotor_thrusts(X, T, law.torque, arm, drag_ratio)
+assert prove_equal(rotors.wrench(X, thrusts, arm, drag_ratio), ca.vertcat(T, law.torque))
 print("four rotor thrusts make T and Γ: proved")
 each = ca.SX.sym("t", 4)
-made = ca.jacobian(rotors.wrench(each, arm, drag_ratio), each)
-for i, name in enumerate(rotors.ROTORS):
+made = ca.jacobian(rotors.wrench(X, each, arm, drag_ratio), each)
+for i, name in enumerate(X.names):
     print(f"T, Γ1, Γ2, Γ3 of 1 N of {name}: {made[:, i]}")
 
 # %% [markdown]

@@ -39,6 +39,7 @@ name = "my-flyer"
 [vehicle]
 mass = 1.2                          # kg, battery included
 inertia = [0.0115, 0.0120, 0.0210]  # kg m²
+layout = "x"                        # of the rotors
 arm = 0.17                          # m, rotor to centre of mass
 drag_ratio = 0.016                  # m, drag torque of a rotor over its thrust
 gravity = 9.81                      # m/s²

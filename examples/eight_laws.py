@@ -34,7 +34,7 @@ name = "small-tag"
 [vehicle]
 mass = 0.5                            # kg
 inertia = [2.32e-3, 2.32e-3, 4e-3]    # kg m²
-arm = 0.12                            # m
+lever = 0.12                          # m
 drag_ratio = 0.016                    # m
 gravity = 9.81                        # m/s²
 

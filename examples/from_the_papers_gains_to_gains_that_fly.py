@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 import hoverproof as hp
 from hoverproof.certification.flow import eigenvalues
 from hoverproof.certification.over_box import enclose
+from hoverproof.certification.pattern import Pattern
 from hoverproof.design.atlas import axis, cell_values
 from hoverproof.design.limits import bandwidth
 from hoverproof.paper.conditions import where_met
@@ -73,7 +74,7 @@ tell(paper, paper_flight)
 # %%
 goal = hover_goal(paper)
 points = np.array(paper.target.points, float)
-at_goal = eigenvalues(points, np.array([goal.position], float))[0]
+at_goal = eigenvalues(Pattern.of(paper), np.array([goal.position], float))[0]
 wanted = float(goal.centroid_midpoint[2])
 reach = float(paper.gains.k1 / paper.vehicle.mass)
 print(f"k1/m = {reach:.4f} m/s, q* = (0, 0, {wanted:.3f})")

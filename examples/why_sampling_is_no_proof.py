@@ -38,6 +38,7 @@ name = "sampled"
 [vehicle]
 mass = 1.2                          # kg
 inertia = [0.0115, 0.0120, 0.0210]  # kg m²
+layout = "x"                        # of the rotors
 arm = 0.17                          # m
 drag_ratio = 0.016                  # m
 gravity = 9.81                      # m/s²

@@ -31,9 +31,26 @@ def pytest_configure(config: pytest.Config) -> None:
     share()  # before pytest-xdist starts its processes
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with what takes longest, so that no process is left alone with it at the end."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Begin with what takes longest, so that no process is left alone with it at the end.
+
+    With `--whole` nothing is run but what is more with it, without it nothing that is only so.
+    """
     items.sort(key=lambda item: item.get_closest_marker("long") is None)
+    whole = config.getoption("whole")
+    wanted = more_if_whole if whole else not_only_whole
+    config.hook.pytest_deselected(items=[item for item in items if not wanted(item)])
+    items[:] = filter(wanted, items)
+
+
+def not_only_whole(item: pytest.Item) -> bool:
+    """Tell whether a test is run without `--whole`, too."""
+    return item.get_closest_marker("whole") is None
+
+
+def more_if_whole(item: pytest.Item) -> bool:
+    """Tell whether a test does more with `--whole`, or is run with it alone."""
+    return "whole" in getattr(item, "fixturenames", ()) or not not_only_whole(item)
 
 
 @pytest.fixture(scope="session")

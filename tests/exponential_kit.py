@@ -55,8 +55,9 @@ def parts(of, *, level=20, rate=0.1, weights=(0.6, 0.5, 0.2), lag=(0.02, 0.05), 
     """Return what a certificate holds of a mission; its multipliers are all 1."""
     asked = of.get("uncertainty", dict.fromkeys(TOLERANCES, "0"))
     law = tuple(of["law"].values()) if "law" in of else checker.PAPERS
-    seen = checker.centroid_seen([[F(x) for x in p] for p in of["target"]["points"]], HOVER)
-    goal = (checker.scaled(seen, len(of["target"]["points"])) if law[0] == "scaled" else seen)[2]
+    points = [[F(x) for x in p] for p in of["target"]["points"]]
+    seen = checker.centroid_seen(checker.Pattern(points, [F(1)] * len(points)), HOVER)
+    goal = (checker.scaled(seen, F(len(points))) if law[0] == "scaled" else seen)[2]
     start = {"position": [["0", "0"], ["0", "0"], ["-6/5", "-6/5"]]}
     content = {
         "mission": of,

@@ -383,10 +383,11 @@ def _at_goal(mission: Any) -> Any:
     import numpy as np
 
     from hoverproof.certification.flow import eigenvalues
+    from hoverproof.certification.pattern import Pattern
     from hoverproof.plant.goal import hover_goal
 
     goal = np.array([float(c) for c in hover_goal(mission).position])
-    return eigenvalues(np.array(mission.target.points, float), goal[None])[0]
+    return eigenvalues(Pattern.of(mission), goal[None])[0]
 
 
 LONG = 5000.0

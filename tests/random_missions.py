@@ -103,7 +103,7 @@ def plausible(rng: random.Random, name: str) -> Content:
         "vehicle": {
             "mass": mass,
             "inertia": [roll, pitch, short((roll + pitch) * rng.uniform(0.5, 0.98))],
-            "arm": arm,
+            "lever": arm,
             "drag_ratio": short(log_uniform(rng, 0.004, 0.1)),
             "gravity": gravity,
         },
@@ -224,7 +224,7 @@ def conditions(rng: random.Random, weight: float) -> Content:
 LIMITS: dict[str, tuple[Any, ...]] = {
     "vehicle.mass": (1e6, 1e-6, 1e-30, 1e-300),
     "vehicle.inertia": ([1e6] * 3, [1e-300] * 3, [1, 1, 2], [1e-9, 1, 1], [1, 1e-3, 0.9991]),
-    "vehicle.arm": (1e6, 1e-12, 1e-300),
+    "vehicle.lever": (1e6, 1e-12, 1e-300),
     "vehicle.drag_ratio": (1e6, 1e-12, 1e-300),
     "vehicle.gravity": (1e3, 1e-3, 1e-12, 1e-300),
     "goal.height": (1e6, 1e3, 1e-3),

@@ -7,7 +7,7 @@ name = "small"
 [vehicle]
 mass = 0.5
 inertia = [2.32e-3, 2.32e-3, 4e-3]
-arm = 0.12
+lever = 0.12
 drag_ratio = 0.016
 gravity = 9.81
 [target]

@@ -40,7 +40,7 @@ def vehicle(number):
         "name": f'"vehicle-{number}"',
         "vehicle.mass": f"{mass:.4g}",
         "vehicle.inertia": f"[{about:.4g}, {about * between(0.9, 1.1):.4g}, {1.6 * about:.4g}]",
-        "vehicle.arm": f"{arm:.3g}",
+        "vehicle.lever": f"{arm:.3g}",
         "vehicle.drag_ratio": f"{arm * between(0.05, 0.2):.3g}",
         "target.points": str([[x, y, 0] for x, y in square(round(half, 4))]),
         "goal.height": f"{height:.4g}",

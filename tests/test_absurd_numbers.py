@@ -11,7 +11,7 @@ from hoverproof.mission.reading import load
 TINY = "1e-300"
 KEYS = {
     "vehicle.mass": "from 1e-12 to 1e6 kg",
-    "vehicle.arm": "from 1e-12 to 1e6 m",
+    "vehicle.lever": "from 1e-12 to 1e6 m",
     "vehicle.gravity": "from 1e-12 to 1e3 m/s²",
     "gains.k1": "from 1e-12 to 1e9 kg m/s",
     "gains.k2": "from 1e-12 to 1e9 1/m",
@@ -56,6 +56,7 @@ EXTREME = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", EXTREME, ids=" ".join)
 def test_extreme_numbers_get_an_answer(words, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -142,6 +142,7 @@ def against_brute_force(seed, laws, count, starts=4):
     assert largest < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("laws", [SCALED, INERTIAL], ids=["scaled", "inertial"])
 @pytest.mark.parametrize("block", range(4))
 def test_brute_force_agrees_with_verdicts_on_random_missions(laws, block, whole):
@@ -178,9 +179,9 @@ def test_the_model_of_these_tests_moves_as_the_vehicle_does(law):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS, ids="/".join)
-def test_a_certified_rate_is_one_that_the_linearised_loop_has(law):
+def test_a_certified_rate_is_one_that_the_linearised_loop_has(law, whole):
     rng, proved = np.random.default_rng(20261129), 0
-    for _ in range(13):
+    for _ in range(13 if whole else 7):
         mission, verdict = drawn(rng, law)
         if not isinstance(verdict, Proved):
             continue
@@ -188,4 +189,4 @@ def test_a_certified_rate_is_one_that_the_linearised_loop_has(law):
         slowest = numbers_of(verdict.certificate.content).slowest()
         assert slowest == pytest.approx(slowest_rate(mission), rel=1e-6)
         assert float(verdict.decay_rate) <= 2 * slowest * (1 + 1e-9)
-    assert proved >= 2
+    assert proved >= (2 if whole else 1)

@@ -46,6 +46,7 @@ def test_at_the_thrust_of_hover_alone_the_worst_eigenvalue_is_that_of_the_litera
     assert float(verdict.margin) == pytest.approx(1.735e-3, abs=5e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
     [

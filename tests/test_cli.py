@@ -80,6 +80,7 @@ def test_check_says_why_it_rejects(capsys):
     assert "rejected: the file was changed" in out
 
 
+@pytest.mark.slow
 def test_simulate_draws_and_answers_machines_in_json(capsys):
     status, out, _ = run(capsys, "simulate", "x4-flyer", "--duration", 20, "--json")
     answer = json.loads(out)
@@ -97,6 +98,7 @@ def test_simulate_draws_and_answers_machines_in_json(capsys):
     assert answer["certified_decay"]["until"] == 20
 
 
+@pytest.mark.slow
 def test_simulate_draws_what_is_asked_for_and_a_film(capsys):
     some = ("--duration", 20, "--figures", "path", "--figures", "features", "--animate", "a.gif")
     status, out, err = run(capsys, "simulate", "x4-flyer", *some)
@@ -108,6 +110,7 @@ def test_simulate_draws_what_is_asked_for_and_a_film(capsys):
     assert err == ""
 
 
+@pytest.mark.slow
 def test_no_figure_claims_a_certificate_that_is_refused(capsys):
     refuted = ("--set", "gains.k4=0.1", "--duration", 5, "--figures", "features", "--json")
     assert json.loads(run(capsys, "simulate", "x4-flyer", *refuted)[1])["certified_decay"] is None
@@ -193,13 +196,14 @@ LEAN = [
     ("--help", {*NUMBERS, *SOLVERS, *FIGURES, *TABLES, *ALGEBRA}),
     ("presets", {*SOLVERS, *OTHERS}),
     (f"check {PROOF}", {*NUMBERS, *SOLVERS, *OTHERS}),
-    ("certify x4-flyer", {*SEARCHES, *OTHERS, "h5py", "hoverproof.paper.equations"}),
+    ("certify x4-flyer", {*SEARCHES, *OTHERS - {"flint"}, "h5py", "hoverproof.paper.equations"}),
     ("region x4-flyer --no-figure", {*SOLVERS, *OTHERS, "h5py"}),
     ("attraction x4-flyer --no-figure", {*SEARCHES, *FIGURES, *TABLES, "h5py"}),
     ("simulate x4-flyer --no-figures --duration 1", {*SOLVERS, *OTHERS, "cffi"}),
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("words", "needless"), LEAN, ids=[words for words, _ in LEAN])
 def test_a_command_imports_what_it_needs_alone(words, needless, tmp_path, monkeypatch):
     """When what it derives has been derived before, that is."""

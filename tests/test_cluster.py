@@ -59,6 +59,7 @@ def cluster():
             process.communicate()
 
 
+@pytest.mark.slow
 def test_a_cluster_that_loses_a_worker_gives_the_same_bytes(cluster, monkeypatch):
     address, workers = cluster
     monkeypatch.setattr(plan, "STEPS_IN_A_BLOCK", 20_000 * 16)
@@ -77,9 +78,16 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_bytes(cluster, monkeypatch
     assert Path("far.nc").read_bytes() == Path("here.nc").read_bytes()
 
 
-def test_an_atlas_drawn_on_a_cluster_is_the_one_drawn_here(cluster, monkeypatch):
-    monkeypatch.setattr("hoverproof.design.atlas.CHUNK", 80)
+def test_the_command_for_an_atlas_reaches_a_cluster_and_it_is_the_one_drawn_here(
+    cluster, monkeypatch, capsys
+):
     address, workers = cluster
+    options = ("--x", "k3", "--y", "k4", "--cells", "12", "--scheduler", address, "--json")
+    with pytest.raises(SystemExit) as done:
+        main(["atlas", "x4-flyer", *options])
+    assert done.value.code == 0
+    assert json.loads(capsys.readouterr().out)["cells"] == 144
+    monkeypatch.setattr("hoverproof.design.atlas.CHUNK", 80)
     mission = load("x4-flyer")
     x, y = axis(mission, "k3", cells=12), axis(mission, "k4", cells=12)
     seen = []
@@ -92,14 +100,6 @@ def test_an_atlas_drawn_on_a_cluster_is_the_one_drawn_here(cluster, monkeypatch)
     assert workers[0].poll() is not None
     assert seen[:2] == [(1, 2), (2, 2)]
     assert far.identical(atlas(mission, x, y, exact=True, processes=1))
-
-
-def test_the_command_for_an_atlas_reaches_a_cluster(cluster, capsys):
-    options = ("--x", "k3", "--y", "k4", "--cells", "12", "--scheduler", cluster[0], "--json")
-    with pytest.raises(SystemExit) as done:
-        main(["atlas", "x4-flyer", *options])
-    assert done.value.code == 0
-    assert json.loads(capsys.readouterr().out)["cells"] == 144
 
 
 def test_processes_and_a_scheduler_exclude_each_other(capsys):

@@ -71,6 +71,7 @@ def test_every_command_answers_machines(command):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -212,6 +213,7 @@ def test_bash_completes_a_command_and_a_preset(capsys, tmp_path, monkeypatch):
     shell.close(force=True)
 
 
+@pytest.mark.slow
 def test_attraction_shows_a_person_that_it_is_at_work_and_a_program_what_it_does(capsys):
     words = ("attraction", "x4-flyer", "--no-figure")
     terminal = pexpect.spawn(

@@ -15,7 +15,7 @@ from hoverproof.algebra.derived import kept_graph, kept_json
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification import gains, problem
 from hoverproof.servo import loop
-from hoverproof.servo.law import Feature
+from hoverproof.servo.feature import Feature
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.simulation import compiled, record, step, timing
 
@@ -146,6 +146,7 @@ def test_what_is_derived_of_a_law_that_is_not_of_the_house_is_not_kept(folder):
     assert not folder.exists()
 
 
+@pytest.mark.slow
 def test_processes_at_the_same_time_do_not_disturb_each_other(folder):
     code = (
         "from hoverproof.simulation.step import step_function\n"

@@ -130,6 +130,7 @@ def test_only_a_literal_zero_is_zero():
     assert not is_zero(x)
 
 
+@pytest.mark.slow
 @given(symmetric(), st.data())
 def test_a_quadratic_form_is_the_double_sum(matrix, data):
     n = len(matrix)

@@ -22,6 +22,12 @@ NUMBER = re.compile(r"-?\d+(?:/\d+|(?:\.\d+)?(?:e[-+]?\d+)?)")
 NEARLY = 0.05
 """Processors round differently, and a search in floating point may then end elsewhere."""
 each = pytest.mark.parametrize("script", SCRIPTS, ids=lambda p: p.stem)
+LARGE = "machinevisiontoolbox"
+"""What an example needs that `make trials` alone installs and runs."""
+RUN = [
+    pytest.param(p, marks=(pytest.mark.whole,) if LARGE in p.read_text(encoding="utf-8") else ())
+    for p in SCRIPTS
+]
 
 
 def notebook_of(script):
@@ -42,11 +48,11 @@ def test_every_example_has_its_notebook_and_the_other_way_round():
 
 
 @pytest.mark.slow
-@each
+@pytest.mark.parametrize("script", RUN, ids=[p.stem for p in SCRIPTS])
 def test_an_example_runs_alone_and_leaves_nothing_behind(script):
     source = script.read_text(encoding="utf-8")
-    if "machinevisiontoolbox" in source:
-        pytest.importorskip("machinevisiontoolbox", reason="not run: it is in the extra `compare`")
+    if LARGE in source:
+        pytest.importorskip(LARGE, reason="not run: it is in the extra `compare`")
     if "hp.Firmware(" in source:
         tool("cc")
     done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)

@@ -29,6 +29,7 @@ from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import SPARE
 from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.vehicles import Vehicles
+from hoverproof.certification.pattern import Pattern
 from hoverproof.mission.reading import load
 from laws_kit import feature, seen, slope
 
@@ -58,7 +59,8 @@ def wedges(points, sides, feature_is="scaled", goal=("8", "8")):
         domain=SimpleNamespace(wedge=held),
         enclosures=SimpleNamespace(goal=[F(x) for x in goal]),
     )
-    return checker.Wedges(c, points, feature_is == "scaled"), np.array(held, float)
+    target = checker.Pattern(points, [F(1)] * len(points))
+    return checker.Wedges(c, target, feature_is == "scaled"), np.array(held, float)
 
 
 def cells_of(rng, place, many):
@@ -113,7 +115,9 @@ def test_many_cells_at_once_are_seen_as_each_is_by_the_checker():
     rng, points = np.random.default_rng(6), [*TAG, [F(1, 20), F(-1, 30), F(1, 50)]]
     place, _ = wedges(points, [["-1/2", "1/2"], ["-1/3", "1/2"], ["1/2", "3/2"]])
     cells = cells_of(rng, place, 30)
-    many = scaled.Sight.over_wedges(np.array(points, float), np.array(cells, float) / place.unit)
+    many = scaled.Sight.over_wedges(
+        Pattern.plain(np.array(points, float)), np.array(cells, float) / place.unit
+    )
     J, s, unit = many.slope(), many.scaled(), 2.0**-checker.BITS
     for k, cell in enumerate(cells):
         sight = place.sight(cell)

@@ -117,6 +117,7 @@ def test_what_is_not_bounded_by_a_norm_is_the_graph(law):
         assert total == pytest.approx(whole, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_corners_are_the_worst():
     content = parts(mission(IMAGE, GAINS, **TOLERANCES), level=0.5)
     claim, rng = claim_of(content), np.random.default_rng(3)

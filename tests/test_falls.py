@@ -21,6 +21,7 @@ from hoverproof import checker, compilers
 from hoverproof.mission.reading import load
 from hoverproof.simulation import compiled
 from hoverproof.simulation.flight import simulate
+from sampling import mostly_whole
 
 COMMAND = [sys.executable, "-m", "hoverproof"]
 needs_compiler = pytest.mark.skipif(not compilers.find_compiler(), reason="no C compiler here")
@@ -47,6 +48,7 @@ def small_files():
     resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "name"),
     [
@@ -120,6 +122,7 @@ def machine(cache):
     return json.loads(done.stdout)["machine"]
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_a_cache_from_which_nothing_loads_is_gone_around(tmp_path):
     cache = tmp_path / "cache"
@@ -129,6 +132,7 @@ def test_a_cache_from_which_nothing_loads_is_gone_around(tmp_path):
     assert machine(cache) == "compiled C"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     not (hasattr(os, "geteuid") and os.geteuid() == 0 and shutil.which("mount")),
     reason="needs the right to mount a file system",
@@ -147,6 +151,7 @@ def test_a_cache_on_a_file_system_without_execution_is_gone_around(tmp_path):
         subprocess.run(["umount", str(cache)], check=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cc", [" ", "'gcc", "for another machine"])
 def test_firmware_without_a_compiler_that_works_is_one_line(cc, tmp_path):
     env = {**os.environ, "CC": for_another_machine(tmp_path) if cc.startswith("for") else cc}
@@ -178,11 +183,16 @@ LONG = [
 IN_STEPS = ("--runs", "--animate", "--exact-boundary", "report", "export")
 """Words of those that write one thing after another: they are interrupted later as well."""
 MOMENTS = [
-    (words, after)
-    for words in LONG
-    for after in (0.5, 2, 5)
-    if after < 5 or any(step in words for step in IN_STEPS)
+    *(
+        case
+        for number, words in enumerate(LONG)
+        for case in mostly_whole([(words, 0.5), (words, 2)], every=2, first=number % 2)
+    ),
+    *mostly_whole(
+        [(words, 5) for words in LONG if any(step in words for step in IN_STEPS)], every=3
+    ),
 ]
+"""CI interrupts each command once, as it begins or at its work, and some of them later as well."""
 WHOLE = {"x4-flyer.flights.nc", "crazyflie-2.1.flight.nc"}
 """Files that may be there: whole, made before the interruption, or made to be resumed."""
 

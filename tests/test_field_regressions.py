@@ -63,6 +63,7 @@ def test_a_margin_just_below_zero_is_no_proof(proved, margin):
         checker.check(forged(proved, claim=claim, vertices=vertices))
 
 
+@pytest.mark.slow
 def test_a_margin_is_never_proved_where_the_worst_eigenvalue_is_a_hair_below_zero():
     """The gain k4 is moved until Σ turns; on either side by 1e-12 nothing false is proved."""
     low, high = F(1, 10), F(3)  # refuted, proved

@@ -61,6 +61,7 @@ def test_every_axis_of_every_figure_has_its_unit(flight, name):
         assert axes.get_xlabel() or not axes.get_subplotspec().is_last_row()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", figures.FIGURES)
 def test_no_legend_covers_data(flight, name):
     figure = getattr(figures, f"{name}_figure")(flight)
@@ -74,6 +75,7 @@ def test_no_legend_covers_data(flight, name):
             assert extent.x1 <= figure.bbox.x1
 
 
+@pytest.mark.slow
 def test_all_figures_are_written_with_sane_sizes(flight):
     paths = figures.save_figures(flight, Path("a"))
     assert [p.name for p in paths] == ["a.motion.png", "a.features.png", "a.path.png"]
@@ -205,7 +207,7 @@ def test_space_is_drawn_to_one_scale_not_mirrored_and_with_up_on_top(flight):
 
 
 def test_a_rotor_s_place_gives_its_torque(flight):
-    places = Scene.of(flight).rotor_places()
+    places = Scene.of(flight).rotor_places
     thrusts = flight["rotor_thrust"].values[0]
     up = np.array([0, 0, -1.0])
     torque = sum(np.cross(p, t * up) for p, t in zip(places, thrusts, strict=True))
@@ -213,6 +215,7 @@ def test_a_rotor_s_place_gives_its_torque(flight):
     assert np.allclose(np.abs(places[:, :2]), 0.25)
 
 
+@pytest.mark.slow
 def test_figures_of_flights_cut_short_can_be_drawn():
     wild = simulate(load("x4-flyer", {"gains.k1": "200", "gains.k2": "300"}), duration=50)
     assert wild.attrs["outcome"] != "flown"
@@ -220,6 +223,7 @@ def test_figures_of_flights_cut_short_can_be_drawn():
     assert len(figures.save_figures(wild.isel(time=slice(0, 1)), Path("instant"))) == 3
 
 
+@pytest.mark.slow
 def test_a_record_is_drawn_as_its_dataset_is(x4):
     record = flown(x4, Timing(duration=1500))
     decay = decay_along(record, hp.certify(x4))
@@ -230,6 +234,7 @@ def test_a_record_is_drawn_as_its_dataset_is(x4):
         assert one.read_bytes() == other.read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", ["png", "svg"])
 def test_a_figure_laid_out_once_is_the_figure_that_savefig_lays_out(flight, ending):
     with mpl.rc_context({"svg.hashsalt": "same"}):

@@ -70,6 +70,7 @@ def seen_from_goal(firmware):
 # --- the law ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tunable", [False, True])
 @pytest.mark.parametrize("overrides", [{}, OFF_AXIS, LEVEL])
 def test_the_law_is_the_derived_controller_exactly(overrides, tunable):
@@ -81,7 +82,7 @@ def test_the_law_is_the_derived_controller_exactly(overrides, tunable):
 def test_a_law_with_one_number_changed_is_not_the_controller(x4):
     law = flight_law(x4, sensing="centroid")
     goal = hover_goal(x4).centroid_midpoint
-    design = [*Design.values(x4, goal), x4.vehicle.arm, x4.vehicle.drag_ratio]
+    design = [*Design.values(x4, goal), x4.vehicle.reach, x4.vehicle.drag_ratio]
     numbers = list(law.coefficients.values())
     assert_is_the_controller(law.function, design, numbers)
     for i in range(len(numbers)):
@@ -157,6 +158,7 @@ def outputs(firmware, numbers):
     return out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preset", PAPERS.values(), ids=PAPERS)
 def test_casadis_own_c_of_the_derived_controller_agrees(both, preset, tmp_path):
     """CasADi prints the derived controller by itself; only the model is shared."""
@@ -185,6 +187,7 @@ def test_casadis_own_c_of_the_derived_controller_agrees(both, preset, tmp_path):
     assert (np.abs(np.subtract(found, expected)) <= 1e-12 * scale).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preset", PAPERS.values(), ids=PAPERS)
 def test_rotors_make_the_thrust_and_torque(both, preset):
     firmware, draw = both[preset, "float64"], np.random.default_rng(2)
@@ -194,12 +197,18 @@ def test_rotors_make_the_thrust_and_torque(both, preset):
         if out.status & 32:
             continue
         made = np.array(
-            wrench(ca.DM(list(out.rotor)), float(vehicle.arm), float(vehicle.drag_ratio))
+            wrench(
+                vehicle.frame,
+                ca.DM(list(out.rotor)),
+                float(vehicle.reach),
+                float(vehicle.drag_ratio),
+            )
         )
         wanted = [out.thrust, *out.torque]
         assert np.allclose(made[:, 0], wanted, rtol=1e-12, atol=1e-12 * out.thrust)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("calm", [True, False])
 @pytest.mark.parametrize("preset", PAPERS.values(), ids=PAPERS)
 def test_float32_is_within_a_millionth_of_the_scale_of_float64(both, preset, calm, whole):
@@ -324,6 +333,7 @@ def test_a_start_beyond_the_limits_is_limited_and_a_start_from_nan_hovers(firmwa
     assert firmware.thrust_excess == pytest.approx(4 * 47 - 94.08, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_tuned_gains_fly_as_those_folded_in_and_say_that_nothing_is_proved(tmp_path):
     tool("cc")
     export(tmp_path / "tunable", overrides=OFF_AXIS, tunable=True, precision="float64")

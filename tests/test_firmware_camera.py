@@ -64,6 +64,7 @@ def of_a_law(request, tmp_path_factory):
     return request.param, watching(tmp_path_factory.mktemp("camera"), request.param)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("age", [0.0, 0.4 * DT, DT, 2.7 * DT, 20 * DT, 60.5 * DT])
 def test_a_frame_of_any_age_is_turned_to_the_step(of_a_law, age):
     choices, firmware = of_a_law
@@ -257,6 +258,7 @@ def rk4(move, x, thrust, torque, vehicle, dt):
     return x + dt / 6 * (a + 2 * b + 2 * c + rate(x + dt * c))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("frame_rate", "latency"), [(10, 0.1), (25, 0.08), (50, 0.04)])
 def test_with_a_slow_and_late_camera_it_flies_and_knows_the_feature(firmware, frame_rate, latency):
     """What is left of the error is what the vehicle has moved; the frame itself is far off."""

@@ -19,6 +19,7 @@ from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.laws.choices import WithAccelerometer
 from hoverproof.servo.laws.hamel_mahony import LAWS, law_of
 from hoverproof.servo.loop import LoopNumbers
+from sampling import mostly_whole
 from small_kit import small_vehicle
 
 EACH_LAW = pytest.mark.parametrize("choices", LAWS, ids="/".join)
@@ -68,6 +69,7 @@ def feature_of(image, name):
 # --- it is the controller -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tunable", [False, True])
 @EACH_LAW
 def test_the_law_is_the_derived_controller_exactly(choices, tunable):
@@ -76,7 +78,7 @@ def test_the_law_is_the_derived_controller_exactly(choices, tunable):
     assert law.function.n_instructions() < 250
     numbers, source = list(law.coefficients.values()), law_of(mission)
     vehicle, goal = mission.vehicle, source.goal_feature(mission)
-    design = [*source.design.values(mission, goal), vehicle.arm, vehicle.drag_ratio]
+    design = [*source.design.values(mission, goal), vehicle.reach, vehicle.drag_ratio]
     assert_is_the_controller(law.function, design, numbers, source)
     for i in range(len(numbers)):
         changed = [*numbers[:i], numbers[i] * (1 + Fraction(1, 10**12)), *numbers[i + 1 :]]
@@ -84,8 +86,14 @@ def test_the_law_is_the_derived_controller_exactly(choices, tunable):
             assert_is_the_controller(law.function, design, changed, source)
 
 
-@pytest.mark.parametrize("sensing", ["points", "centroid"])
-@EACH_LAW
+@pytest.mark.parametrize(
+    ("choices", "sensing"),
+    [
+        case
+        for number, law in enumerate(LAWS)
+        for case in mostly_whole([(law, "points"), (law, "centroid")], every=2, first=number % 2)
+    ],
+)
 def test_the_c_computes_the_law_of_a_feature_worked_out_apart(choices, sensing, tmp_path):
     firmware, mission = made(tmp_path, choices, precision="float64", sensing=sensing)
     assert firmware.selftest() == 0
@@ -112,7 +120,7 @@ def test_the_c_computes_the_law_of_a_feature_worked_out_apart(choices, sensing, 
         assert out.thrust == pytest.approx(thrust, rel=1e-12)
 
 
-@EACH_LAW
+@pytest.mark.parametrize("choices", mostly_whole([(law,) for law in LAWS], every=3))
 def test_float32_is_within_a_hundred_thousandth_of_the_scale_of_float64(choices, tmp_path):
     pair = [made(tmp_path / p, choices, precision=p)[0] for p in ("float32", "float64")]
     draw, rows = np.random.default_rng(2), []
@@ -136,7 +144,7 @@ def test_float32_is_within_a_hundred_thousandth_of_the_scale_of_float64(choices,
 # --- it flies -------------------------------------------------------------------------------------
 
 
-@EACH_LAW
+@pytest.mark.parametrize("choices", mostly_whole([(law,) for law in LAWS], every=3, first=1))
 def test_the_firmware_flies_as_the_simulation_does(choices):
     tool("cc")
     mission = mission_of(choices, Q_GAINS if choices[0] == "centroid" else ())
@@ -152,7 +160,8 @@ def test_the_firmware_flies_as_the_simulation_does(choices):
     assert apart < 1e-2 * gone
 
 
-@EACH_LAW
+@pytest.mark.slow
+@pytest.mark.parametrize("choices", mostly_whole([(law,) for law in LAWS], every=3, first=2))
 def test_a_start_from_any_thrust_commands_just_that_and_goes_on_from_there(choices, tmp_path):
     firmware, _ = made(tmp_path, choices)
     for thrust in (4.2, 4.905, 5.7):
@@ -243,6 +252,7 @@ def test_a_centroid_that_no_target_has_is_a_fault(precision, tmp_path):
         assert step_at(firmware, [0, 0, length]).status & ~(32 | UNPROVED) == status
 
 
+@pytest.mark.slow
 def test_in_float32_a_centroid_tells_the_size_to_a_thousandth_where_it_is_taken(tmp_path):
     """Close to the smallest target that is taken; image points lose nothing there."""
     errors = {}

@@ -14,6 +14,7 @@ from firmware_kit import FLAGS, export, run, tool
 from hoverproof.errors import InputError
 from hoverproof.export.names import HEADERS, WORDS, package_name
 from hoverproof.mission.reading import load
+from sampling import share_of
 
 STUBS = Path(__file__).parent / "stubs"
 CAPTURED = {"capture_output": True, "text": True, "check": False}
@@ -104,13 +105,16 @@ def test_under_the_name_of_any_header_that_it_opens_a_package_is_refused_or_comp
 
 
 @pytest.mark.slow
-def test_under_any_word_of_c_or_of_its_own_a_package_is_refused_or_compiles(package, tmp_path):
+def test_under_any_word_of_c_or_of_its_own_a_package_is_refused_or_compiles(
+    package, tmp_path, whole
+):
+    """Under one of four of them, and with `make trials` under each."""
     sources = [p for p in package.folder.rglob("*") if p.suffix in (".c", ".h")]
     own = set(re.findall(r"\b[A-Za-z]\w*", "".join(p.read_text("utf-8") for p in sources)))
     short = {name for name in own if "zzname" not in name.lower()}
     tried = list(free(short | set(f"{WORDS} {HEADERS}".split())))
     assert len(tried) > 100
-    assert compile_all(package, tried, tmp_path) == {}
+    assert compile_all(package, share_of(tried, whole, every=4), tmp_path) == {}
 
 
 def test_an_export_under_a_taken_name_writes_nothing(tmp_path):

@@ -47,7 +47,7 @@ def flights(mission, package, board, *flags, duration=10):
     ("law", "precision", "board"),
     [
         (LAW, "float32", M4F),
-        (LAW, "float32", M7),
+        pytest.param(LAW, "float32", M7, marks=pytest.mark.whole),
         (LAW, "float64", M7),
         (IMAGE, "float32", M4F),
     ],

@@ -20,6 +20,7 @@ SOON = {"start.position": "[0.3, 0.2, -1.2]"}
 CONDITIONS = [{}, {"sensors.latency": "0.02"}]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("conditions", CONDITIONS, ids=["ideal", "late frames"])
 @pytest.mark.parametrize("every", [None, 1, 300])
 def test_one_flight_and_many_settle_at_the_same_time_whatever_is_kept(conditions, every):
@@ -36,6 +37,7 @@ def test_one_flight_and_many_settle_at_the_same_time_whatever_is_kept(conditions
     assert error[first - 1] > 0.1 * error[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "outcome"),
     [
@@ -137,6 +139,7 @@ def test_a_whole_flight_that_misses_its_goal_says_so(capsys):
     assert not [line for line in lines if "goal" in line]
 
 
+@pytest.mark.slow
 def test_without_a_compiler_the_same_is_noted():
     mission = load("x4-flyer", {"model_error.mass": "0.005"})
     ideal = load("x4-flyer", {"start.rotation": "[1.5, 0, 0]"})

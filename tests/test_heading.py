@@ -25,6 +25,7 @@ from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.laws.hamel_mahony import LAWS, law_of
 from hoverproof.servo.laws.heading import HEADED, flown_law
 from hoverproof.simulation.runs import simulate_batch
+from sampling import mostly_whole
 from small_kit import small_vehicle
 
 PAPERS, BEST = ("centroid", "image", "modelled"), ("scaled", "inertial", "measured")
@@ -221,14 +222,15 @@ def test_the_law_without_heading_may_be_flown_by_name():
 # --- firmware -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tunable", [False, True])
-@EACH_LAW
+@pytest.mark.parametrize("choices", mostly_whole([(law,) for law in LAWS], every=3))
 def test_the_printed_law_is_the_derived_one_exactly(choices, tunable):
     mission = mission_of(choices)
     law = flight_law(mission, sensing="feature", tunable=tunable)
     numbers, source = list(law.coefficients.values()), flown_law(mission)
     vehicle, goal = mission.vehicle, source.goal_feature(mission)
-    design = [*source.design.values(mission, goal), vehicle.arm, vehicle.drag_ratio]
+    design = [*source.design.values(mission, goal), vehicle.reach, vehicle.drag_ratio]
     for i, name in enumerate(law.coefficients):
         if "heading" in name:
             changed = [*numbers[:i], numbers[i] * (1 + Fraction(1, 10**12)), *numbers[i + 1 :]]
@@ -283,6 +285,7 @@ def test_without_a_heading_the_step_flies_on_and_damps_yaw_alone(headed, heading
     assert out.thrust == pytest.approx(4.905, rel=1e-6)
 
 
+@pytest.mark.slow
 @BOTH
 def test_the_firmware_flies_as_the_simulation_does(choices):
     tool("cc")
@@ -335,6 +338,7 @@ def test_a_gain_of_a_heading_without_one_is_rejected():
         checker.check(content)
 
 
+@pytest.mark.slow
 def test_a_start_that_sinks_is_not_refuted_for_a_vehicle_that_turns():
     low = {"start.position": [0, 0, Fraction("-0.02")], "start.velocity": [0, 0, 3]}
     plain, headed = (

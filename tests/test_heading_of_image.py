@@ -202,6 +202,7 @@ def test_an_ideal_flight_is_the_one_with_a_compass(choices, yaw, position):
     assert yaw_of(image)[-1] == pytest.approx(1.2, abs=1e-4)
 
 
+@pytest.mark.slow
 @BOTH
 @pytest.mark.parametrize("gyro", [True, False])
 def test_from_a_wrong_heading_it_comes_to_the_right_one_with_late_noisy_frames(choices, gyro):
@@ -214,6 +215,7 @@ def test_from_a_wrong_heading_it_comes_to_the_right_one_with_late_noisy_frames(c
     assert 0 < last.std() < 0.02
 
 
+@pytest.mark.slow
 def test_a_late_heading_is_turned_with_the_gyro():
     by_compass, turning, held = (
         yaw_of(hoverproof.simulate(mission_of(BEST, overrides=own | turned("-1.5")), duration=6))
@@ -224,6 +226,7 @@ def test_a_late_heading_is_turned_with_the_gyro():
     assert without > 5 * off
 
 
+@pytest.mark.slow
 def test_the_errors_of_a_compass_are_not_those_of_the_image():
     biased = {"sensors": {"heading_bias": Fraction("0.3"), "heading_noise": Fraction("0.1")}}
     compass, image = (mission_of(BEST, overrides=biased | own) for own in ({}, IMAGE))
@@ -258,6 +261,7 @@ def made(folder, **options):
     return Firmware(folder), np.array(mission.target.points, float)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("precision", "error"), [("float32", 2e-5), ("float64", 1e-12)])
 def test_the_heading_in_c_is_that_of_the_model(tmp_path, precision, error):
     firmware, points = made(tmp_path, precision=precision)
@@ -279,6 +283,7 @@ def test_of_a_target_seen_as_a_point_there_is_no_heading_and_the_step_says_so(tm
     assert heading == (0, 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("precision", "error"), [("float32", 1e-4), ("float64", 1e-6)])
 def test_a_frame_that_is_kept_is_turned_to_the_heading_of_now(tmp_path, precision, error):
     """The vehicle turns at a steady rate about an axis of its own; frames are 40 ms old."""
@@ -305,6 +310,7 @@ def test_a_frame_that_is_kept_is_turned_to_the_heading_of_now(tmp_path, precisio
     assert known > 40
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("down", [[0, 0, 0.5], [0, 0, 2], [np.nan, 0, 1], [0, 0, np.inf]], ids=str)
 def test_a_frame_without_a_direction_of_gravity_is_refused(tmp_path, down):
     firmware, points = made(tmp_path, camera=True)
@@ -314,6 +320,7 @@ def test_a_frame_without_a_direction_of_gravity_is_refused(tmp_path, down):
     assert firmware.frame(points[:, :2], 0.002, gravity_direction=[0, 0, 1]) == 0
 
 
+@pytest.mark.slow
 @BOTH
 @pytest.mark.parametrize("overrides", [{}, REAL], ids=["ideal", "real"])
 def test_the_firmware_flies_as_the_simulation_does(choices, overrides):

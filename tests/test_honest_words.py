@@ -37,6 +37,7 @@ def test_many_flights_that_would_be_the_same_are_refused(capsys):
     assert list(Path.cwd().iterdir()) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "setting",
     [

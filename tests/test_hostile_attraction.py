@@ -21,6 +21,7 @@ from hoverproof.certification.attraction.search import SLACKS
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.verdict import Undecided
 from hoverproof.mission.reading import load
+from sampling import mostly_whole
 from sharing import kept_value
 from test_hostile import floats, is_about, mutants, put, with_another_key
 
@@ -287,13 +288,13 @@ def test_no_mutant_is_accepted_unless_true(short, name, whole):
     tried(content, tally)
     assert tally["accepted"] == 1
     for number, mutant in mutants(content):
-        if number % 2 == 0:
+        if number % (2 if whole else 4) == 0:
             tried(mutant, tally)
         if number % (STEP // 2 if whole else STEP) == 0:
             tried(remade(mutant), tally)
     print(f"{name}:", dict(tally))
     assert tally["accepted"] > 20
-    assert tally["mutants"] >= 1200  # 2,400 with both names
+    assert tally["mutants"] >= (1200 if whole else 700)
 
 
 # --- motions that sink --------------------------------------------------------------------------
@@ -393,8 +394,10 @@ def test_a_statement_of_a_motion_names_the_target_and_the_mission(motions):
     refuses_more_keys(motions["box"])
 
 
-@pytest.mark.parametrize("points", [2, 4, 64])
-@pytest.mark.parametrize("k3", ["61/2", "100000"])
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("points", "k3"), mostly_whole(itertools.product([2, 4, 64], ["61/2", "100000"]), every=3)
+)
 def test_a_motion_without_an_end_is_soon_given_up(motions, points, k3):
     content = copy.deepcopy(motions["state"])
     ring = [2 * np.pi * k / points for k in range(points)]
@@ -419,9 +422,10 @@ def test_no_mutant_of_a_motion_is_accepted_unless_true(motions, name, whole):
     tried(content, tally, Sunk)
     assert tally["accepted"] == 1
     for number, mutant in mutants(content):
-        tried(mutant, tally, Sunk)
+        if whole or number % 3 == 0:
+            tried(mutant, tally, Sunk)
         if number % (STEP // 2 if whole else STEP) == 0:
             tried(remade(mutant), tally, Sunk)
     print(f"{name}:", dict(tally))
     assert tally["accepted"] > 20
-    assert tally["mutants"] >= 2000
+    assert tally["mutants"] >= (2000 if whole else 800)

@@ -19,7 +19,7 @@ CASES = {
     **{name: (small, name, Truth) for name in ("late", "lagged", "image")},
     "potential": (potential, "late", OfPotential),
 }
-STRIDE = 97
+STRIDE = 197
 """Of so many mutants one is tried in a part."""
 ENOUGH = 8.0  # s; 3 s on a machine with nothing else to do
 
@@ -65,8 +65,8 @@ def test_no_mutant_is_accepted_unless_true(name, whole):
         if whole and number % 5 == 0:
             tried(mutant, tally, truth)
     print(f"{name}:", dict(tally))
-    assert tally["accepted"] > (100 if whole else 2)
-    assert tally["mutants"] > (2000 if whole else 20)  # 8,000 whole with all names
+    assert tally["accepted"] > (100 if whole else 1)
+    assert tally["mutants"] > (2000 if whole else 10)  # 8,000 whole with all names
 
 
 # --- more than is proved, each with all hashes and the statement made anew ------------------------

@@ -137,6 +137,7 @@ def test_stiff_gains_never_leave(x4):
     assert 0.5e-2 > soft.target_load - 1 > 0
 
 
+@pytest.mark.slow
 def test_tune_and_the_firmware_say_what_an_error_does(tmp_path, capsys):
     mission = load(CRAZYFLIE)
     rows = hover_error(mission).rows()

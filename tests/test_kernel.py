@@ -108,6 +108,7 @@ def test_without_a_compiler_the_noise_of_many_steps_is_drawn_at_once(monkeypatch
 ALL = Features(camera_noise=True, rounded=True, imu_noise=True, gusts=True, abort=True)
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("n", [2, 3, 7])
 def test_every_loop_compiles_for_any_number_of_points(n):

@@ -25,7 +25,8 @@ from hoverproof.mission.sections import Gains
 from hoverproof.plant import camera
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design, Errors, Feature, Measurement
+from hoverproof.servo.feature import Feature
+from hoverproof.servo.law import Design, Errors, Measurement
 from hoverproof.servo.laws.choices import WithAccelerometer
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, LAWS, horizontal, wanted_rates
 from hoverproof.servo.laws.heading import DesignWithHeading
@@ -266,6 +267,7 @@ def test_it_flies_with_sensors_and_rotors_of_a_vehicle(x4):
     assert far < np.linalg.norm(papers["position"].values[-1] - ideal["position"].values[-1])
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize(
     ("law", "tunable"),

@@ -13,7 +13,7 @@ from hoverproof import cli
 from hoverproof.errors import InputError
 from hoverproof.mission.presets import preset_text, presets
 from hoverproof.mission.reading import load
-from hoverproof.mission.sections import on_one_line
+from hoverproof.mission.target import on_one_line
 from hoverproof.plant.goal import hover_goal
 
 BASE = preset_text("x4-flyer")
@@ -37,14 +37,16 @@ BROKEN = [
     ("[vehicle]", "[vehicel]", "vehicel", "did you mean 'vehicle'"),
     ("[0.4, 0.56, 0.22]", "[0.4, 0.56]", "vehicle.inertia", "[I1, I2, I3]"),
     ("[0.4, 0.56, 0.22]", "[0.1, 0.1, 0.9]", "vehicle.inertia", "no rigid body"),
-    ("arm = 0.25", "arm = -1", "vehicle.arm", "above 0"),
+    ("lever = 0.25", "lever = -1", "vehicle.lever", "above 0"),
     (POINTS, "[]", "target.points", "at least 2"),
     (POINTS, "[[0, 0, 0]]", "target.points", "at least 2"),
     (POINTS, "3", "target.points", "list of points"),
     (POINTS, "[[0, 0], [1, 0]]", "target.points[1]", "[x, y, z]"),
     (POINTS, '[[0, 0, "0"], [1, 0, 0]]', "target.points[1][3]", "a number in m"),
-    (POINTS, "[[0, 0, 0], [1, 0, 0], [1, 0, 0]]", "target.points", "coincides"),
-    (POINTS, "[[0, 0, 0], [1, 0, 0], [2, 0, 0]]", "target.points", "one line"),
+    (POINTS, "[[1, 0, 0], [1, 0, 0], [1, 0, 0]]", "target.points", "all one point"),
+    (POINTS, f"{POINTS}\nweights = [1, 2]", "target.weights", "one number for each"),
+    (POINTS, f"{POINTS}\nweights = [1, 1, 0, 1]", "target.weights[3]", "above 0"),
+    (POINTS, f"{POINTS}\nweights = 2", "target.weights", "list of weights"),
     (POINTS, "[[0, 0, 0], [0, 0, 1]]", "target.points", "in line with a camera"),
     ("height = 3.0", "height = -3", "goal.height", "above 0"),
     ("height = 3.0", "", "goal", "either height"),
@@ -71,6 +73,7 @@ BROKEN = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("old", "new", "key", "reason"), BROKEN)
 @pytest.mark.parametrize("command", ["certify", "simulate"])
 def test_a_broken_mission_gives_one_line_and_status_2(command, old, new, key, reason, capsys):

@@ -84,7 +84,8 @@ def test_answers_are_written_as_they_were_typed():
 
 def test_the_arm_is_the_lever_of_rotors_in_x_and_latency_is_all_that_ages_an_image():
     mission = of(without_asking({"rotor_distance": "0.17", "autopilot": "px4"}))
-    assert mission.vehicle.arm == Fraction("0.1202")
+    assert (mission.vehicle.layout, mission.vehicle.arm) == ("x", Fraction("0.17"))
+    assert float(mission.vehicle.reach) == pytest.approx(0.17 / 2**0.5, rel=1e-11)
     assert mission.uncertainty.latency >= mission.sensors.latency + Fraction(1, 30) + Fraction(
         1, 400
     )
@@ -215,6 +216,7 @@ def spawn(*arguments):
     )
 
 
+@pytest.mark.slow
 def test_in_a_terminal_it_asks_and_writes():
     terminal = spawn("new", "my-flyer.toml", "--height", "1.0")
     for question in QUESTIONS:
@@ -227,6 +229,7 @@ def test_in_a_terminal_it_asks_and_writes():
     assert (float(mission.vehicle.mass), float(mission.goal.height)) == (1.5, 1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["c", "d"])
 def test_leaving_writes_nothing(key):
     terminal = spawn("new", "my-flyer.toml")
@@ -243,6 +246,7 @@ def test_leaving_writes_nothing(key):
     assert list(Path.cwd().iterdir()) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("option", [["--yes"], ["--from", "x4-flyer"], ["--json"]])
 def test_nothing_is_asked_of_those_who_say_so(option):
     terminal = spawn("new", "my-flyer.toml", *option)

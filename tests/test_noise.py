@@ -36,7 +36,10 @@ NOISES = {
 }
 
 
-@pytest.fixture(scope="module", params=NOISES)
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param("image", marks=pytest.mark.whole), "all", "late"],
+)
 def proved(tmp_path_factory, request):
     path = tmp_path_factory.mktemp("missions") / "tag.toml"
     path.write_text(MISSION, encoding="utf-8")
@@ -216,6 +219,7 @@ class Bounds:
         return Wrong(**found)
 
 
+@pytest.mark.slow
 def test_nowhere_on_the_set_does_noise_make_it_rise_by_more_than_is_claimed(proved):
     known = Bounds(proved)
     case, rng = known.case, np.random.default_rng(22)
@@ -243,6 +247,7 @@ def test_nowhere_on_the_set_does_noise_make_it_rise_by_more_than_is_claimed(prov
     assert risen[good].max() > 0.01 * known.risen
 
 
+@pytest.mark.slow
 def test_flights_in_the_worst_noise_end_where_it_is_claimed(proved):
     known, rng = Bounds(proved), np.random.default_rng(23)
     case = known.case
@@ -261,6 +266,7 @@ def test_flights_in_the_worst_noise_end_where_it_is_claimed(proved):
     assert least.max() > 0.02 * radius
 
 
+@pytest.mark.slow
 def test_what_is_told_is_what_the_checker_says(proved):
     said = checker.check(proved.certificate.content)
     assert f"in the end within {checker.about(proved.ultimate_radius)} m" in said
@@ -290,6 +296,7 @@ MORE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keys", MORE, ids=".".join)
 def test_what_claims_more_is_rejected(keys, proved):
     at = proved.certificate.content

@@ -77,6 +77,7 @@ def test_a_feature_in_old_axes_changes_by_the_depth_flow_and_the_turn(law):
 # --- proofs -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_it_is_proved_and_said(name, proofs):
     found = proofs(name)
@@ -87,12 +88,14 @@ def test_it_is_proved_and_said(name, proofs):
     Truth(found.certificate.content).holds()
 
 
+@pytest.mark.slow
 def test_the_natural_potential_proves_it_too(natural):
     assert natural.status == "proved", natural.reason
     assert "in the axes that the camera had then" in checker.check(natural.certificate.content)
     OfPotential(natural.certificate.content).holds()
 
 
+@pytest.mark.slow
 def test_turning_the_image_costs_less(proofs):
     turned = CASES["inertial"] | {"sensors.gyro_turned": "true"}
     with pytest.MonkeyPatch.context() as patch:
@@ -114,6 +117,7 @@ def test_a_certificate_is_about_its_own_class(proofs):
     assert "gyro_turned" not in turned.exact()["uncertainty"]
 
 
+@pytest.mark.slow
 def test_wind_on_a_vehicle_that_yaws_leaves_it_near_the_goal():
     """It leans, and what it sees of that turns: a bound in metres, and nothing by the potential."""
     with pytest.MonkeyPatch.context() as patch:
@@ -137,6 +141,7 @@ def test_wind_on_a_vehicle_that_yaws_leaves_it_near_the_goal():
 # --- flights ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("anywhere", [False, True], ids=["start", "anywhere"])
 def test_every_vehicle_within_tolerance_falls_as_is_claimed(name, anywhere, proofs, whole):
@@ -146,6 +151,7 @@ def test_every_vehicle_within_tolerance_falls_as_is_claimed(name, anywhere, proo
     holds(case, fly(case, np.random.default_rng(32), count, 1.0, case.settling()[0], start=start))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("near", [1, 0.03])
 def test_evolution_finds_no_state_and_delay_that_break_the_inequality(name, near, proofs, whole):
@@ -153,6 +159,7 @@ def test_evolution_finds_no_state_and_delay_that_break_the_inequality(name, near
     assert strongest(case, 33, 600 if whole else 60, near=near)[0] < 0
 
 
+@pytest.mark.slow
 def test_evolution_tells_old_axes_where_they_are_not_proved():
     """Three times the yaw rate is within what weights allow if the image is turned, else not."""
     with pytest.MonkeyPatch.context() as patch:
@@ -169,6 +176,7 @@ def test_evolution_tells_old_axes_where_they_are_not_proved():
 # --- forgeries ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_what_claims_more_is_rejected(name, proofs):
     held = proofs(name).certificate.content

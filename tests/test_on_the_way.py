@@ -30,7 +30,7 @@ start = {position = [0.3, 0, -1.5]}
 [vehicle]
 mass = 0.5
 inertia = [2.1e-3, 2.5e-3, 4e-3]
-arm = 0.12
+lever = 0.12
 drag_ratio = 0.016
 gravity = 9.81
 """
@@ -48,6 +48,7 @@ def proved(path):
     return kept_value("on the way", lambda: converge(load(path)))
 
 
+@pytest.mark.slow
 def test_what_is_told_is_what_the_checker_says(proved):
     said = checker.check(proved.certificate.content)
     low, high = proved.rotor_thrust
@@ -152,6 +153,7 @@ def test_a_heading_to_turn_to_asks_more_of_the_rotors(proved):
     assert (own[0] - low, high - own[1]) == (more, more)
 
 
+@pytest.mark.slow
 def test_a_camera_that_sees_enough_is_claimed_and_one_that_does_not_is_said(path, proved):
     content = proved.certificate.content
     for half, fits in ((proved.field_of_view + F(1, 1000), True), (F(1, 2), False)):

@@ -23,6 +23,7 @@ def run(capsys, *arguments):
     return done.value.code, *capsys.readouterr()
 
 
+@pytest.mark.slow
 def test_runs_of_which_none_is_complete_tell_nothing_of_settling(capsys, monkeypatch):
     def at_once(*_, **__):
         raise KeyboardInterrupt
@@ -90,6 +91,7 @@ def test_a_box_that_holds_a_target_point_is_named_and_printed(more, command, key
     assert re.search(r"\[\S+, \S+\] x \[\S+, \S+\] x \[\S+, \S+\] m holds a target point", err)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bounds", "broken"),
     [("[0.9, 1]", {"lower", "upper"}), ("[0.9, 5]", {"lower"}), ("[0.01, 1]", {"upper"})],

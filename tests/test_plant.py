@@ -8,6 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from hoverproof.mission.frame import X
 from hoverproof.mission.reading import load
 from hoverproof.plant import camera, rigid_body, rotors
 from hoverproof.plant.goal import hover_goal
@@ -34,16 +35,16 @@ def test_skew_is_the_cross_product():
 
 def test_rotors_make_the_wrench_that_was_asked_for():
     wanted = rng.normal(size=4)
-    forces = rotors.rotor_thrusts(ca.SX(wanted[0]), ca.SX(wanted[1:]), ca.SX(0.25), ca.SX(0.01))
-    made = rotors.wrench(forces, ca.SX(0.25), ca.SX(0.01))
+    forces = rotors.rotor_thrusts(X, ca.SX(wanted[0]), ca.SX(wanted[1:]), ca.SX(0.25), ca.SX(0.01))
+    made = rotors.wrench(X, forces, ca.SX(0.25), ca.SX(0.01))
     assert np.allclose(np.array(ca.DM(made)).ravel(), wanted, rtol=1e-13, atol=1e-13)
 
 
 def test_each_rotor_turns_the_body_about_its_place_and_against_its_sense():
     """Pushed up on the right a vehicle rolls to the left, pushed up in front it noses up."""
-    for i, name in enumerate(rotors.ROTORS):
+    for i, name in enumerate(X.names):
         push = [float(k == i) for k in range(4)]
-        made = rotors.wrench(ca.SX(push), ca.SX(0.25), ca.SX(0.01))
+        made = rotors.wrench(X, ca.SX(push), ca.SX(0.25), ca.SX(0.01))
         thrust, roll, pitch, yaw = np.array(ca.DM(made)).ravel()
         assert thrust == 1
         assert roll == (-0.25 if "right" in name else 0.25)

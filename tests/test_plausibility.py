@@ -24,8 +24,8 @@ STRANGE = {
         "inertia against mass and arm",
     ),
     "no inertia": ({"vehicle.inertia": "[1e-9,1e-9,1e-9]"}, "inertia against mass and arm"),
-    "arm in mm": ({"vehicle.arm": "32.5"}, "arm against mass"),
-    "arm in cm": ({"vehicle.arm": "3.25"}, "arm against mass"),
+    "arm in mm": ({"vehicle.lever": "32.5"}, "arm against mass"),
+    "arm in cm": ({"vehicle.lever": "3.25"}, "arm against mass"),
     "mass in g": (
         {"vehicle.mass": "27", "bounds": "{eigenvalues=[0.25,3.7], level=0.1}"},
         "arm against mass",
@@ -63,7 +63,7 @@ def test_vehicles_of_usual_shape_are_not_strange_at_any_size(grams, slender):
     moments = [0.5 * mass * arm**2, 0.5 * mass * arm**2, 0.9 * mass * arm**2]
     vehicle = {
         "vehicle.mass": repr(mass),
-        "vehicle.arm": repr(arm),
+        "vehicle.lever": repr(arm),
         "vehicle.inertia": repr(moments),
         "vehicle.drag_ratio": repr(0.2 * arm),
         "vehicle.gravity": "9.81",
@@ -86,9 +86,9 @@ def test_what_no_vehicle_has_is_named(overrides, name):
 
 
 def test_the_report_says_it_too():
-    heavy = load("x4-flyer", {"vehicle.arm": "25"})
+    heavy = load("x4-flyer", {"vehicle.lever": "25"})
     (table,) = strange_tables(heavy)
-    assert {key for key, _ in table.rows} >= {"vehicle.arm"}
+    assert {key for key, _ in table.rows} >= {"vehicle.lever"}
     assert strange_tables(load("x4-flyer")) == []
 
 
@@ -110,6 +110,7 @@ def test_a_command_warns_once_and_goes_on(capsys):
     assert (json.loads(out)["warnings"], err) == ([], "")
 
 
+@pytest.mark.slow
 def test_tune_warns_of_gains_that_no_rotor_follows(capsys):
     status, out, err = run(
         capsys, *["tune", CRAZYFLIE, "--objective", "decay", "--bandwidth", "300", "--json"]

@@ -21,6 +21,7 @@ from hoverproof.certification.exponential.inequality import Sector, falls
 from hoverproof.certification.exponential.vehicles import Limits, Reach
 from hoverproof.mission.reading import load
 from papers_law import CRAZYFLIE
+from sampling import mostly_whole
 from sharing import kept_value
 from uncertain_flights import fly
 
@@ -59,7 +60,8 @@ def proof(name):
     return kept_value(("potential", name), lambda: attraction(mission, barrier=False))
 
 
-@pytest.mark.parametrize("name", ["late", "lagged", pytest.param("all", marks=slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["late", "lagged", pytest.param("all", marks=pytest.mark.whole)])
 def test_the_start_is_proved_and_the_statement_names_the_tolerances(name, proofs):
     verdict = proofs(name)
     assert verdict.status == "proved"
@@ -79,7 +81,7 @@ def matrix(form, size):
     return made
 
 
-@pytest.mark.parametrize("name", ["late", "lagged", pytest.param("all", marks=slow)])
+@pytest.mark.parametrize("name", ["late", "lagged", pytest.param("all", marks=pytest.mark.whole)])
 def test_the_checker_writes_the_inequality_that_the_graph_gives(name, proofs):
     content = proofs(name).certificate.content
     claim = checker.claim_of(content)
@@ -106,6 +108,7 @@ def test_the_checker_writes_the_inequality_that_the_graph_gives(name, proofs):
         assert np.abs(mine - other).max() < 1e-6 * np.abs(other).max()
 
 
+@pytest.mark.slow
 def test_without_tolerance_it_is_the_region_of_the_modelled_vehicle():
     found = []
     for force in ("modelled", "measured"):
@@ -241,18 +244,20 @@ def energy_of(view):
     return W + rest / 2
 
 
-@pytest.mark.parametrize("name", ["late", "lagged", pytest.param("all", marks=slow)])
-def test_along_flights_at_the_corners_the_functional_falls(name, proofs, monkeypatch):
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["late", "lagged", pytest.param("all", marks=pytest.mark.whole)])
+def test_along_flights_at_the_corners_the_functional_falls(name, proofs, monkeypatch, whole):
     monkeypatch.setattr(kit.View, "energy", energy_of)
-    case = Case(proofs(name).certificate.content)
-    made = fly(case, np.random.default_rng(1), 150, 6.0, 0.05, start=case.start)
-    assert len(made.level) == 150
+    case, count = Case(proofs(name).certificate.content), 150 if whole else 40
+    made = fly(case, np.random.default_rng(1), count, 6.0, 0.05, start=case.start)
+    assert len(made.level) == count
     assert made.level.max() < 1
     assert made.ratio.max() < 1 + 1e-9
     assert made.fall.min() > 0
     assert max(made.used.values()) < 1
 
 
+@pytest.mark.slow
 def test_the_functional_rises_for_vehicles_far_out_of_tolerance(proofs, monkeypatch):
     monkeypatch.setattr(kit.View, "energy", energy_of)
     content = copy.deepcopy(proofs("late").certificate.content)
@@ -281,8 +286,10 @@ def test_without_a_barrier_it_is_said_why(name):
     assert f"uncertainty.{name}" in verdict.reason
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("goal", "torque"), itertools.product(("image", "inertial"), ("0", "0.03"))
+    ("goal", "torque"),
+    mostly_whole(itertools.product(("image", "inertial"), ("0", "0.03")), every=3),
 )
 def test_a_barrier_holds_with_any_torque_within_tolerance(goal, torque):
     wide = {"law.goal": goal, "uncertainty.torque": torque}
@@ -293,6 +300,7 @@ def test_a_barrier_holds_with_any_torque_within_tolerance(goal, torque):
     assert checker.check(verdict.certificate.content)
 
 
+@pytest.mark.slow
 def test_a_start_that_moves_counts_the_flow_of_its_past():
     mission, box = crazyflie(**CASES["late"]), ((F(0), F(0)), (F(0), F(0)), (F(-1), F(-1)))
     potential, loop = posed(mission)

@@ -129,6 +129,7 @@ def test_along_the_flight_q_stays_in_the_bounds_and_l_falls_as_fast_as_proved(na
     assert (level[good] <= level[0] * np.exp(-rate * time[good]) * (1 + 1e-9)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SETTLES)
 def test_the_firmware_of_a_vehicle_flies_as_the_model_until_it_has_settled(name, tmp_path):
     """Outputs held for a step are all that differs, so a tenth of the step is a tenth as far."""

@@ -109,6 +109,7 @@ def test_fixed_in_the_image_it_hovers_where_the_leaning_camera_has_the_target_in
     assert settled_before(ideal, [0, 0, -1.2], 3)
 
 
+@pytest.mark.slow
 def test_the_law_of_the_paper_is_lost_where_its_force_is_not_the_modelled_one(vehicle):
     bare = {name: value for name, value in REAL.items() if name not in ("model_error", "wind")}
     assert simulate(vehicle(bare), duration=10).attrs["outcome"] == "flown"
@@ -269,6 +270,7 @@ def taken_at(rate, latency, step, steps):
     return used
 
 
+@pytest.mark.slow
 def test_under_pure_rotation_a_late_feature_is_the_true_one(x4_far):
     """Far above its target in free fall, tumbling: the target stays where it is, the body turns."""
     flight = simulate(x4_far(True), duration=1.2, step=0.01, every=1)
@@ -482,6 +484,7 @@ def test_a_summary_compares_it_with_the_ideal_flight(vehicle):
 # --- the exported C in its place ----------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [LAW, IMAGE], ids=["inertial", "image"])
 @needs_compiler
 def test_the_exported_c_flies_it_as_the_model_does(vehicle, law):

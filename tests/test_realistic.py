@@ -88,6 +88,7 @@ def test_machine_code_and_virtual_machine_give_the_same_bits_with_everything_on(
         assert np.array_equal(fast[name].values, slow[name].values), name
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("latency", ["0.01", "0.054", "0.5"])
 @pytest.mark.parametrize("rate", [{}, {"sensors.frame_rate": "29.97"}, {"sensors.frame_rate": "3"}])

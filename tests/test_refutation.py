@@ -25,6 +25,7 @@ from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters
 from papers_law import CRAZYFLIE, PAPERS, RACER, RESEARCH
+from sampling import mostly_whole
 
 F = Fraction
 FALLING = {"start": "{position = [0.1, 0.2, -0.5], velocity = [0.1, 0, 1.5]}"}
@@ -97,14 +98,8 @@ def enclosures(p, step, count):
     return found
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "x4-flyer",
-        "x4-flyer-tuned",
-        *(pytest.param(n, marks=pytest.mark.slow) for n in (CRAZYFLIE, RACER, RESEARCH)),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", mostly_whole(list(PAPERS.values()), every=3))
 def test_the_enclosure_holds_the_motion(name, monkeypatch):
     """Another integrator stays near it; enclosures by other steps and orders overlap it."""
     mission = load(name, LEANING)
@@ -142,7 +137,8 @@ def test_a_product_of_series_is_enclosed(pairs):
 # --- which starts are refuted -------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", PAPERS.values(), ids=PAPERS)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", mostly_whole(list(PAPERS.values()), every=2, first=1))
 def test_what_is_refuted_is_what_another_integrator_sees_sink(name, whole):
     """Of two starts, and with `make trials` of four."""
     for seed in range(4 if whole else 2):
@@ -239,7 +235,8 @@ def test_of_a_target_on_two_heights_the_lowest_point_counts():
 sides = st.tuples(*[st.fractions(-2, 2, max_denominator=8)] * 2).map(sorted)
 
 
-@settings(max_examples=300, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=100, deadline=None)
 @given(st.lists(sides, min_size=3, max_size=3), st.lists(sides, min_size=3, max_size=3))
 def test_a_start_that_is_shown_to_be_inhabited_has_a_state(axis, turning):
     if not checker.inhabited(axis, turning):

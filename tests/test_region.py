@@ -18,6 +18,7 @@ from hoverproof.certification.cells import View, grow_tree, largest_below, small
 from hoverproof.certification.flow import eigenvalues
 from hoverproof.certification.gains import certify, search_weights
 from hoverproof.certification.over_box import certify_region, enclose
+from hoverproof.certification.pattern import Pattern
 from hoverproof.certification.region import (
     default_box,
     halved,
@@ -49,7 +50,7 @@ def points(mission):
 def sampled(mission, box, count, seed=0):
     low, high = np.array(box, float).T
     places = low + (high - low) * np.random.default_rng(seed).random((count, 3))
-    return eigenvalues(points(mission), places)
+    return eigenvalues(Pattern.of(mission), places)
 
 
 def test_the_eigenvalues_are_those_of_the_matrix_summed_by_hand(mission):
@@ -59,7 +60,7 @@ def test_the_eigenvalues_are_those_of_the_matrix_summed_by_hand(mission):
         r = np.linalg.norm(point - place)
         p = (point - place) / r
         Q += (np.eye(3) - np.outer(p, p)) / r
-    assert np.allclose(eigenvalues(points(mission), place[None])[0], np.linalg.eigvalsh(Q))
+    assert np.allclose(eigenvalues(Pattern.of(mission), place[None])[0], np.linalg.eigvalsh(Q))
 
 
 @pytest.mark.slow
@@ -116,7 +117,7 @@ def test_bounds_that_are_broken_are_not_proved_but_refuted(mission):
     spot, *_ = outside(mission, wide, mission.bounds.eigenvalues)
     assert spot.bound == "lower"
     assert spot.value < 0.01
-    exact = eigenvalues(points(mission), np.array([[float(c) for c in spot.position]]))[0]
+    exact = eigenvalues(Pattern.of(mission), np.array([[float(c) for c in spot.position]]))[0]
     assert exact[0] == pytest.approx(spot.value)
 
 
@@ -252,6 +253,7 @@ def test_a_box_beside_a_target_point_is_enclosed(mission):
     assert values.max() < region.eigenvalues[1] < 2 * values.max()
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 10**6), st.integers(2, 5), st.floats(0.01, 2))
 def test_no_box_is_shown_to_hold_what_a_sample_in_it_breaks(seed, n, size):
@@ -261,7 +263,7 @@ def test_no_box_is_shown_to_hold_what_a_sample_in_it_breaks(seed, n, size):
     box = [[F(float(c - size)), F(float(c + size))] for c in center]
     ends = np.array([[float(a), float(b)] for a, b in box])
     places = ends[:, 0] + (ends[:, 1] - ends[:, 0]) * rng.random((400, 3))
-    values = eigenvalues(np.array(target, float), places)
+    values = eigenvalues(Pattern.plain(np.array(target, float)), places)
     for low, high in ((1.01, 1e6), (0.99, 0.99 * values.max()), (0.99, 1.01 * values.max())):
         bounds = F(low * values.min()), F(high)
         if shown_exactly(target, box, *bounds):
@@ -270,14 +272,15 @@ def test_no_box_is_shown_to_hold_what_a_sample_in_it_breaks(seed, n, size):
 
 def shown_exactly(target, box, low, high):
     """Halve a box as a certificate would, and ask the checker of each cell."""
-    at = np.array(target, float)
+    at = Pattern.plain(np.array(target, float))
 
     def hold(cells):
         view = View.of(at, cells)
         return largest_below(view, float(high)) & smallest_above(view, float(low))
 
     tree = grow_tree(np.array(box, float), hold, 300)
-    grid, holds = checker.Grid(target), checker.Eigenvalues.hold
+    grid = checker.Grid(checker.Pattern(target, [F(1)] * len(target)))
+    holds = checker.Eigenvalues.hold
     bounds = SimpleNamespace(low=low, high=high, scaled=False)
     try:
         checker.cover(

@@ -92,6 +92,7 @@ def by_cvxpy(one):
 # --- one term -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_no_matrix_of_the_ball_symmetric_or_not_lies_below_the_margin(seed):
     rng = np.random.default_rng(seed)
@@ -163,6 +164,7 @@ def test_numbers_that_are_not_finite_are_refused():
 # --- several terms --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_with_several_terms_no_sample_lies_below(seed):
     rng = np.random.default_rng(seed)

@@ -35,6 +35,7 @@ def batch(flights):
     return runs.assign(outcome=("run", np.array([0, 0, 0, 0, 1, -1], np.int8), CODES))
 
 
+@pytest.mark.slow
 def test_every_axis_has_its_unit_and_no_legend_covers_data(batch):
     for figure in (runs.fans_figure(batch), runs.starts_figure(batch)):
         figure.draw_without_rendering()
@@ -131,6 +132,7 @@ def test_outcomes_may_be_text(batch):
     assert runs.outcomes(text).tolist() == words == runs.outcomes(batch).tolist()
 
 
+@pytest.mark.slow
 def test_a_batch_in_a_file_is_drawn_block_by_block(batch, monkeypatch):
     batch.to_netcdf("b.nc", engine="h5netcdf")
     monkeypatch.setattr(runs, "BLOCK", 2)
@@ -144,6 +146,7 @@ def test_a_batch_in_a_file_is_drawn_block_by_block(batch, monkeypatch):
             assert a.tobytes() == b.tobytes()
 
 
+@pytest.mark.slow
 def test_one_run_and_one_sample_can_be_drawn(batch):
     assert len(runs.save_runs_figures(batch.isel(run=[0]), Path("one"))) == 2
     assert len(runs.save_runs_figures(batch.isel(run=[0], time=[0]), Path("instant"))) == 2

@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 from hoverproof import checker
 from hoverproof.certification import scaled
 from hoverproof.certification.over_box import certify_region, enclose
+from hoverproof.certification.pattern import Pattern
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from laws_kit import feature, slope
@@ -82,8 +83,14 @@ def in_floats(J):
 
 
 def enclosed(points, box):
-    grid = checker.Grid(points)
-    return checker.slope_over(points, grid, grid.cell(box))
+    target = counted(points)
+    grid = checker.Grid(target)
+    return checker.slope_over(target, grid, grid.cell(box))
+
+
+def counted(points):
+    """Count each point once, for the checker."""
+    return checker.Pattern(points, [F(1)] * len(points))
 
 
 def excess(points, box, J, x):
@@ -171,7 +178,7 @@ def test_j_at_a_single_place_is_enclosed_to_fifty_digits():
         place = [side[0] for side in cell_before(rng, points, size)]
         with mpmath.workdps(160), with_bits(192):
             J = checker.scaled_slope(
-                checker.Target(points), [checker.Tangent.constant(x) for x in place]
+                checker.Target(counted(points)), [checker.Tangent.constant(x) for x in place]
             )
             unit = mpmath.mpf(2) ** -checker.BITS
             for row, wanted in zip(J, exact_slope(points, place), strict=True):
@@ -196,7 +203,7 @@ def test_the_search_sees_what_the_checker_sees():
         box = cell_before(rng, exact, 0.5)
         J = enclosed(exact, box)
         with np.errstate(all="ignore"):
-            ours = scaled.slopes(np.array(exact, float), np.array([box], float))
+            ours = scaled.slopes(Pattern.plain(np.array(exact, float)), np.array([box], float))
         if J is None:
             assert not all(np.isfinite(x.rest).all() for row in ours for x in row)
             continue
@@ -231,7 +238,7 @@ def test_a_cell_that_holds_a_target_point_or_touches_it_is_refused(box):
     assert J is None
     assert not checker.within_ball(J, F(1, 10**9), F(10**9))
     cells = np.array([box], float)
-    told = scaled.within_ball(np.array(SQUARE, float), cells, 1e-9, 1e9)
+    told = scaled.within_ball(Pattern.plain(np.array(SQUARE, float)), cells, 1e-9, 1e9)
     assert not told.any() or (cells[..., 0] == cells[..., 1]).all()  # no search comes to a point
 
 

@@ -82,6 +82,7 @@ def test_the_thrust_factor_and_its_inverse():
     assert float(f(50, np.linspace(0.5, 2, 13))) == pytest.approx(50)
 
 
+@pytest.mark.slow
 @given(
     gains=st.tuples(*[positive] * 4),
     mass=positive,
@@ -113,6 +114,7 @@ def test_sigma_of_the_graph_is_the_sigma_of_the_checker(gains, mass, goal, weigh
 _SIGMA = derive_lyapunov_form().function()
 
 
+@pytest.mark.slow
 @given(
     numbers=st.lists(positive, min_size=13, max_size=13),
     weights=st.tuples(*[positive] * 4),
@@ -139,6 +141,7 @@ def _dissipation():
 _DISSIPATION = _dissipation()
 
 
+@pytest.mark.slow
 @given(
     numbers=st.lists(positive, min_size=13, max_size=13),
     flow=st.tuples(*[signed] * 3),

@@ -23,6 +23,7 @@ from hoverproof import checker, cli
 from hoverproof.certification.gains import certify
 from hoverproof.certification.problem import ONES, gain_problem
 from hoverproof.certification.verdict import Proved
+from hoverproof.design import tuning
 from hoverproof.design.gain_search import GainSearch, halton
 from hoverproof.design.limits import FirstCommand, Limits, highest_k4, uses
 from hoverproof.design.margins import Questions, margins
@@ -81,11 +82,12 @@ def random_gains(rng, count):
 # --- margins, many at once ------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", [{}, OFF_AXIS, BY_LEVEL])
 @pytest.mark.parametrize("weights", [ONES, tuple(map(Fraction, ("1", "0.5", "2", "0.3")))])
-def test_margins_agree_with_the_exact_bounds_of_certify(change, weights):
+def test_margins_agree_with_the_exact_bounds_of_certify(change, weights, whole):
     questions = Questions.of(gain_problem(load("x4-flyer", change), weights))
-    gains = random_gains(np.random.default_rng(1), 25)
+    gains = random_gains(np.random.default_rng(1), 25 if whole else 8)
     found = margins(replace(questions, gains=gains))
     for i, margin in enumerate(found):
         setting = {f"gains.k{j + 1}": repr(float(gains[j][i])) for j in range(4)}
@@ -115,6 +117,7 @@ def test_a_higher_k4_never_lowers_the_margin(gains, times):
 # --- what is asked of tune ------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_tuned_gains_of_the_paper_s_vehicle_decay_3_7_times_faster(x4, fast):
     paper = certify(x4)
     assert isinstance(fast, Tuned)
@@ -122,6 +125,7 @@ def test_tuned_gains_of_the_paper_s_vehicle_decay_3_7_times_faster(x4, fast):
     assert fast.verdict.decay_rate >= Fraction("3.7") * paper.decay_rate
 
 
+@pytest.mark.slow
 def test_with_proved_eigenvalue_bounds_they_decay_10_times_faster(fast_over_box):
     assert fast_over_box.verdict.decay_rate >= 10 * fast_over_box.before
 
@@ -276,6 +280,7 @@ def test_the_tilt_asked_for_is_that_of_the_thrust_which_cancels_the_force_error(
     assert tilt[0] == pytest.approx(math.atan2(math.hypot(*asked[:2]), asked[2]), rel=1e-12)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=30)
 @drawn(st.floats(0.1, 5), st.floats(1, 20), st.floats(1, 100), st.floats(23.7, 60))
 def test_k4_at_its_limit_keeps_every_limit_and_more_breaks_one(k1, k2, k3, most):
@@ -305,6 +310,7 @@ def test_tilt_and_rotor_limits_bind_and_are_kept(x4, fast):
         assert use.value <= use.limit or use.name.startswith("lowest")
 
 
+@pytest.mark.slow
 def test_a_sampling_rate_limits_the_bandwidth(x4):
     tuned = tune(x4, rate=25)
     used = {u.name: u for u in uses(Limits(20.0, 25.0), FirstCommand.of(x4), tuned.mission)}
@@ -313,6 +319,7 @@ def test_a_sampling_rate_limits_the_bandwidth(x4):
     assert not used["bandwidth"].binds
 
 
+@pytest.mark.slow
 def test_limits_of_the_mission_s_rotors_are_kept_unless_another_is_given(x4):
     """The command at the start as the simulator flies it, with and without the limits."""
     rotors = {"rotors": "{min_thrust = 23.47, max_thrust = 23.56}"}
@@ -399,10 +406,23 @@ def test_an_option_out_of_range_is_refused(x4, option, value):
 # --- the curve ------------------------------------------------------------------------------------
 
 
+def curve_once():
+    """Return three points of the curve, and what was reported meanwhile."""
+
+    def made():
+        seen = []
+
+        def report(done, total):
+            seen.append((done, total))
+
+        return pareto(load("x4-flyer"), 3, bandwidth=8.0, report=report), seen
+
+    return kept_value("curve of decay", made)
+
+
 @pytest.mark.slow
 def test_decay_grows_with_bandwidth_along_the_curve(x4):
-    seen = []
-    points = pareto(x4, 3, bandwidth=8.0, report=lambda done, total: seen.append((done, total)))
+    points, seen = curve_once()
     rates = [t.verdict.decay_rate for _, t in points]
     assert rates == sorted(rates)
     assert [b for b, _ in points] == [0.4, 1.789, 8.0]
@@ -412,6 +432,7 @@ def test_decay_grows_with_bandwidth_along_the_curve(x4):
 # --- on the command line --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_tune_writes_a_mission_file_that_certifies_at_the_rate_it_states(capsys):
     status, out, err = run(capsys, *TUNE, "--out", "quick.toml", "--json")
     answer = json.loads(out)
@@ -436,7 +457,9 @@ def test_an_infeasible_wish_has_status_1_and_writes_nothing(capsys):
     assert answer["status"] == "infeasible"
 
 
-def test_the_curve_is_drawn(capsys):
+@pytest.mark.slow
+def test_the_curve_is_drawn(capsys, monkeypatch):
+    monkeypatch.setattr(tuning, "pareto", lambda *_, **__: curve_once()[0][:2])
     status, out, _ = run(capsys, *TUNE, "--pareto", 2, "--out", "curve.svg", "--json")
     assert status == 0
     assert len(json.loads(out)["points"]) == 2

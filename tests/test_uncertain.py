@@ -25,6 +25,7 @@ from hoverproof.servo.uncertain import (
     error_rates,
     kappa,
 )
+from sampling import share_of
 
 each_law = pytest.mark.parametrize("law", LAWS.values(), ids=lambda law: law.name)
 MEASURED = {"image": LAWS["centroid", "image", "measured"]} | {
@@ -545,19 +546,24 @@ def own_form():
     return ca.vertcat(*(part.vector() for part in parts)), error_rates(*parts)
 
 
-def test_the_prover_rejects_every_named_mutant_of_the_uncertain_dynamics():
-    for law in (*MEASURED.values(), MODELLED):
+@pytest.mark.slow
+def test_the_prover_rejects_every_named_mutant_of_the_uncertain_dynamics(whole):
+    """All of one law, a third of two others, and with `make trials` all."""
+    for every, law in zip((1, 3, 3), (*MEASURED.values(), MODELLED), strict=True):
         loop = derive_uncertain_loop(law)
-        assert rejected(loop.rate, named_mutants(loop)) >= 40, law.name
+        mutants = share_of(named_mutants(loop), whole, every=every)
+        assert rejected(loop.rate, mutants) >= (40 if whole else 40 // every), law.name
 
 
 @pytest.mark.slow
-def test_the_prover_rejects_every_wrong_operation_in_the_uncertain_dynamics(record_property):
+def test_the_prover_rejects_every_wrong_operation_in_the_uncertain_dynamics(record_property, whole):
+    """One of five, and with `make trials` all."""
     loop = derive_uncertain_loop(MEASURED["image"])
     values = [part.vector() for part in (loop.errors, loop.motion, loop.doubt, loop.design)]
-    count = rejected(loop.rate, graph_mutants(*own_form(), ca.vertcat(*values)))
+    mutants = graph_mutants(*own_form(), ca.vertcat(*values))
+    count = rejected(loop.rate, share_of(mutants, whole, every=5))
     record_property("mutants", count)
-    assert count >= 200
+    assert count >= (200 if whole else 40)
 
 
 def test_the_prover_rejects_every_wrong_operation_in_the_slope_of_the_scaled_feature():

@@ -196,6 +196,7 @@ def holds(case, flown):
     assert flown.contradicts(case) == []
 
 
+@pytest.mark.slow
 @each_claim
 @pytest.mark.parametrize("anywhere", [False, True], ids=["start", "anywhere"])
 def test_every_vehicle_within_tolerance_falls_as_is_claimed(name, anywhere, whole):
@@ -210,7 +211,7 @@ def test_every_vehicle_within_tolerance_falls_as_is_claimed(name, anywhere, whol
 def test_every_vehicle_settles_before_the_proved_time_and_stays(whole):
     case = Case(content("all at once"))
     radius, soon = case.settling()
-    count = 2000 if whole else 100
+    count = 2000 if whole else 40
     flown = fly(case, np.random.default_rng(7), count, 14, radius, start=case.start)
     holds(case, flown)
     assert (flown.level * case.level <= case.start_level).all()
@@ -248,6 +249,7 @@ def test_evolution_tells_a_rate_that_is_too_high():
     assert value > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", TOO_MUCH)
 def test_evolution_tells_a_tolerance_that_is_too_wide(tolerance):
     case = claiming(RATE, **{tolerance: TOO_MUCH[tolerance]})

@@ -122,6 +122,7 @@ def by_the_checker(refusal, mission, w):
     return total
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_whatever_the_weights_the_forms_of_the_checker_add_up_to_less_than_nothing(name, found):
     refusal, mission = found(name), load(MISSION, CASES[name])
@@ -169,6 +170,7 @@ def test_the_modelled_vehicle_is_not_refused_by_the_states_of_another(found):
     assert not replace(refusal, corners=(replace(corner, vertex=modelled),)).total().is_negative
 
 
+@pytest.mark.slow
 def test_what_is_proved_is_not_refused():
     mission = load(MISSION)
     assert refused(mission, [Start.of(mission)]) is None
@@ -189,6 +191,7 @@ def test_vehicles_at_the_corners_differ_and_say_how():
         assert np.linalg.norm(pull.astype(float)) == pytest.approx(0.2, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_worst_flight_is_worse_with_more_doubt():
     mild, wild = (worst_flight(load(MISSION, change)) for change in ({}, MUCH))
     assert mild.settled is not None
@@ -205,6 +208,7 @@ def answered(capsys, *options):
     return done.value.code, capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_the_command_tells_both_and_writes_the_states(capsys):
     settings = [f"--set={key}={value}" for key, value in MUCH.items()]
     status, out = answered(capsys, str(MISSION), *settings, "--json")
@@ -220,6 +224,7 @@ def test_the_command_tells_both_and_writes_the_states(capsys):
     assert sum(len(corner["states"]) for corner in content["corners"]) == refusal["states"]
 
 
+@pytest.mark.slow
 def test_what_is_a_simulation_is_said_to_be_no_proof(capsys):
     given = ["--set=uncertainty.torque=0.2", "--set=law.force=measured", "--no-barrier"]
     status, out = answered(capsys, RACER, *given)
@@ -228,6 +233,7 @@ def test_what_is_a_simulation_is_said_to_be_no_proof(capsys):
     assert "a simulation, no proof: of 2 vehicles" in " ".join(out.split())
 
 
+@pytest.mark.slow
 def test_a_mission_without_tolerances_is_told_no_more(capsys):
     status, out = answered(capsys, RACER, "--no-barrier", "--json")
     assert status == 3

@@ -35,6 +35,7 @@ def verdicts():
     yield attraction(load("x4-flyer", FAR))
 
 
+@pytest.mark.slow
 def test_every_verdict_is_read_without_looking_at_the_kind():
     seen = set()
     for verdict in verdicts():

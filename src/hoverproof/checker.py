@@ -39,7 +39,8 @@ Cell = list[tuple[int, int]]  # a box, its ends whole numbers of a unit of lengt
 VERSION = 2
 MAX_BYTES = 1_000_000
 MAX_DIGITS = 80  # of a numerator or denominator
-MAX_POINTS = 64
+MAX_POINTS = 1024
+MAX_ROTORS = 16
 MAX_STARTS = 16
 MAX_WORK = 800_000  # cells times (points + 5) times what one costs, over all trees
 MAX_STEPS = 500  # of a motion, times (points + 3)
@@ -318,7 +319,14 @@ interval = such([number] * 2, lambda x: x[0] <= x[1], "the ends of an interval a
 VECTOR, BOX = [number] * 3, [interval] * 3
 TREE = word("[0-3]+", "a tree is not written in 0, 1, 2 and 3")  # see `cover`
 GAINS = ("k1", "k2", "k3", "k4", "k_yaw")  # k1 kg m/s, k2 1/m, k3 and k4 kg/s
-VEHICLE = ("mass", "arm", "drag_ratio", "gravity")  # kg, m, m, m/s²
+BODY = {
+    **dict.fromkeys(("mass", "drag_ratio", "gravity"), positive),  # kg, m, m/s²
+    "inertia": [positive] * 3,  # kg m²
+}
+VEHICLE = (  # m: the lever of each rotor of an X frame; or where each is, (x, y), and how it turns
+    BODY | {"arm": positive},
+    BODY | {"rotors": several(VECTOR, MAX_ROTORS)},
+)
 AUTO = word("auto", "bounds that are assumed have no box")
 ASSUMED = {"eigenvalues": maybe([number] * 2, "auto")}, {"eigenvalues": AUTO, "box": BOX}  # 1/m, m
 FORCE = {"thrust": [number] * 2}, {"level": positive}  # N; of L
@@ -346,15 +354,21 @@ UNCERTAINTY = also(  # what a proof is asked to cover; without it, nothing
     gust=positive,  # m/s²
     gyro_turned=word("false", "a late image is turned by the gyroscope unless this is false"),
 )
-CAMERA = {"half_angle": positive}  # rad
+LENS = also(  # it bears on no claim
+    dict.fromkeys(("width", "height", "fx", "fy", "cx", "cy"), positive),  # px
+    distortion_model=word("equidistant", "no such distortion"),
+    distortion=several(number, 5),
+)
+CAMERA = also({}, half_angle=positive, position=VECTOR, rotation=VECTOR, lens=LENS)  # rad, m
 WHERE = {"height": number}, {"centroid": VECTOR}  # m; q*
 IMAGE = word("image", "a heading that is not from a compass is from the image")
 ANGLE = {"heading": number}  # rad
 HEADINGS: tuple[dict[str, Any], ...] = {}, ANGLE, ANGLE | {"heading_from": IMAGE}
 PLAIN = {
     "name": word(r"[\w.-]{1,64}", "the mission has no proper name"),
-    "vehicle": dict.fromkeys(VEHICLE, positive) | {"inertia": [positive] * 3},  # kg m²
-    "target": {"points": several(VECTOR, MAX_POINTS)},  # world axes, z down, m
+    "vehicle": VEHICLE,
+    # world axes, z down, m; how much each counts, by default 1
+    "target": also({"points": several(VECTOR, MAX_POINTS)}, weights=several(positive, MAX_POINTS)),
     "goal": tuple(where | more for where in WHERE for more in HEADINGS),
     "gains": tuple(dict.fromkeys((*GAINS, *more), positive) for more in ((), ("k_heading",))),
     "bounds": tuple(bounds | force for bounds in ASSUMED for force in FORCE),
@@ -412,16 +426,44 @@ def sigma(k: Row, w: Row, Q: Sequence[Row], f: Fraction, q: Row) -> Form:
     return Form() - sum((x * (d @ rate) for x, d, rate in each), Form())
 
 
-def centroid_seen(points: Matrix, position: Row) -> list[Interval]:
-    """Enclose q = Σ (P - ξ)/|P - ξ|; points at equal distance are added before rounding.
+class Pattern(NamedTuple):
+    """Target points in world axes, m, each in one place, and how much each counts."""
+
+    points: Matrix
+    weights: Row
+
+    @classmethod
+    def of(cls, target: Any) -> "Pattern":
+        """Take the target of a mission; points that coincide count as much as all of them."""
+        weights = getattr(target, "weights", [Fraction(1)] * len(target.points))
+        require(len(weights) == len(target.points), "a target has a weight for each point")
+        places: dict[tuple[Fraction, ...], Fraction] = {}
+        for point, weight in zip(target.points, weights, strict=True):
+            places[tuple(point)] = places.get(tuple(point), Fraction(0)) + weight
+        return cls([list(place) for place in places], list(places.values()))
+
+    def whole(self) -> Fraction:
+        """Return W, the sum of the weights: the number of points, if each counts once."""
+        return sum(self.weights, Fraction(0))
+
+    def mean(self) -> list[Fraction]:
+        """Return the weighted mean."""
+        sides = zip(*self.points, strict=True)
+        return [Fraction(dot(self.weights, side)) / self.whole() for side in sides]
+
+
+def centroid_seen(target: Pattern, position: Row) -> list[Interval]:
+    """Enclose q = Σ wi (Pi - ξ)/|Pi - ξ|; points at equal distance are added before rounding.
 
     What is not exact, or long, is rounded outward: sums of fractions grow longer and longer.
     """
     sums: dict[Fraction, list[Fraction]] = {}
-    for ray in (minus(point, position) for point in points):
+    for point, weight in zip(*target, strict=True):
+        ray = minus(point, position)
         square = dot(ray, ray)
         require(square > 0, "the goal coincides with a target point")
-        sums[square] = list(map(operator.add, sums.get(square, (0, 0, 0)), ray))
+        counted = [weight * x for x in ray]
+        sums[square] = list(map(operator.add, sums.get(square, (0, 0, 0)), counted))
     box: list[Interval] = []
     for i in range(3):
         ends = [outward(*sorted(ray[i] / r for r in square_root(s))) for s, ray in sums.items()]
@@ -430,8 +472,34 @@ def centroid_seen(points: Matrix, position: Row) -> list[Interval]:
     return box
 
 
-def scaled(q: list[Interval], n: int) -> list[Interval]:
-    """Enclose s = q √(n (n + a)/(2 (n² - a²)))/a, a = |q|, for q in a box that is not at zero."""
+def seen_near(target: Pattern, position: Row) -> tuple[list[Interval], Fraction]:
+    """Enclose q at the hover near a position, at its height, that has Pq = 0; and how far it is.
+
+    Pq is less the slope of a convex function, whose Hessian is a part of Q: where Q ≻ low I within
+    r, and |Pq| < low r, there is such a place within |Pq|/low, and one alone. On the way to it q3
+    changes by at most Σ wi/ri a metre.
+    """
+    q, grid = centroid_seen(target, position), Grid(target)
+    if not any(map(any, q[:2])):
+        return q, Fraction(0)
+    off = square_root(sum((max(abs(a), abs(b)) ** 2 for a, b in q[:2]), Fraction(0)))[1]
+    near = min(square_root(dot(ray, ray))[0] for ray in (minus(p, position) for p in target.points))
+    r = near / 2**20
+    view, high = View(grid, grid.cell([(x - r, x + r) for x in position])), target.whole() / near
+    tried = (high / 2**k for k in range(100))
+    low = next((x for x in tried if smallest_above(view, x)), Fraction(0))
+    require(off < low * r, "there is no hover with a vertical centroid near the goal")
+    moved = off / low
+    shift = moved * target.whole() / (near - r)
+    zero = Fraction(0), Fraction(0)
+    return [zero, zero, outward(q[2][0] - shift, q[2][1] + shift)], moved
+
+
+def scaled(q: list[Interval], n: Fraction) -> list[Interval]:
+    """Enclose s = q √(n (n + a)/(2 (n² - a²)))/a, a = |q|, for q in a box that is not at zero.
+
+    n is the sum of the weights.
+    """
     ends = [[max(a, -b, Fraction(0)) ** 2, max(-a, b) ** 2] for a, b in q]
     low, high = (sum(squares, Fraction(0)) for squares in zip(*ends, strict=True))
     require(low > 0 and high < n**2, "no hover sees this centroid")
@@ -453,30 +521,37 @@ class Claim:
     """What is claimed of a mission; each kind of claim adds its own."""
 
     own: ClassVar[dict[str, Any]]  # what a certificate of the kind has besides, as shapes
+    anywhere: ClassVar[bool] = False  # whether it covers a camera beside the centre of mass
 
     def __init__(self, c: Any) -> None:
         self.c, self.name, k = c, c.mission.name, c.mission.gains
+        self.camera = getattr(c.mission, "camera", Object())
+        place = getattr(self.camera, "position", [Fraction(0)])
+        self.arm = upward(square_root(dot(place, place))[1]) if any(place) else Fraction(0)  # m
+        central = self.anywhere or not self.arm
+        require(central, "a camera that is not at the centre of mass is not covered by this claim")
         self.m, self.gravity = c.mission.vehicle.mass, c.mission.vehicle.gravity
         self.k, self.weight = [k.k1, k.k2, k.k3, k.k4], self.m * self.gravity
         self.stiffness = k.k1**2 * k.k2 / self.m  # c of the force, N
-        self.points, goal = c.mission.target.points, c.mission.goal
-        require(len(self.points) >= 2, f"a target has 2 to {MAX_POINTS} points")
+        self.target, goal = Pattern.of(c.mission.target), c.mission.goal
+        self.points, self.whole = self.target.points, self.target.whole()
+        require(len(self.points) >= 2, f"a target has 2 to {MAX_POINTS} points, not all in one")
+        self.moved = Fraction(0)  # bounds how far the goal is from its position here
         if hasattr(goal, "height"):
             heights, place = [z for _, _, z in self.points], c.goal_position
-            there = place is not None and place[2] == sum(heights) / len(heights) - goal.height
+            there = place is not None and place[2] == self.target.mean()[2] - goal.height
             require(there, "the goal is not at the height of the mission")
             require(min(heights) > place[2], "a target point is above the goal")
-            self.centroid = centroid_seen(self.points, place)  # encloses q*
-            require(self.vertical(), "the centroid at the goal is not vertical")
+            self.centroid, self.moved = seen_near(self.target, place)  # encloses q*
         else:
             q = goal.centroid
             require(c.goal_position is None, "a goal by centroid has no position here")
-            require(q[2] > 0 and dot(q, q) < len(self.points) ** 2, "no hover sees this q*")
+            require(q[2] > 0 and dot(q, q) < self.whole**2, "no hover sees this q*")
             self.centroid = [(x, x) for x in q]
         self.law = tuple(vars(c.mission.law).values()) if hasattr(c.mission, "law") else PAPERS
         self.scaled = self.law[0] == "scaled"
         # what turns with the image of the wanted feature: all of it, or nothing
-        self.fixed = scaled(self.centroid, len(self.points)) if self.scaled else self.centroid
+        self.fixed = scaled(self.centroid, self.whole) if self.scaled else self.centroid
         if self.law[1] == "inertial":
             require(self.vertical(), "a goal fixed to the vertical is straight below")
             self.fixed = [(Fraction(0), Fraction(0))] * 3
@@ -484,8 +559,17 @@ class Claim:
         require(self.heading or not hasattr(k, "k_heading"), "there is no heading to turn to")
 
     def vertical(self) -> bool:
-        """Tell whether q* is vertical, to rounding."""
-        return max(abs(end) for side in self.centroid[:2] for end in side) < Fraction(1, 10**9)
+        """Tell whether q* is vertical."""
+        return not any(map(any, self.centroid[:2]))
+
+    def counted(self) -> str:
+        """Say what n is."""
+        weighed = hasattr(self.c.mission.target, "weights")
+        return "sum of the weights" if weighed else "number of target points"
+
+    def times(self) -> str:
+        """Name the weights in a sum over the target points, if there are any."""
+        return " wi " if hasattr(self.c.mission.target, "weights") else ""
 
     def of_another_law(self) -> str:
         """Name the law, unless it is the paper's."""
@@ -493,7 +577,8 @@ class Claim:
 
     def left_out(self) -> str:
         """Say that nothing is considered of what the mission asks to be covered, if it asks."""
-        asked = [f"[{key}]" for key in ("uncertainty", "camera") if hasattr(self.c.mission, key)]
+        asked = ["[uncertainty]"] if hasattr(self.c.mission, "uncertainty") else []
+        asked += ["[camera]"] if hasattr(self.camera, "half_angle") else []
         here = f"This is about the vehicle as modelled, {' and '.join(asked)} not considered"
         return f" {here}." if asked else ""
 
@@ -541,11 +626,14 @@ def cover(tree: str, box: Cell, holds: Callable[[Cell], bool], what: str) -> Non
 class Grid:
     """Lengths as whole numbers of a unit that divides every coordinate of the target."""
 
-    def __init__(self, points: Matrix) -> None:
+    def __init__(self, target: Pattern) -> None:
         # so many units are 1 m
-        self.unit = 2**40 * math.lcm(*(c.denominator for point in points for c in point))
+        self.unit = 2**40 * math.lcm(*(c.denominator for point in target.points for c in point))
         require(self.unit < 10**46, "the coordinates of the target are too long")
-        self.points = [[int(c * self.unit) for c in point] for point in points]
+        self.points = [[int(c * self.unit) for c in point] for point in target.points]
+        self.per = math.lcm(*(w.denominator for w in target.weights))  # so many count 1
+        require(self.per < 10**46, "the weights of the target are too long")
+        self.weights = [int(w * self.per) for w in target.weights]
 
     def cell(self, box: Sequence[Interval]) -> Cell:
         """Round a box outward."""
@@ -563,6 +651,7 @@ class View:
         self.radius = math.isqrt(self.square) + 1  # ρ, rounded up
         self.unit, self.rays = grid.unit, [minus(point, center) for point in grid.points]
         self.near = [math.isqrt(dot(ray, ray)) for ray in self.rays]  # d for a length in [d, d + 1]
+        self.weights, self.per = grid.weights, grid.per
 
 
 def turns(weights: Iterable[int], rays: Sequence[Sequence[int]], shift: int) -> list[list[int]]:
@@ -580,31 +669,34 @@ def turns(weights: Iterable[int], rays: Sequence[Sequence[int]], shift: int) -> 
 def largest_below(view: View, high: Fraction) -> bool:
     """Show Q ≺ high I over a ball.
 
-    By Q ⪯ Σ 1/ri I, and by Q(c + δ) ⪯ Q(c) + Σ 1.155 ρ/(di - ρ)² I: the derivative of
+    By Q ⪯ Σ wi/ri I, and by Q(c + δ) ⪯ Q(c) + Σ 1.155 wi ρ/(di - ρ)² I: the derivative of
     (I - pipiᵀ)/ri along a unit vector has norm at most (2/√3)/ri².
     """
     radius, near = view.radius, view.near
     if min(near) <= radius:
         return False
     scale = 1 << (64 + 3 * max(near).bit_length())  # weights and bounds are multiples of 1/scale
-    top = scale * high.numerator // (high.denominator * view.unit)
-    if sum(scale // (d - radius) + 1 for d in near) < top:
+    top = scale * view.per * high.numerator // (high.denominator * view.unit)
+    if dot(view.weights, (scale // (d - radius) + 1 for d in near)) < top:
         return True
-    steep = sum(1155 * scale * radius // (1000 * (d - radius) ** 2) + 1 for d in near)
-    return definite(turns([-(scale // d**3) - 1 for d in near], view.rays, top - steep))
+    slopes = (1155 * scale * radius // (1000 * (d - radius) ** 2) + 1 for d in near)
+    steep, bent = dot(view.weights, slopes), (-(scale // d**3) - 1 for d in near)
+    return definite(turns(map(operator.mul, view.weights, bent), view.rays, top - steep))
 
 
 def smallest_above(view: View, low: Fraction) -> bool:
     """Show Q ≻ low I over a ball.
 
-    With wi = 1/(di + ρ)³ <= 1/ri³, s = Σ wi di and any θ > 0 with 1/θ >= Σ wi,
+    With ωi the weights, wi = ωi/(di + ρ)³ <= ωi/ri³, s = Σ wi di and any θ > 0 with 1/θ >= Σ wi,
 
-        xᵀQx = Σ |x × (di - δ)|²/ri³ >= Σ wi |x × di|² - 2 (x × s)·(x × δ) + Σ wi |x × δ|²
+        xᵀQx = Σ ωi |x × (di - δ)|²/ri³ >= Σ wi |x × di|² - 2 (x × s)·(x × δ) + Σ wi |x × δ|²
              >= Σ wi |x × di|² - θ|x × s|² - (1/θ - Σ wi) ρ²|x|².
     """
     scale = 1 << (64 + 3 * max(view.near).bit_length())  # as in `largest_below`
-    weights = [scale // (d + 1 + view.radius) ** 3 for d in view.near]
-    whole, bottom = sum(weights), -(-scale * low.numerator // (low.denominator * view.unit))
+    each = zip(view.weights, view.near, strict=True)
+    weights = [w * (scale // (d + 1 + view.radius) ** 3) for w, d in each]
+    bottom = -(-scale * view.per * low.numerator // (low.denominator * view.unit))
+    whole = sum(weights)
     rays = [*view.rays, [dot(weights, side) for side in zip(*view.rays, strict=True)]]
     for k in (2, 4, 16, 64, 2**20):  # 1/θ = k Σ wi; the inequality is multiplied by that
         times = k * whole
@@ -616,14 +708,21 @@ def smallest_above(view: View, low: Fraction) -> bool:
 
 # --- the slope of the scaled centroid ------------------------------------------------------------
 #
-# With C the mean of the points, r0 = |C - ξ|, p0 = (C - ξ)/r0, t = 1/r0 and ei = Pi - C, so that
-# Σ ei = 0, let bi = ei·p0, di = 2 bi + t|ei|², fi = ri/r0 = √(1 + t di), κi = 1/fi,
-# λi = -di κi/(1 + fi), ηi = (bi di (1 + 1/(1 + fi)) - |ei|²) κi/(1 + fi), vi = ηi p0 + λi ei and
-# wi = ei - bi p0 + t vi. The unit vectors are pi = p0 + t wi, κi = 1 + t λi, λi = -bi + t ηi. With
-# v̄ the mean of the vi, q = n (p0 + t² v̄). With gij = (di - dj)/(fi + fj), ri - rj = gij and
-# eij = ei - ej, n² - |q|² = ½ ΣΣ |pi - pj|² = t² S, S = Σ over pairs of κi κj (|eij|² - gij²), and
+# With W = Σ ωi the sum of the weights, n where that is their number, C the weighted mean of the
+# points, r0 = |C - ξ|, p0 = (C - ξ)/r0, t = 1/r0 and ei = Pi - C, so that Σ ωi ei = 0, let bi =
+# ei·p0, di = 2 bi + t|ei|², fi = ri/r0 = √(1 + t di), κi = 1/fi, λi = -di κi/(1 + fi), ηi = (bi di
+# (1 + 1/(1 + fi)) - |ei|²) κi/(1 + fi), vi = ηi p0 + λi ei and wi = ei - bi p0 + t vi. The unit
+# vectors are pi = p0 + t wi, κi = 1 + t λi, λi = -bi + t ηi. With means weighted by ωi, v̄ that of
+# the vi, q = W (p0 + t² v̄) and t v̄ is that of the wi. With gij = (di - dj)/(fi + fj), ri - rj = gij
+# and eij = ei - ej, W² - |q|² = ½ ΣΣ ωi ωj |pi - pj|² = t² S, S the sum over pairs of ωi ωj κi κj
+# (|eij|² - gij²), and r0 ∂S/∂C = S',
 #
-#     r0 ∂S/∂C = Σ κi κj (-t (|eij|² - gij²)((λi + λj) p0 + κi wi + κj wj) - 2 gij (wi - wj)) = S'.
+#     S' = Σ ωi ωj κi κj (-t (|eij|² - gij²)((λi + λj) p0 + κi wi + κj wj) - 2 gij (wi - wj)).
+#
+# Of many points it is W Σ ωi |pi - q/W|², a little less sharp over cells. With gi = ri - r0 =
+# di/(1 + fi), |wi|² = κi (|ei|² - gi²) = κi|ei|² + λi gi, S = W (Σ ωi |wi|² - W |t v̄|²), and
+#
+#     S' = W Σ ωi (2 λi wi - t|wi|² (λi p0 + κi wi)) - 2 W² (|t v̄|² p0 + t R̄ t v̄), R̄ below.
 #
 # With a = |q|, A = n √n √((n + a)/(2 S))/a, h = (1/(2 (n + a)) - 1/a) a' - S'/(2 S),
 # a' = -t² (S' - 2 S p0)/(2 a), and R̄ the mean of ηi (I - p0 p0ᵀ) - ui p0ᵀ - p0 uiᵀ - κi wi wiᵀ,
@@ -635,6 +734,7 @@ def smallest_above(view: View, low: Fraction) -> bool:
 #
 # A cell is a box of positions, or a wedge: a box of x, y, u, where (x, y, 1)/u = C - ξ.
 
+PAIRED = 16  # so many points are few
 BITS = 84  # numbers are multiples of 2^-BITS
 ONE_OF_THEM = 1 << BITS
 
@@ -746,16 +846,16 @@ def place_in(grid: Grid, cell: Cell) -> Three:
 class Target:
     """Target points from their mean, and what is the same from wherever they are seen."""
 
-    def __init__(self, points: Matrix) -> None:
-        self.n = len(points)
-        self.mean = [sum(side, Fraction(0)) / self.n for side in zip(*points, strict=True)]
-        self.apart = [minus(point, self.mean) for point in points]
+    def __init__(self, target: Pattern) -> None:
+        self.weights, self.whole, self.mean = target.weights, target.whole(), target.mean()
+        self.apart = [minus(point, self.mean) for point in target.points]
         self.squares = [dot(e, e) for e in self.apart]
         constant = Tangent.constant
         self.constants = [([constant(x) for x in e], constant(dot(e, e))) for e in self.apart]
+        self.many = len(target.points) > PAIRED
         self.pairs = [
             (i, j, across, constant(dot(across, across)), self.squares[i] - self.squares[j])
-            for i, j in itertools.combinations(range(self.n), 2)
+            for i, j in itertools.combinations(range(0 if self.many else len(self.apart)), 2)
             for across in [minus(self.apart[i], self.apart[j])]
         ]
 
@@ -764,12 +864,21 @@ class Sight:
     """A target seen from a cell, or from a position."""
 
     def __init__(self, target: Target, p0: Three, t: Tangent) -> None:
-        n, axes = target.n, range(3)
-        self.n, self.target, self.p0, self.t, self.square = n, target, p0, t, t * t
-        self.rays = [self.ray(i) for i in range(n)]
-        self.sum = [add_up(ray.v[k] for ray in self.rays) for k in axes]
-        self.mean = [x.times(1, n) for x in self.sum]
-        self.lead = [p0[k] + self.square * self.mean[k] for k in axes]  # q/n
+        axes = range(3)
+        self.target, self.p0, self.t, self.square = target, p0, t, t * t
+        self.rays = [self.ray(i) for i in range(len(target.apart))]
+        self.sum = [self.weighed(ray.v[k] for ray in self.rays) for k in axes]
+        self.mean = [x.scaled(1 / target.whole) for x in self.sum]
+        self.lead = [p0[k] + self.square * self.mean[k] for k in axes]  # q/W
+
+    def weigh(self, values: Iterable[Tangent]) -> Three:
+        """Return wi xi of each point."""
+        each = zip(self.target.weights, values, strict=True)
+        return [x if weight == 1 else x.scaled(weight) for weight, x in each]
+
+    def weighed(self, values: Iterable[Tangent]) -> Tangent:
+        """Return Σ wi xi."""
+        return add_up(self.weigh(values))
 
     @classmethod
     def over(cls, target: Target, xi: Three) -> "Sight":
@@ -798,25 +907,42 @@ class Sight:
         eta = (b * d * (short + ONE_TANGENT) - exact_square) * scale
         v = [along((eta, bend), both) for both in zip(p0, exact, strict=True)]
         w = [along((t, back), (v[k], p0[k])) + exact[k] for k in range(3)]
-        return Object(far=far, near=near, bend=bend, eta=eta, v=v, w=w)
+        return Object(far=far, near=near, bend=bend, eta=eta, v=v, w=w, gap=d * short)
 
-    def look(self) -> None:
-        """Compute S, over pairs, and what follows from it."""
-        self.pairs = []
+    def centroid(self) -> Three:
+        """Enclose q."""
+        return [x.scaled(self.target.whole) for x in self.lead]
+
+    def of_pairs(self) -> Tangent:
+        """Compute S over pairs."""
+        self.pairs, weights = [], self.target.weights
         for i, j, across, square, more in self.target.pairs:
             one, other = self.rays[i], self.rays[j]
             d = add_up(self.p0[k].scaled(2 * across[k]) for k in range(3) if across[k])
             d = d + self.t.scaled(more) if more else d
             g = d * (one.far + other.far).inverse()
-            both = one.near * other.near
-            part = both * (square - g * g)
-            self.pairs.append(((g * both).times(2), part))
-        self.spread = add_up(part for *_, part in self.pairs)  # S
-        a = (Tangent.constant(Fraction(self.n**2)) - self.square * self.spread).root()
-        whole = a + Tangent.constant(Fraction(self.n))
+            both, weight = one.near * other.near, weights[i] * weights[j]
+            both = both if weight == 1 else both.scaled(weight)
+            self.pairs.append(((g * both).times(2), both * (square - g * g)))
+        return add_up(part for *_, part in self.pairs)
+
+    def of_points(self) -> Tangent:
+        """Compute S over points."""
+        squares, t = self.target.squares, self.t
+        each = zip(self.rays, squares, strict=True)
+        self.sizes = [ray.near.scaled(x) + ray.bend * ray.gap for ray, x in each]  # |wi|²
+        self.aside = [t * x for x in self.mean]  # the mean of the wi
+        self.off = along(self.aside, self.aside).scaled(self.target.whole)
+        return (self.weighed(self.sizes) - self.off).scaled(self.target.whole)
+
+    def look(self) -> None:
+        """Compute S, and what follows from it."""
+        W = self.target.whole
+        self.spread = self.of_points() if self.target.many else self.of_pairs()
+        a = (Tangent.constant(W**2) - self.square * self.spread).root()
+        whole = a + Tangent.constant(W)
         self.short, self.whole, self.less = a.inverse(), whole.inverse(), self.spread.inverse()
-        cube = Tangent.constant(Fraction(self.n**3, 2))
-        self.gain = (cube * whole * self.less).root() * self.short  # A
+        self.gain = (Tangent.constant(W**3 / 2) * whole * self.less).root() * self.short  # A
 
     def scaled(self) -> Three:
         """Enclose s."""
@@ -824,9 +950,26 @@ class Sight:
         size = self.gain * self.t.inverse()
         return [size * x for x in self.lead]
 
-    def slope(self) -> list[Three]:
-        """Enclose J, (3, 3), 1/m; after `look`."""
-        p0, t, axes, n = self.p0, self.t, range(3), self.n
+    def bent(self) -> list[Three]:
+        """Enclose W R̄, (3, 3)."""
+        p0, axes, rays = self.p0, range(3), self.rays
+        near = [self.weigh(ray.near * ray.w[k] for ray in rays) for k in axes]
+        w_of, bends = list(zip(*(ray.w for ray in rays), strict=True)), self.bends
+        eta = self.weighed(ray.eta for ray in rays)
+        half = eta.times(1, 2)
+        turned = [along((*bends, half), (*w_of[k], p0[k])) + self.sum[k] for k in axes]
+        R = [[NOTHING] * 3 for _ in axes]
+        for i, j in itertools.product(axes, axes):
+            if j <= i:
+                less = along((*near[i], turned[i], turned[j]), (*w_of[j], p0[j], p0[i]))
+                R[i][j] = R[j][i] = NOTHING - less
+        for i in axes:
+            R[i][i] += eta
+        return R
+
+    def fall_of_pairs(self) -> Three:
+        """Enclose -S'."""
+        p0, t, axes, n = self.p0, self.t, range(3), len(self.rays)
         weights, turns = [NOTHING] * n, [NOTHING] * n  # of κi wi and wi in S'
         for (i, j, *_), (twice, part) in zip(self.target.pairs, self.pairs, strict=True):
             weights[i], weights[j] = weights[i] + part, weights[j] + part
@@ -836,32 +979,42 @@ class Sight:
         thin = [t * weight for weight in weights]
         factors = [t * along(bends, weights), *thin, *turns]
         w_of, near_of = (list(zip(*x, strict=True)) for x in ([r.w for r in self.rays], near))
-        falling = [along(factors, (p0[k], *near_of[k], *w_of[k])) for k in axes]  # -S'
+        return [along(factors, (p0[k], *near_of[k], *w_of[k])) for k in axes]
+
+    def fall_of_points(self, R: list[Three]) -> Three:
+        """Enclose -S'."""
+        p0, t, axes, W = self.p0, self.t, range(3), self.target.whole
+        thin = self.weigh(t * size for size in self.sizes)
+        each = list(zip(thin, self.rays, self.bends, strict=True))
+        turns = [x * ray.near - bend.times(2) for x, ray, bend in each]
+        straight = add_up(x * ray.bend for x, ray, _ in each) + self.off.times(2)
+        w_of = list(zip(*(ray.w for ray in self.rays), strict=True))
+        twice = [(t * x).times(2) for x in self.aside]
+        return [along((*turns, straight, *twice), (*w_of[k], p0[k], *R[k])).scaled(W) for k in axes]
+
+    def slope(self) -> list[Three]:
+        """Enclose J, (3, 3), 1/m; after `look`."""
+        p0, axes, W = self.p0, range(3), self.target.whole
+        self.bends = self.weigh(ray.bend for ray in self.rays)
+        R = self.bent()
+        falling = self.fall_of_points(R) if self.target.many else self.fall_of_pairs()
         scale = (self.whole.times(1, 2) - self.short) * self.short * self.square
         half = [x.times(1, 2) for x in falling]
         ahead = [
             along((scale, self.less), (self.spread * p0[k] + half[k], half[k])) for k in axes
         ]  # h
-        eta = add_up(ray.eta for ray in self.rays).times(1, 2)
-        turned = [along((*bends, eta), (*w_of[k], p0[k])) + self.sum[k] for k in axes]
         J = [[NOTHING] * 3 for _ in axes]
         for i, j in itertools.product(axes, axes):
-            if j <= i:  # of R̄
-                less = along((*near_of[i], turned[i], turned[j]), (*w_of[j], p0[j], p0[i]))
-                J[i][j] = J[j][i] = NOTHING - less
-        for i in axes:
-            J[i][i] += add_up(ray.eta for ray in self.rays)
-        for i, j in itertools.product(axes, axes):
-            bent = J[i][j].times(1, n) + self.mean[i] * p0[j]
+            bent = R[i][j].scaled(1 / W) + self.mean[i] * p0[j]
             bent = along((self.square, self.lead[i]), (bent, ahead[j]))
             J[i][j] = self.gain * (bent + (ONE_TANGENT if i == j else NOTHING))
         return J
 
 
-def slope_over(points: Matrix, grid: Grid, cell: Cell) -> list[Three] | None:
+def slope_over(target: Pattern, grid: Grid, cell: Cell) -> list[Three] | None:
     """Enclose J over a cell, (3, 3); None if the target is too near."""
     try:
-        return scaled_slope(Target(points), place_in(grid, cell))
+        return scaled_slope(Target(target), place_in(grid, cell))
     except Rejected:  # a number is not shown to be positive
         return None
 
@@ -897,9 +1050,9 @@ def within_ball(J: list[Three] | None, low: Fraction, high: Fraction) -> bool:
     return True
 
 
-def beyond_ball(points: Matrix, position: Row, x: Row, low: Fraction, high: Fraction) -> bool:
+def beyond_ball(target: Pattern, position: Row, x: Row, low: Fraction, high: Fraction) -> bool:
     """Show |J x - j x| > ϱ|x| at a position."""
-    J = scaled_slope(Target(points), [Tangent.constant(c) for c in position])
+    J = scaled_slope(Target(target), [Tangent.constant(c) for c in position])
     j, size, square = (low + high) / 2, square_root(dot(x, x))[1], Fraction(0)
     for row, along_it in zip(J, x, strict=True):
         value = dot([Fraction(y.mid, ONE_OF_THEM) for y in row], x) - j * along_it
@@ -919,6 +1072,7 @@ class Eigenvalues(Claim):
     Claims about gains rest on it, or on bounds that the mission assumes: then there is no box.
     """
 
+    anywhere: ClassVar[bool] = True
     own: ClassVar[dict[str, Any]] = {
         "region": {"box": maybe(BOX), "eigenvalues": [positive] * 2, "tree": maybe(TREE)}
     }
@@ -936,7 +1090,7 @@ class Eigenvalues(Claim):
     def hold(self, grid: Grid, cell: Cell) -> bool:
         """Show the bounds over a cell."""
         if self.scaled:
-            return within_ball(slope_over(self.points, grid, cell), self.low, self.high)
+            return within_ball(slope_over(self.target, grid, cell), self.low, self.high)
         view = View(grid, cell)
         return largest_below(view, self.high) and smallest_above(view, self.low)
 
@@ -948,7 +1102,7 @@ class Eigenvalues(Claim):
     def verify(self) -> None:
         """Verify the bounds over the box, if one is claimed."""
         if self.box is not None:
-            grid, what = Grid(self.points), "the bounds are not shown to hold"
+            grid, what = Grid(self.target), "the bounds are not shown to hold"
             box, tree = grid.cell(self.box), self.c.region.tree
             cover(tree, box, lambda cell: self.hold(grid, cell), what)
 
@@ -960,7 +1114,7 @@ class Eigenvalues(Claim):
         if self.scaled:
             held = (
                 "J = (∂s/∂q) Q of the scaled centroid s = q √(n (n + |q|)/(2 (n² - |q|²)))/|q|, n "
-                f"the number of target points, obeys {self.ball()}"
+                f"the {self.counted()}, obeys {self.ball()}"
             )
         return (
             f"For the target of the mission {self.name} and every position in the box {sides} m, "
@@ -987,15 +1141,17 @@ class Outside(Eigenvalues):
         require(inside, "the position is not in the box")
         x, lower = spot.direction, spot.bound == "lower"
         if self.scaled:
-            out = beyond_ball(self.points, spot.position, x, self.low, self.high)
+            out = beyond_ball(self.target, spot.position, x, self.low, self.high)
             require(out, "J there is not shown to be out of its ball")
             return
         xx, value = dot(x, x), Fraction(0)
-        for point in self.points:  # xᵀQx = Σ (|x|² - (x·pi)²)/ri, rounded against the claim
+        for point, weight in zip(*self.target, strict=True):
+            # xᵀQx = Σ wi (|x|² - (x·pi)²)/ri, rounded against the claim
             ray = minus(point, spot.position)
             square = dot(ray, ray)
             require(square > 0, "the position is that of a target point")
-            value += (xx - dot(ray, x) ** 2 / square) / square_root(square)[0 if lower else 1]
+            part = weight * (xx - dot(ray, x) ** 2 / square)
+            value += part / square_root(square)[0 if lower else 1]
         out = value < self.low * xx if lower else value > self.high * xx
         require(out, "the eigenvalue of Q there is not shown to be out of bounds")
 
@@ -1027,6 +1183,7 @@ class Outside(Eigenvalues):
 class Sigma(Eigenvalues):
     """A claim about Σ; intervals enclose what is irrational."""
 
+    anywhere: ClassVar[bool] = False
     own = Eigenvalues.own | {"weights": [positive] * 4}  # of L
 
     def __init__(self, c: Any) -> None:
@@ -1103,14 +1260,16 @@ class Gains(Sigma):
         Q ≻ low I, is least. On the largest ball about the middle of the box, of radius r, it is
         higher than in the middle if |q - q*| < low r/2 there.
         """
-        grid = Grid(self.points)
+        grid = Grid(self.target)
         cell, low = grid.cell(box), self.low
         J = "J" if self.scaled else "Q"
         require(self.hold(grid, cell), f"{J} at the goal is not shown to be within its bounds")
         if self.c.goal_position is not None:
-            held = all(a <= x <= b for x, (a, b) in zip(self.c.goal_position, box, strict=True))
+            reach = (self.moved, self.moved, Fraction(0))
+            around = ((x - r, x + r) for x, r in zip(self.c.goal_position, reach, strict=True))
+            held = all(map(within, around, box))
         else:
-            seen = centroid_seen(self.points, [(a + b) / 2 for a, b in box])
+            seen = centroid_seen(self.target, [(a + b) / 2 for a, b in box])
             if self.scaled:  # the bounds are not those of Q
                 view, tried = View(grid, cell), (self.high / 2**k for k in range(100))
                 low = next((x for x in tried if smallest_above(view, x)), Fraction(0))
@@ -1172,8 +1331,8 @@ class Counterexample(Sigma):
 
 # --- regions of attraction ----------------------------------------------------------------------
 #
-# For an axial goal, q* = (0, 0, q3*), let G(ξ) = Σ |P'i - ξ| + q3* z, W = G - min G, e = q - q3* ρ,
-# θ = Pρ/(1 + ρ3), η = (q3* c/(m g)) (P - e3 θᵀ)(δ3 - δ2), v = e + η + δ2 = (m/k1) V. With
+# For an axial goal, q* = (0, 0, q3*), let G(ξ) = Σ wi|P'i - ξ| + q3* z, W = G - min G, e = q -
+# q3* ρ, θ = Pρ/(1 + ρ3), η = (q3* c/(m g)) (P - e3 θᵀ)(δ3 - δ2), v = e + η + δ2 = (m/k1) V. With
 # u = -(a2 δ2 + a3 δ3 + a4 δ4), K = (k1 k2 + k3)/k1, and whatever Ω is, the derivative of
 # Λ = W + ½(a2|δ2|² + a3|δ3|² + a4|δ4|²) is given by
 #
@@ -1188,8 +1347,8 @@ class Counterexample(Sigma):
 #
 # Barrier: with κ = (k1 k2 + k3)/m, N = z + (m/(k1 k2))(z' + z''/κ) obeys N' = (k1/m) w, where
 # w <= qz - q3* + ω, ω = q3*(1 - cos φ) + sin φ √(2ℓ((1 + γ)²/a4 + γ²/a3)), γ = c q3*/(T - c q3*),
-# largest at the largest tilt and the least thrust, T = m g - d. qz = Σ hi/ri; no hi/ri falls as the
-# vehicle rises (it jumps from -1 to 1 through the point). If k3 >= 3 k1 k2, let r <= s have
+# largest at the largest tilt and the least thrust, T = m g - d. qz = Σ wi hi/ri; no hi/ri falls as
+# the vehicle rises (it jumps from -1 to 1 through the point). If k3 >= 3 k1 k2, let r <= s have
 # r + s = κ, r s = κ k1 k2/m; then x = z + z'/r obeys x' = s (N - x), z' = r (x - z). So N - x and
 # x - z keep below lags D1 >= (k1/m) max w/s and D2 >= s D1/r, and if w <= 0 wherever
 # z >= zb - D1 - D2, none of N, x, z passes zb.
@@ -1213,7 +1372,7 @@ class Axial(Claim):
         super().__init__(c)
         require(self.law in self.laws, "this is shown for the law of the paper alone")
         self.q3 = self.centroid[2]  # holds q3*
-        require(not any(map(any, self.centroid[:2])), "the goal is not axial")
+        require(self.vertical(), "the goal is not axial")
 
     def asked(self) -> str:
         """Say for which vehicle, gains and goal."""
@@ -1249,8 +1408,8 @@ class Attraction(Axial):
 
     def __init__(self, c: Any) -> None:
         super().__init__(c)
-        claim, trees, n = c.claim, c.trees, len(self.points)
-        require(self.q3[0] > 0 and self.q3[1] < n, "no hover sees this q3*")
+        claim, trees = c.claim, c.trees
+        require(self.q3[0] > 0 and self.q3[1] < self.whole, "no hover sees this q3*")
         require(len({(x, y) for x, y, _ in self.points}) > 1, "the target is one vertical line")
         require(self.c.goal_position in (None, c.hover), "the hover point is not the goal")
         self.a, self.level = c.weights, claim.level
@@ -1261,14 +1420,14 @@ class Attraction(Axial):
         require(low, "the thrust reaches the singularity T = c q3*")
         self.sine = self.force / self.weight  # bounds sin φ
         self.cosine = square_root(1 - self.sine**2)[0]  # below cos φ
-        mean, height = sum(z for _, _, z in self.points) / n, claim.barrier_height
+        mean, height = self.target.mean()[2], claim.barrier_height
         self.bottom = None if height is None else mean - height  # zb, m
         self.starts = [*self.hovers(), *claim.starts]
         require(len(trees.starts) == len(self.starts), "a tree a start")
         require((trees.barrier is None) == (self.bottom is None), "a tree belongs to a barrier")
         costs = (trees.positions, 3), (trees.barrier, 1), *((tree, 4) for tree in trees.starts)
         require_little(self.points, *costs)
-        self.grid = Grid(self.points)
+        self.grid = Grid(self.target)
         unit, (low, high) = self.grid.unit * ONE, self.least_potential()
         # min G and level + min G in units of the grid/ONE, and q3* in those of 1/ONE, outward
         self.least, self.most = math.floor(unit * low), math.ceil(unit * (high + self.level))
@@ -1277,11 +1436,12 @@ class Attraction(Axial):
     def least_potential(self) -> Interval:
         """Enclose min G >= G(hover) - |∇G||ξ* - hover|; G(ξ*) <= G(hover) bounds the distance."""
         hover, q3 = self.c.hover, self.q3
-        rays = [minus(point, hover) for point in self.points]
-        low, high = map(sum, zip(*(square_root(dot(ray, ray)) for ray in rays), strict=True))
+        rays = (minus(point, hover) for point in self.points)
+        far = zip(*(square_root(dot(ray, ray)) for ray in rays), strict=True)
+        low, high = (Fraction(dot(self.target.weights, ends)) for ends in far)
         pull = [end * hover[2] for end in q3]
-        slope = sum(farthest(centroid_seen(self.points, hover), self.centroid))
-        distance = 2 * high / (len(rays) - q3[1])
+        slope = sum(farthest(centroid_seen(self.target, hover), self.centroid))
+        distance = 2 * high / (self.whole - q3[1])
         return outward(low + min(pull) - slope * distance, high + max(pull))
 
     def hovers(self) -> list[Object]:
@@ -1343,9 +1503,9 @@ class Attraction(Axial):
     def verify_positions(self, high: Fraction, tree: str) -> None:
         """Verify that Q ≺ high I wherever W <= ℓ and z <= zb.
 
-        Farther than n/high from every target point, Q ⪯ Σ 1/ri does not reach high.
+        Farther than W/high from every target point, Q ⪯ Σ wi/ri does not reach high.
         """
-        box = self.around(len(self.points) / high)
+        box = self.around(self.whole / high)
         if self.bottom is not None:
             box[2][1] = max(min(box[2][1], self.bottom), box[2][0])
 
@@ -1360,7 +1520,8 @@ class Attraction(Axial):
         """Show W > ℓ all over a cell: W is convex, so above its tangent plane at the centre."""
         if min(view.near) == 0:
             return False
-        value = ONE * sum(view.near) + min(end * view.center[2] for end in self.pull) - self.most
+        value = min(end * view.center[2] for end in self.pull) - self.most
+        value += ONE * dot(view.weights, view.near) // view.per
         for slope, (_, b), x in zip(self.slopes(view), cell, view.center, strict=True):
             value -= slope * (b - x)
         return bool(value > 0)
@@ -1368,12 +1529,13 @@ class Attraction(Axial):
     def slopes(self, view: View) -> list[int]:
         """Bound the components of ∇W = q3* e3 - q at the centre, in units of 1/ONE."""
         most = []
-        for i, (low, high) in enumerate([(0, 0), (0, 0), self.pull]):
-            for ray, d in zip(view.rays, view.near, strict=True):
-                part = -ONE * ray[i]
+        for i, pull in enumerate([(0, 0), (0, 0), self.pull]):
+            low, high = (view.per * end for end in pull)
+            for ray, d, weight in zip(view.rays, view.near, view.weights, strict=True):
+                part = -ONE * weight * ray[i]
                 ends = (part // d, part // (d + 1))  # the distance is in [d, d + 1]
                 low, high = low + min(ends), high + max(ends) + 1
-            most.append(max(-low, high))
+            most.append(-(min(low, -high) // view.per))
         return most
 
     def verify_barrier(self, bottom: Fraction, tree: str) -> None:
@@ -1383,7 +1545,7 @@ class Attraction(Axial):
         gamma = self.singular / (self.weight - self.force - self.singular)
         spread = square_root(2 * self.level * ((1 + gamma) ** 2 / a4 + gamma**2 / a3))[1]
         omega = self.fixed[2][1] * (1 - self.cosine) + self.sine * spread
-        limit, most = self.q3[0] - omega, len(self.points) - self.q3[0] + omega
+        limit, most = self.q3[0] - omega, self.whole - self.q3[0] + omega
         require(limit > 0, "the tilt lifts the barrier out of reach")
         kappa, product = (k1 * k2 + k3) / m, (k1 * k2 + k3) * k1 * k2 / m**2  # r + s, r s
         low, high = square_root(kappa**2 - 4 * product)
@@ -1399,19 +1561,22 @@ class Attraction(Axial):
         self.verify_plane(bottom - first - max(second, fast_above * first / slow), limit, tree)
 
     def verify_plane(self, z: Fraction, limit: Fraction, tree: str) -> None:
-        """Verify that qz = Σ hi/ri < limit for all positions at a height."""
-        unit, most = self.grid.unit, math.ceil(ONE * limit)
+        """Verify that qz = Σ wi hi/ri < limit for all positions at a height."""
+        unit, weights = self.grid.unit, self.grid.weights
+        most = math.ceil(ONE * self.grid.per * limit)
         heights = [max(math.ceil((point[2] - z) * unit), 0) for point in self.points]
 
         def hold(cell: Cell) -> bool:
             whole = 0
-            for point, h in zip(self.grid.points, heights, strict=True):
+            for point, h, weight in zip(self.grid.points, heights, weights, strict=True):
                 gaps = (max(a - x, x - b, 0) for x, (a, b) in zip(point, cell, strict=False))
-                whole += ONE * h // max(math.isqrt(sum((g * g for g in gaps), h * h)), 1) + 1
+                far = max(math.isqrt(sum((g * g for g in gaps), h * h)), 1)
+                whole += weight * (ONE * h // far + 1)
             return whole < most
 
-        far = Fraction(sum(heights) + 1, unit) / limit  # farther out every ri is above it
-        box = self.grid.cell(self.around(far)[:2])
+        # farther out every ri is above it
+        reach = Fraction(dot(weights, heights) + 1, unit * self.grid.per) / limit
+        box = self.grid.cell(self.around(reach)[:2])
         cover(tree, box, hold, "the barrier is not shown to hold")
 
     def verify_start(self, start: Object, tree: str) -> None:
@@ -1448,14 +1613,14 @@ class Attraction(Axial):
         room = self.weight + start.thrust - self.stiffness * self.q3[0]
         moved, lean = self.m / k1 * start.speed, self.weight / self.stiffness * start.tilt
         turned = self.m / (self.stiffness * (k1 * k2 + k3)) * room * start.rate
-        last = turned + lean + moved + len(self.points) * start.tilt
+        last = turned + lean + moved + self.whole * start.tilt
         shares = (self.q3[1] * start.tilt, moved, start.thrust / self.stiffness + lean, last)
         return [math.ceil(ONE * x) for x in shares]
 
     def below_level(self, add: Any, cell: Cell) -> bool:
         """Show Λ <= ℓ for positions in a cell.
 
-        W is convex, so its corners bound it; q changes by at most Σ 1/ri a metre, and by at most φ
+        W is convex, so its corners bound it; q changes by at most Σ wi/ri a metre, and by at most φ
         where unit vectors are turned by φ.
         """
         view = View(self.grid, cell)
@@ -1464,9 +1629,10 @@ class Attraction(Axial):
         highest = self.least
         for a, b, c in itertools.product(*(sorted(set(side)) for side in cell)):
             squares = ((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2 for x, y, z in self.grid.points)
-            far = sum(math.isqrt(square) + 1 for square in squares)
-            highest = max(highest, ONE * far + max(end * c for end in self.pull))
-        change = sum(ONE * view.radius // (d - view.radius) + 1 for d in view.near)
+            far = -(-ONE * dot(view.weights, (math.isqrt(x) + 1 for x in squares)) // view.per)
+            highest = max(highest, far + max(end * c for end in self.pull))
+        steps = (ONE * view.radius // (d - view.radius) + 1 for d in view.near)
+        change = -(-dot(view.weights, steps) // view.per)
         sizes = self.slopes(view)  # of q - q* at the centre
         level, whole = (math.isqrt(dot(x, x)) + 1 + change for x in (sizes[:2], sizes))
         W = Fraction(highest - self.least, self.grid.unit * ONE)
@@ -1493,7 +1659,8 @@ class Attraction(Axial):
         weights, hover = (", ".join(map(about, x)) for x in (self.a, self.c.hover))
         others = "".join(f", and in every {state_of(start)}" for start in claim.starts)
         return (
-            f"For {self.asked()} let Λ = W + ½(a2|δ2|² + a3|δ3|² + a4|δ4|²), W = Σ|P'i - ξ| + "
+            f"For {self.asked()} let Λ = W + ½(a2|δ2|² + a3|δ3|² + a4|δ4|²), "
+            f"W = Σ{self.times()}|P'i - ξ| + "
             f"q3* z less its minimum, (a2, a3, a4) = ({weights}), level = {about(self.level)}. "
             f"With the exact model and controller in continuous time and all target points seen, "
             f"the controller may be switched on, with any heading and yaw rate, in every {states}: "
@@ -1570,6 +1737,14 @@ def state_of(start: Object) -> str:
 # With terms -σB|B|² - σC|C|² - σG|G|² the same gives Ψ' <= -r Ψ + r ℓ∞, r ℓ∞ = σB max|B|² + ..., so
 # that {Ψ <= ℓ} is not left while ℓ∞ < ℓ, and Ψ(t) <= Ψ(0) exp(-r t) + ℓ∞.
 #
+# A camera at r from the centre of mass, in body axes, sees the feature of ξ + R r. With a constant
+# a that makes it s* at the wanted hover (ξ*, R*) it differs from that of ξ by
+#
+#   Rᵀ(σ(ξ + R r) - σ(ξ)) + a = (J* - J') r,   J', J* in body axes means of J between ξ and ξ + R r,
+#                                              and between ξ* and ξ* + R* r:
+#
+# at most 2 ϱ |r| if |J - j I| <= ϱ within |r| of every position. It counts as an error of s.
+#
 # For |J - j I| <= ϱ, ϱ²|V|² >= |y - jV|². As |n|² <= τ' ∫ |y|² over the last τ', Ψ' <= -r Ψ if
 #
 #   -E' - r E - Mτ'|y|² + (M/τ') exp(-rτ')|n|² - σJ(ϱ²|V|² - |y - jV|²) >= 0,
@@ -1589,12 +1764,31 @@ def state_of(start: Object) -> str:
 # of which has |σ - s*| > d >= √(2ℓA) + b, or J in its ball; those at the faces have the first. So
 # no motion leaves it. At a start, |F| <= f0 and sin φ <= (f0 + m w')/(m g).
 #
-# A vehicle whose mass, inertia, arm d and drag ratio κd are the mission's makes the thrust T, which
+# A vehicle whose mass, inertia, rotors and drag ratio κd are the mission's makes the thrust T, that
 # is within f + m w' of m g, and torques Γ1, Γ2 that are the moments of inertia times at most
 # (1 + γ')|a| + Ω3' ((1 + γ')ρ' + γ')|ζ|h, a = h (σn + K Pn - πζ + Ω3 e3×P(δ3 - n)). With lag it is
 # set to what it would settle at, which is τ T' ahead, |T'| <= (1 + θ)|Ua|, and to these torques.
 # |Γ3| <= (1 + γ')(k_yaw Ω3' + k_heading + |I2 - I1| |Ω1 Ω2|), k_heading if there is a heading.
-# Each rotor has T/4 ± Γ1/(4d) ± Γ2/(4d) ± Γ3/(4κd).
+# A rotor at (x, y) that turns in the sense s has its entry of Bᵀ(BBᵀ)⁻¹(T, Γ1, Γ2, Γ3), where its
+# column of B is (1, -y, x, s κd): in an X frame, (±d, ±d), T/4 ± Γ1/(4d) ± Γ2/(4d) ± Γ3/(4κd).
+
+
+def rotor_shares(vehicle: Any) -> list[Row]:
+    """Return the rows of Bᵀ(BBᵀ)⁻¹: what a rotor takes over of T, Γ1, Γ2 and Γ3."""
+    placed = getattr(vehicle, "rotors", None)
+    if placed is None:
+        d = vehicle.arm
+        placed = [[d, d, 1], [d, -d, -1], [-d, d, -1], [-d, -d, 1]]
+    columns = [[Fraction(1), -y, x, turn * vehicle.drag_ratio] for x, y, turn in placed]
+    rows = [[dot(a, b) for b in zip(*columns, strict=True)] for a in zip(*columns, strict=True)]
+    rows = [[*row, *(Fraction(i == j) for j in range(4))] for i, row in enumerate(rows)]
+    for k in range(4):
+        require(rows[k][k] > 0, "the rotors cannot make every thrust and torque")
+        rows[k] = [entry / rows[k][k] for entry in rows[k]]
+        for i in range(4):
+            if i != k:
+                rows[i] = minus(rows[i], [rows[i][k] * entry for entry in rows[k]])
+    return [[dot(column, row[4:]) for row in rows] for column in columns]
 
 
 class Wedges:
@@ -1604,20 +1798,21 @@ class Wedges:
     is the same along x and y, what lies at y > x is seen as its image is.
     """
 
-    def __init__(self, c: Any, points: Matrix, scaled: bool) -> None:
-        self.points, self.scaled, self.n = points, scaled, len(points)
+    def __init__(self, c: Any, target: Pattern, scaled: bool, arm: Fraction) -> None:
+        self.scaled, self.arm = scaled, arm
         self.sides, self.goal = c.domain.wedge, c.enclosures.goal
         require(self.sides[2][0] > 0, "the wedge is not above the target")
         self.unit = 2**40 * math.lcm(*(end.denominator for side in self.sides for end in side))
         require(self.unit < 10**46, "the ends of the wedge are too long")
         self.whole = [(int(a * self.unit), int(b * self.unit)) for a, b in self.sides]
-        self.target = Target(points)
-        self.mean, apart = self.target.mean, sorted(map(tuple, self.target.apart))
-        self.length = math.lcm(*(x.denominator for point in apart for x in point))
-        self.apart = [[int(x * self.length) for x in point] for point in apart]
-        images = [(-x, y, z) for x, y, z in apart], [(x, -y, z) for x, y, z in apart]
+        self.target = Target(target)
+        self.mean, self.whole_weight = self.target.mean, target.whole()
+        apart = sorted((*e, w) for e, w in zip(self.target.apart, target.weights, strict=True))
+        self.length = math.lcm(*(x.denominator for *point, _ in apart for x in point))
+        self.apart = [[int(x * self.length) for x in point] for *point, _ in apart]
+        images = [(-x, y, z, w) for x, y, z, w in apart], [(x, -y, z, w) for x, y, z, w in apart]
         self.mirrored = [sorted(image) == apart for image in images]
-        swapped = sorted((y, x, z) for x, y, z in apart) == apart
+        swapped = sorted((y, x, z, w) for x, y, z, w in apart) == apart
         self.swapped = swapped and self.sides[0] == self.sides[1]
 
     def faces(self) -> list[tuple[int, int]]:
@@ -1652,7 +1847,7 @@ class Wedges:
 
     def off(self, sight: "Sight") -> Three:
         """Enclose σ - σ*."""
-        seen = sight.scaled() if self.scaled else [x.times(self.n) for x in sight.lead]
+        seen = sight.scaled() if self.scaled else sight.centroid()
         low, high = (math.floor(end * ONE_OF_THEM) for end in self.goal)
         return [*seen[:2], seen[2] - Tangent((low + high) // 2, (0, 0, 0), high - low + 2)]
 
@@ -1672,11 +1867,15 @@ class Wedges:
             return False
 
     def hold(self, cell: Cell, grid: Grid, domain: Any) -> bool:
-        """Show that a cell is beyond the domain, or J in its bounds over it, and what is seen."""
+        """Show that a cell is beyond the domain, or J in its bounds over it, and what is seen.
+
+        The camera is no farther than its arm from a position in the domain, so there is none in a
+        cell if all within the arm of that is beyond.
+        """
         if self.left_out(cell):
             return True
         try:
-            sight = self.sight(cell)
+            sight = self.sight(self.widened(cell))
             if self.beyond(self.off(sight), domain.offset):
                 return True
             if self.at_face(cell) or (
@@ -1685,12 +1884,34 @@ class Wedges:
                 return False
             low, high = domain.bounds
             if self.scaled:
+                if self.arm:
+                    sight = self.sight(cell)
+                    sight.look()
                 return within_ball(sight.slope(), low, high)
         except Rejected:
             return False
         sides = zip(*self.corners(cell), strict=True)
         view = View(grid, grid.cell([(min(side), max(side)) for side in sides]))
         return largest_below(view, high) and smallest_above(view, low)
+
+    def widened(self, cell: Cell) -> Cell:
+        """Return a cell that holds all positions within the arm of the camera from a cell.
+
+        At p from a position lies ((x, y, 1)/u - p), and |u p| is at most u1 times the arm.
+        """
+        if not self.arm:
+            return cell
+        (u0, u1), unit = cell[2], self.unit
+        moved = self.arm * u1 / unit
+        require(moved < 1, "a cell is nearer to the target than the camera to the centre of mass")
+        found = []
+        for a, b in cell[:2]:
+            low, high = a - moved * unit, b + moved * unit
+            low /= 1 - moved if low < 0 else 1 + moved
+            high /= 1 - moved if high > 0 else 1 + moved
+            found.append((math.floor(low), math.ceil(high)))
+        least, most = u0 / (1 + self.arm * u0 / unit), u1 / (1 - moved)
+        return [*found, (math.floor(least), math.ceil(most))]
 
     def corners(self, cell: Cell) -> list[list[Fraction]]:
         """Return the positions of the corners; a cell is their convex hull."""
@@ -1773,15 +1994,16 @@ class Tolerant(Claim):
     """A claim about every vehicle within tolerances."""
 
     w1: ClassVar[Fraction] = Fraction(1)  # 0 if there is a potential in place of |δ1|²
+    low: Fraction  # the ball of J, 1/m
     high: Fraction  # bounds |J|, 1/m
 
     def __init__(self, c: Any) -> None:
         super().__init__(c)
         (k1, k2, k3, k4), m = self.k, self.m
         self.k12, self.kappa, self.damping = k1 * k2 / m, (k1 * k2 + k3) / m, k4 / m
-        require(not any(map(any, self.centroid[:2])), "the goal is not axial")
+        require(self.vertical(), "the goal is not axial")
         require(c.goal_position in (None, c.hover), "the hover point is not the goal")
-        wanted = scaled(self.centroid, len(self.points)) if self.scaled else self.centroid
+        wanted = scaled(self.centroid, self.whole) if self.scaled else self.centroid
         self.goal = wanted[2]  # holds s3*
         self.inertial = self.law[1] == "inertial"
         self.may = may = getattr(c.mission, "uncertainty", NONE)
@@ -1818,6 +2040,8 @@ class Tolerant(Claim):
         self.felt = noise.force + self.m * gust if measured else Fraction(0)  # of m a
         self.shock = (self.felt + self.weight * tipped) / self.stiffness  # |φ|
         self.noise = noise.feature + self.m / self.k[0] * noise.velocity + self.shock
+        self.displaced = self.arm * (self.high - self.low) if self.arm else Fraction(0)
+        self.noise += self.displaced
         s3 = self.c.enclosures.goal[1]
         if self.inertial:
             self.noise += s3 * tipped
@@ -2076,7 +2300,14 @@ class Tolerant(Claim):
         noise = self.may.noise
         feature, velocity, rate = map(about, (noise.feature, noise.velocity, noise.rate))
         wrong, right = [], ["Ω", "the vertical"]
-        if noise.feature or noise.velocity:
+        if self.displaced:
+            wrong = [
+                f"the camera is {about(self.arm)} m from the centre of mass, so that the feature "
+                f"of that image, plus the constant that makes it right at the hover, is wrong by "
+                f"at most {about(self.displaced)}, and by {feature} besides, and V by at most "
+                f"{velocity} m/s"
+            ]
+        elif noise.feature or noise.velocity:
             wrong = [
                 f"the feature of that image is wrong by at most {feature} and V by at most "
                 f"{velocity} m/s"
@@ -2138,6 +2369,7 @@ TREES = {"near": TREE, "starts": several(TREE, MAX_STARTS)}
 class Exponential(Tolerant):
     """Every vehicle within tolerances converges at a rate, from some states."""
 
+    anywhere: ClassVar[bool] = True
     own: ClassVar[dict[str, Any]] = {
         "weights": [positive] * 3,  # w2, w3, w4
         "lag": maybe({"torque": positive, "thrust": positive}),  # a5, a6
@@ -2160,8 +2392,8 @@ class Exponential(Tolerant):
         self.low, self.high = c.domain.bounds
         super().__init__(c)
         require(self.low < self.high, "the bounds of J are not in order")
-        self.grid = Grid(self.points)
-        self.place = Wedges(c, self.points, self.scaled)
+        self.grid = Grid(self.target)
+        self.place = Wedges(c, self.target, self.scaled, self.arm)
         require(c.claim.starts, "there is no start")
         require(c.claim.start_level <= c.claim.level, "a start is above the level")
         restless = any(self.shaken.values())
@@ -2253,9 +2485,10 @@ class Exponential(Tolerant):
             cosine, sine = domain.cone, square_root(1 - domain.cone**2)[1]
             seen = claim.cone <= cosine * self.cosine - sine * self.sine
             require(seen, "the angle under which all is seen does not follow")
-        camera = getattr(self.c.mission, "camera", None)
-        if camera is not None:
-            follows = claim.cone is not None and cosine_below(camera.half_angle, claim.cone)
+        if hasattr(self.camera, "half_angle"):
+            roll, pitch, _ = getattr(self.camera, "rotation", [Fraction(0)] * 3)
+            left = self.camera.half_angle - abs(roll) - abs(pitch)  # about the z axis of the body
+            follows = claim.cone is not None and left > 0 and cosine_below(left, claim.cone)
             require(follows, "the points are not shown to be within the half angle of the camera")
 
     def rotors(self) -> tuple[Fraction, Fraction]:
@@ -2273,11 +2506,14 @@ class Exponential(Tolerant):
         if self.heading:  # its gain is this one unless it is given
             yaw += getattr(c.mission.gains, "k_heading", min(k_yaw**2 / (4 * i3), k_yaw))
         yaw += abs(i2 - i1) * (self.quick * self.turn + self.spun) ** 2 / 2
-        aside = square_root(i1**2 + i2**2)[1] * turned / vehicle.arm
-        aside += (1 + may.torque) * yaw / vehicle.drag_ratio
         ahead = may.rotor_lag * (1 + may.thrust) * self.stiffness * self.kappa
-        swing = self.force + self.push + ahead * (self.sink + self.missed) + aside
-        return (self.weight - swing) / 4, (self.weight + swing) / 4
+        swing = self.force + self.push + ahead * (self.sink + self.missed)
+        ends: list[Fraction] = []
+        for lift, roll, pitch, spin in rotor_shares(vehicle):
+            aside = square_root((roll * i1) ** 2 + (pitch * i2) ** 2)[1] * turned
+            aside += abs(lift) * swing + abs(spin) * (1 + may.torque) * yaw
+            ends += [lift * self.weight - aside, lift * self.weight + aside]
+        return min(ends), max(ends)
 
     def verify_settling(self) -> None:
         """Verify that the vehicle is near the hover in time, where |σ - s*| is no longer large."""
@@ -2334,9 +2570,11 @@ class Exponential(Tolerant):
         half = ""
         if claim.cone is not None:
             angle = f"{math.degrees(math.acos(claim.cone)):.4g}°"
+            turned = any(getattr(self.camera, "rotation", ()))
+            axis = "z axis of the body" if turned else "optical axis"
             half = (
                 f"; on the way every target point is seen at an angle of at most arccos "
-                f"{about(claim.cone)}, {angle}, from the optical axis"
+                f"{about(claim.cone)}, {angle}, from the {axis}"
             )
         fall, last = "Ψ(t) <= Ψ(0) exp(-r t)", ""
         if self.floor():
@@ -2345,6 +2583,7 @@ class Exponential(Tolerant):
         turning = f", while |Ω3| <= {about(self.may.yaw_rate)} rad/s"
         starts = "; or ".join(map(self.state, claim.starts))
         s3 = f"{float(sum(self.goal) / 2):.12g}"
+        placed = "arm" if hasattr(c.mission.vehicle, "arm") else "rotors"
         return (
             f"For the mission {self.name} ({self.of_another_law()}m = {self.m} kg, g = "
             f"{self.gravity} m/s², {self.gains()}, goal straight below where its feature is (0, 0, "
@@ -2355,8 +2594,8 @@ class Exponential(Tolerant):
             f"{about(claim.rate)} 1/s, for all t >= 0; the vehicle stays {self.place.words()}; and "
             f"after {about(soon.time)} s it is, and stays, within {about(soon.radius)} m of the "
             f"point ({hover}) m{last}{half}. On the way each rotor of a vehicle whose mass, "
-            f"inertia, arm and drag ratio are the mission's makes, and is set to make, a thrust in "
-            f"{about(*claim.rotors)} N{turning}."
+            f"inertia, {placed} and drag ratio are the mission's makes, and is set to make, a "
+            f"thrust in {about(*claim.rotors)} N{turning}."
         )
 
 
@@ -2401,11 +2640,11 @@ class Potential(Tolerant, Attraction):
     def fastest(self) -> Fraction:
         """Bound |δ1 + δ2|."""
         second = upward(square_root(2 * self.level / self.a[0])[1])
-        return Fraction(len(self.points) + self.c.enclosures.goal[1] + second)
+        return Fraction(self.whole + self.c.enclosures.goal[1] + second)
 
     def seen(self) -> Fraction:
         """Bound |q|."""
-        return Fraction(len(self.points))
+        return self.whole
 
     def verify_fall(self) -> None:
         """Verify that Ψ falls as claimed where Q ⪯ λ I."""
@@ -2464,7 +2703,8 @@ class Potential(Tolerant, Attraction):
         )
         return (
             f"For {self.asked()} and for every vehicle with {self.vehicles()}, let Ψ = W + "
-            f"½(a2|δ2|² + a3|δ3|² + a4|δ4|²){more}, W = Σ|P'i - ξ| + q3* z less its minimum, "
+            f"½(a2|δ2|² + a3|δ3|² + a4|δ4|²){more}, "
+            f"W = Σ{self.times()}|P'i - ξ| + q3* z less its minimum, "
             f"(a2, a3, a4) = ({weights}). In continuous time and with all target points seen, the "
             f"controller may be switched on in every {rest}{others}: the motion converges to the "
             f"hover at the goal{stays}. On the way Ψ <= {about(self.level)} and Ψ' <= -(k1/m) "
@@ -2475,7 +2715,7 @@ class Potential(Tolerant, Attraction):
 # --- motions that sink to the target ------------------------------------------------------------
 #
 # Let q* = q3* e3 and Ω3 = 0. In world axes, with b = R e3, w = b', D = T - c q3*, c = k1² k2/m,
-# κ = (k1 k2 + k3)/m, y = (m g/c) e3 + (m/k1) ξ' - Σ (P'i - ξ)/ri, the closed loop is
+# κ = (k1 k2 + k3)/m, y = (m g/c) e3 + (m/k1) ξ' - Σ wi (P'i - ξ)/ri, the closed loop is
 #
 #   ξ'' = g e3 - (T/m) b,   T' = κ(c bᵀy - D),   w' = (cκ/D)(I - bbᵀ) a - |w|² b - h w,
 #   a = (m g/k1) e3 + (κ + k4/m) y,   h = (T' + cκ bᵀy)/D + k4/m.
@@ -2627,7 +2867,8 @@ class Sinking(Axial):
         xi, v, b, w = (Vector(series[i : i + 3]) for i in (0, 3, 6, 9))
         T, x, u = series[12], series[13], series[14:]  # x = 1/D, u = 1/r
         rays = [vector(point) - xi for point in self.points]
-        seen = Vector(Series.inner(axis, u) for axis in zip(*rays, strict=True))
+        weighed = [w * x if w != 1 else x for w, x in zip(self.target.weights, u, strict=True)]
+        seen = Vector(Series.inner(axis, weighed) for axis in zip(*rays, strict=True))
         y = vector((0, 0, self.weight / c)) + (m / k1) * v - seen
         a = vector((0, 0, self.weight / k1)) + (kappa + slowing) * y
         by = b @ y
@@ -2723,11 +2964,14 @@ def claim_of(certificate: Any) -> Any:
 
 def stated(claim: Any) -> str:
     """Say in words what is claimed, and of which mission."""
-    points = ", ".join(f"({', '.join(map(str, point))})" for point in claim.points)
+    target = claim.c.mission.target
+    points = ", ".join(f"({', '.join(map(str, point))})" for point in target.points)
+    weights = getattr(target, "weights", None)
+    counted = f", which count {', '.join(map(str, weights))} times" if weights else ""
     return (
         f"{claim.words()}{claim.left_out()} The mission {claim.name} is the one whose numbers "
         f"have the SHA-256 {claim.c.mission_sha256}; its target points are {points} m, in world "
-        "axes, z down."
+        f"axes, z down{counted}."
     )
 
 

@@ -82,7 +82,7 @@ def export_c(
     InputError
         If an argument cannot be used or the folder cannot be written to.
     """
-    own = flown_law(mission)
+    own, law = flown_law(mission), law and law.weighing(mission.target)
     if law is not None and law != own:
         if not allow_uncertified:
             why = f"its certificate is about its law, {own.name}, not about {law.name}"

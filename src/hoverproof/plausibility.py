@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from hoverproof.design.limits import bandwidth
 from hoverproof.mission.sections import Mission
+from hoverproof.mission.vehicle import Vehicle
 
 MASSES = (0.003, 300.0)
 """kg: from the smallest that carry a camera to what carries a person."""
@@ -21,15 +22,16 @@ GRAVITIES = (1.0, 30.0)
 """m/s²: the Moon has 1.6, Jupiter 25."""
 
 ARM_SCALES = (0.02, 1.0)
-"""m/kg^(1/3), arm over the cube root of the mass: 0.08 to 0.35 in vehicles, as a heavier one of the
-same shape is longer by that root. An arm in mm or a mass in g is off by a factor of 10 or more.
+"""m/kg^(1/3), lever of a rotor over the cube root of the mass: 0.08 to 0.35 in vehicles, as a
+heavier one of the same shape is longer by that root. An arm in mm or a mass in g is off by a factor
+of 10 or more.
 """
 
 GYRATION = (0.1, 4.0)
-"""√(I/m) over the arm: 0.3 to 1.6 in vehicles, whose mass lies about between hub and rotors."""
+"""√(I/m) over the lever: 0.3 to 1.6 in vehicles, whose mass lies about between hub and rotors."""
 
 DRAG_RATIOS = (1e-3, 10.0)
-"""Drag torque over thrust, over the arm: 0.03 to 2 in vehicles."""
+"""Drag torque over thrust, over the lever: 0.03 to 2 in vehicles."""
 
 THRUST_TO_WEIGHT = 30.0
 """Greatest thrust over weight: racing vehicles reach 15."""
@@ -91,38 +93,54 @@ def _gravity(mission: Mission) -> Iterator[Finding]:
         )
 
 
+def mean_lever(vehicle: Vehicle) -> float:
+    """Return the root mean square of the levers about roll and pitch axis, m.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+    """
+    return vehicle.distance / math.sqrt(2)
+
+
+def _arm_key(vehicle: Vehicle) -> str:
+    return "vehicle.lever" if vehicle.layout is None else "vehicle.arm"
+
+
 def _arm(mission: Mission) -> Iterator[Finding]:
     v = mission.vehicle
     low, high = (scale * float(v.mass) ** (1 / 3) for scale in ARM_SCALES)
-    if not low <= v.arm <= high:
+    if not low <= (lever := mean_lever(v)) <= high:
         yield Finding(
             "arm against mass",
-            "vehicle.arm",
-            f"{float(v.arm):g} m does not go with {float(v.mass):g} kg, which suggests "
+            _arm_key(v),
+            f"a lever of {lever:g} m does not go with {float(v.mass):g} kg, which suggests "
             f"{low:.2g} to {high:.2g} m; is the arm in mm or cm, or the mass in g?",
         )
 
 
 def _inertia(mission: Mission) -> Iterator[Finding]:
     v = mission.vehicle
-    radii = [math.sqrt(moment / v.mass) / float(v.arm) for moment in v.inertia]
+    lever = mean_lever(v)
+    radii = [math.sqrt(moment / v.mass) / lever for moment in v.inertia]
     wrong = max(radii, key=lambda r: abs(math.log(r)))
     if not GYRATION[0] <= wrong <= GYRATION[1]:
         yield Finding(
             "inertia against mass and arm",
             "vehicle.inertia",
-            f"a radius of gyration of {wrong * float(v.arm):.3g} m does not go with an arm of "
-            f"{float(v.arm):g} m; is it in kg m²? (1 g cm² = 1e-7 kg m²)",
+            f"a radius of gyration of {wrong * lever:.3g} m does not go with a lever of "
+            f"{lever:g} m; is it in kg m²? (1 g cm² = 1e-7 kg m²)",
         )
 
 
 def _drag(mission: Mission) -> Iterator[Finding]:
     v = mission.vehicle
-    if not DRAG_RATIOS[0] <= v.drag_ratio / v.arm <= DRAG_RATIOS[1]:
+    lever = mean_lever(v)
+    if not DRAG_RATIOS[0] <= float(v.drag_ratio) / lever <= DRAG_RATIOS[1]:
         yield Finding(
             "drag ratio against arm",
             "vehicle.drag_ratio",
-            f"{float(v.drag_ratio):g} m does not go with an arm of {float(v.arm):g} m; "
+            f"{float(v.drag_ratio):g} m does not go with a lever of {lever:g} m; "
             "it is the drag torque of a rotor over its thrust",
         )
 

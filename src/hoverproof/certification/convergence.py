@@ -78,6 +78,8 @@ def attraction(
                 "name it by --start",
             )
         return converge(mission, starts=starts, progress=progress)
+    if mission.camera.has_arm and objective == "start" and barrier is None:
+        return converge(mission, starts=starts, progress=progress)
     verdict = potential.attraction(
         mission, objective=objective, starts=starts, barrier=barrier, progress=progress
     )

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from hoverproof.certification import scaled
 from hoverproof.certification.cells import Told, View, largest_below, smallest_above
+from hoverproof.certification.pattern import Pattern
 from hoverproof.mission.sections import Mission
 
 Array = NDArray[np.float64]
@@ -69,55 +70,52 @@ class OfQ:
         """
         return f"[{write(ends[0])}, {write(ends[1])}] 1/m"
 
-    def kept(self, points: Array, positions: Array, low: float, high: float) -> Told:
+    def kept(self, target: Pattern, positions: Array, low: float, high: float) -> Told:
         """Tell whether bounds hold at positions, (k,), in floating point.
 
         Parameters
         ----------
-        points : (n, 3)
-            World frame, m.
+        target : Pattern
         positions : (k, 3)
             World frame, m.
         low, high : float
             1/m.
         """
-        values = eigenvalues(points, positions)
+        values = eigenvalues(target, positions)
         return np.asarray((values[:, 0] >= low) & (values[:, 2] <= high))
 
-    def hold(self, points: Array, cells: Array, low: float, high: float) -> Told:
+    def hold(self, target: Pattern, cells: Array, low: float, high: float) -> Told:
         """Tell whether bounds hold over cells, (k,).
 
         Parameters
         ----------
-        points : (n, 3)
-            World frame, m.
+        target : Pattern
         cells : (k, 3, 2)
             Low and high ends, m.
         low, high : float
             1/m.
         """
-        view = View.of(points, cells)
+        view = View.of(target, cells)
         return largest_below(view, high) & smallest_above(view, low)
 
-    def needed(self, points: Array, box: Array) -> tuple[float, float]:
+    def needed(self, target: Pattern, box: Array) -> tuple[float, float]:
         """Return the narrowest bounds that are found over a box, 1/m.
 
         Parameters
         ----------
-        points : (n, 3)
-            World frame, m.
+        target : Pattern
         box : (3, 2)
             Low and high ends, m.
         """
         places = samples(box)
-        values = eigenvalues(points, places)
+        values = eigenvalues(target, places)
         found = [float(values[:, 0].min()), float(values[:, 2].max())]
         centers = [places[values[:, 0].argmin()], places[values[:, 2].argmax()]]
         size = np.ptp(box, axis=1) / (GRID - 1)
         for _ in range(2):
             for k, column in ((0, 0), (1, 2)):
                 around = np.clip(centers[k] + size * _unit_grid(), box[:, 0], box[:, 1])
-                values = eigenvalues(points, around)[:, column]
+                values = eigenvalues(target, around)[:, column]
                 best = values.argmin() if k == 0 else values.argmax()
                 centers[k], found[k] = around[best], float(values[best])
             size = size / 6
@@ -135,37 +133,35 @@ class OfQ:
         """
         return Fraction(low) * (1 - Fraction(slack)), Fraction(high) * (1 + Fraction(slack))
 
-    def at(self, points: Array, position: Array, low: float, high: float) -> str:
+    def at(self, target: Pattern, position: Array, low: float, high: float) -> str:
         """Say that bounds do not hold at a position.
 
         Parameters
         ----------
-        points : (n, 3)
-            World frame, m.
+        target : Pattern
         position : (3,)
             World frame, m.
         low, high : float
             1/m.
         """
-        least, _, most = eigenvalues(points, position[None])[0]
+        least, _, most = eigenvalues(target, position[None])[0]
         return (
             f"Q at the goal has eigenvalues from {least:.4g} to {most:.4g} 1/m, not within "
             f"[{low:g}, {high:g}]"
         )
 
-    def out(self, points: Array, positions: Array, low: float, high: float) -> Iterator[Spot]:
+    def out(self, target: Pattern, positions: Array, low: float, high: float) -> Iterator[Spot]:
         """Yield where bounds are farthest from holding: position, direction, bound and value.
 
         Parameters
         ----------
-        points : (n, 3)
-            World frame, m.
+        target : Pattern
         positions : (k, 3)
             World frame, m.
         low, high : float
             1/m.
         """
-        values, vectors = np.linalg.eigh(View.at(points, positions).depths)
+        values, vectors = np.linalg.eigh(View.at(target, positions).depths)
         for column, bound in ((0, "lower"), (2, "upper")):
             at = int(values[:, 0].argmin() if column == 0 else values[:, 2].argmax())
             value = float(values[at, column])
@@ -206,64 +202,60 @@ class OfJ:
         low, high = ends
         return f"|J - {write((low + high) / 2)} I| <= {write((high - low) / 2)} 1/m"
 
-    def kept(self, points: Array, positions: Array, low: float, high: float) -> Told:
+    def kept(self, target: Pattern, positions: Array, low: float, high: float) -> Told:
         """See `OfQ.kept`.
 
         Parameters
         ----------
-        points : (n, 3)
-            World frame, m.
+        target : Pattern
         positions : (k, 3)
             World frame, m.
         low, high : float
             1/m.
         """
-        far = self.far(points, positions, (low + high) / 2)
+        far = self.far(target, positions, (low + high) / 2)
         return np.asarray(far <= (high - low) / 2)
 
     @staticmethod
-    def far(points: Array, positions: Array, j: float) -> Array:
+    def far(target: Pattern, positions: Array, j: float) -> Array:
         """Return |J - j I| at positions, (k,), 1/m; `BEYOND` where J is not a number.
 
         Parameters
         ----------
-        points : (n, 3)
-            World frame, m.
+        target : Pattern
         positions : (k, 3)
             World frame, m.
         j : float
             1/m.
         """
-        J = np.nan_to_num(scaled.slopes_at(points, positions), nan=BEYOND)
+        J = np.nan_to_num(scaled.slopes_at(target, positions), nan=BEYOND)
         return _distances(J, j)
 
-    def hold(self, points: Array, cells: Array, low: float, high: float) -> Told:
+    def hold(self, target: Pattern, cells: Array, low: float, high: float) -> Told:
         """See `OfQ.hold`.
 
         Parameters
         ----------
-        points : (n, 3)
-            World frame, m.
+        target : Pattern
         cells : (k, 3, 2)
             Low and high ends, m.
         low, high : float
             1/m.
         """
-        return scaled.within_ball(points, cells, low, high)
+        return scaled.within_ball(target, cells, low, high)
 
-    def needed(self, points: Array, box: Array) -> tuple[float, float]:
+    def needed(self, target: Pattern, box: Array) -> tuple[float, float]:
         """See `OfQ.needed`: on a grid.
 
         Parameters
         ----------
-        points : (n, 3)
-            World frame, m.
+        target : Pattern
         box : (3, 2)
             Low and high ends, m.
         """
         from scipy.optimize import minimize_scalar
 
-        J = scaled.slopes_at(points, samples(box, COARSE))
+        J = scaled.slopes_at(target, samples(box, COARSE))
 
         def reach(j: float) -> float:
             return float(_distances(J, j).max())
@@ -287,39 +279,37 @@ class OfJ:
         j, reach = Fraction(low + high) / 2, Fraction(high - low) / 2 * (1 + Fraction(slack))
         return j - reach, j + reach
 
-    def at(self, points: Array, position: Array, low: float, high: float) -> str:
+    def at(self, target: Pattern, position: Array, low: float, high: float) -> str:
         """See `OfQ.at`.
 
         Parameters
         ----------
-        points : (n, 3)
-            World frame, m.
+        target : Pattern
         position : (3,)
             World frame, m.
         low, high : float
             1/m.
         """
         j, reach = (low + high) / 2, (high - low) / 2
-        (far,) = self.far(points, position[None], j)
+        (far,) = self.far(target, position[None], j)
         return f"J at the goal is {far:.4g} 1/m from {j:g} I, not within {reach:g}"
 
-    def out(self, points: Array, positions: Array, low: float, high: float) -> Iterator[Spot]:
+    def out(self, target: Pattern, positions: Array, low: float, high: float) -> Iterator[Spot]:
         """See `OfQ.out`.
 
         Parameters
         ----------
-        points : (n, 3)
-            World frame, m.
+        target : Pattern
         positions : (k, 3)
             World frame, m.
         low, high : float
             1/m.
         """
         j = (low + high) / 2
-        far = self.far(points, positions, j)
+        far = self.far(target, positions, j)
         at = int(far.argmax())
         if far[at] > (high - low) / 2:
-            (J,) = scaled.slopes_at(points, positions[at][None])
+            (J,) = scaled.slopes_at(target, positions[at][None])
             yield positions[at], np.linalg.svd(J - j * np.eye(3))[2][0], "ball", float(far[at])
 
 
@@ -336,15 +326,15 @@ def flow_of(mission: Mission) -> Flow:
     return OfJ() if mission.law.feature == "scaled" else OfQ()
 
 
-def eigenvalues(points: Array, positions: Array) -> Array:
+def eigenvalues(target: Pattern, positions: Array) -> Array:
     """Return the eigenvalues of Q, ascending, (n, 3), 1/m, in floating point.
 
     Parameters
     ----------
-    points : (k, 3), target, world frame, m
+    target : Pattern
     positions : (n, 3), world frame, m
     """
-    return np.asarray(np.linalg.eigvalsh(View.at(points, positions).depths), np.float64)
+    return np.asarray(np.linalg.eigvalsh(View.at(target, positions).depths), np.float64)
 
 
 def samples(box: Array, count: int = GRID) -> Array:

@@ -19,7 +19,7 @@ from hoverproof.certification.region import (
 from hoverproof.certification.verdict import Proved, Refuted, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
-from hoverproof.plant.goal import Interval, level_view
+from hoverproof.plant.goal import Interval, level_view_of
 from hoverproof.servo.laws.hamel_mahony import law_of
 from hoverproof.servo.loop import level_slope
 
@@ -203,7 +203,6 @@ def _seal(
 ) -> Certificate:
     """Complete a certificate about Q alone: gains and thrust play no part in it."""
     held = {"box": box, "eigenvalues": bounds, "tree": tree}
-    n = len(mission.target.points)
-    view = level_view(n) if mission.law.feature == "centroid" else level_slope(n, law_of(mission))
-    model = fingerprint(view)
+    n, centroid = len(mission.target.points), mission.law.feature == "centroid"
+    model = fingerprint(level_view_of(mission) if centroid else level_slope(n, law_of(mission)))
     return seal(mission, kind, {"region": held, **parts}, model)

@@ -240,18 +240,18 @@ def wanted(mission: Mission, goal: HoverGoal) -> list[Interval]:
     """
     if mission.law.feature == "centroid":
         return list(goal.centroid)
-    return scaled_centroid(goal.centroid, len(mission.target.points))
+    return scaled_centroid(goal.centroid, mission.target.whole)
 
 
-def scaled_centroid(q: Sequence[Interval], n: int) -> list[Interval]:
+def scaled_centroid(q: Sequence[Interval], n: Fraction | int) -> list[Interval]:
     """Enclose s = √(n (n + a)/(2 (n² - a²))) q/a, a = |q|, (3,).
 
     Parameters
     ----------
     q : (3,) of (low, high)
         Small enclosures, |q| < n.
-    n : int
-        Number of target points.
+    n : Fraction or int
+        Sum of the weights of the target points, a bare number.
     """
     ends = [
         sum((pick(side[0] ** 2, side[1] ** 2) for side in q), Fraction(0)) for pick in (min, max)

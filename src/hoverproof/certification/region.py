@@ -13,6 +13,7 @@ from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.cells import Told, grow_tree, most_cells
 from hoverproof.certification.flow import flow_of, samples
+from hoverproof.certification.pattern import Pattern
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import Interval, hover_goal
@@ -110,7 +111,7 @@ def enclosures(mission: Mission, box: Box, most: int | None = None) -> Iterator[
     if holds_target_point(mission, box):
         raise _infinite_in(mission, box)
     flow = flow_of(mission)
-    low, high = flow.needed(_points(mission), box_ends(box))
+    low, high = flow.needed(Pattern.of(mission), box_ends(box))
     for slack in flow.slacks:
         wide = flow.widened(low, high, slack)
         bounds = decimal_below(wide[0], 3), decimal_above(wide[1], 3)
@@ -153,12 +154,12 @@ def halved(mission: Mission, box: Box, bounds: Interval, most: int | None = None
     str or None
         See `grow_tree`; None if it takes more cells, or if they do not hold.
     """
-    points, (low, high), flow = _points(mission), map(float, bounds), flow_of(mission)
+    target, (low, high), flow = Pattern.of(mission), map(float, bounds), flow_of(mission)
 
     def hold(cells: Array) -> Told:
-        return flow.hold(points, cells, low, high)
+        return flow.hold(target, cells, low, high)
 
-    limit = most_cells(len(points), flow.cost)
+    limit = most_cells(len(target.points), flow.cost)
     return grow_tree(np.array(box, float), hold, min(limit, most or limit))
 
 
@@ -202,10 +203,10 @@ def outside(mission: Mission, box: Box, bounds: Interval) -> Iterator[Outside]:
     bounds : (low, high)
         1/m.
     """
-    flow, points, (low, high) = flow_of(mission), _points(mission), map(float, bounds)
-    for spot in flow.out(points, samples(box_ends(box)), low, high):
+    flow, target, (low, high) = flow_of(mission), Pattern.of(mission), map(float, bounds)
+    for spot in flow.out(target, samples(box_ends(box)), low, high):
         place = [_within(x, side) for x, side in zip(spot[0], box, strict=True)]
-        for _, direction, bound, value in flow.out(points, np.array([place], float), low, high):
+        for _, direction, bound, value in flow.out(target, np.array([place], float), low, high):
             x = [Fraction(float(c)).limit_denominator(10**6) for c in direction]
             yield Outside(place, x, bound, value)
 
@@ -224,10 +225,6 @@ def box_ends(box: Box) -> Array:
         m.
     """
     return np.array([[float(a), float(b)] for a, b in box])
-
-
-def _points(mission: Mission) -> Array:
-    return np.array(mission.target.points, float)
 
 
 def holds_target_point(mission: Mission, box: Box) -> bool:

@@ -17,7 +17,7 @@ from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import candidate
 from hoverproof.certification.exponential.search import HIGHEST, ROOM
-from hoverproof.cli.questions import CONTROL_RATES, NONE, Answers
+from hoverproof.cli.questions import CONTROL_RATES, NONE, Answers, in_layout
 from hoverproof.design.limits import designed_gains
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
@@ -59,9 +59,10 @@ def decided(name: str, answers: Answers) -> Answers:
     half = None if answers["half_angle"] == f'"{NONE}"' else answers["half_angle"]
     return answers | {
         "name": json.dumps(name),
-        "arm": answers.get("arm", f"{float(answers['rotor_distance']) / math.sqrt(2):.4g}"),
+        "placed": answers.get("placed", in_layout("x", answers["rotor_distance"])),
         "gravity": decimal(gravity),
-        "points": _square(answers["tag"]),
+        "points": answers.get("points", _square(answers["tag"])),
+        "target": answers.get("target", f"# Corners of a square tag of side {answers['tag']} m."),
         "bounds": f"[{0.9 * weight:.6g}, {1.1 * weight:.6g}]",
         "age": decimal(decimal_above(age, 3)),
         "aging": f"latency, frame{' and control' if control else ''} period",

@@ -4,15 +4,25 @@ from __future__ import annotations
 
 import contextlib
 import json
-import math
 import re
+import textwrap
 import tomllib
 from collections.abc import Callable
 from decimal import Decimal
 
-from hoverproof.cli.questions import CONTROL_RATES, NONE, OWN, QUESTIONS, Answers, Question, text
+from hoverproof.cli.questions import (
+    CONTROL_RATES,
+    NONE,
+    OWN,
+    QUESTIONS,
+    Answers,
+    Question,
+    placed,
+    text,
+)
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
+from hoverproof.mission.target_files import TargetFile
 from hoverproof.mission.writing import decimal
 
 MODEL = "x4-flyer"
@@ -21,7 +31,10 @@ LAW = {"law.feature": "scaled", "law.goal": "inertial", "law.force": "measured"}
 
 
 def interview(
-    given: Answers, ask: Callable[[str], str] = input, say: Callable[[str], None] = print
+    given: Answers,
+    ask: Callable[[str], str] = input,
+    say: Callable[[str], None] = print,
+    known: Answers | None = None,
 ) -> Answers:
     """Ask all that is not given, and return the answers as TOML.
 
@@ -31,6 +44,8 @@ def interview(
         Answers that were given as options.
     ask, say : callable
         How to ask a question and how to print a line.
+    known : dict, optional
+        What a target file answers: see `answers_of_target`.
 
     Raises
     ------
@@ -41,6 +56,8 @@ def interview(
         import readline  # noqa: F401  # lets answers be edited with the arrow keys
     say("Your vehicle, its tag, its camera and its start. Enter keeps the value in brackets;")
     say("Ctrl-C leaves, with nothing written.")
+    for line in (known or {}).get("target", "").splitlines():
+        say(f"  target: {line.removeprefix('# ')}")
 
     def asked(question: Question, default: str) -> str:
         while True:
@@ -56,23 +73,54 @@ def interview(
                 return answer
             say(f"    {reason}")
 
-    return _answered(given, asked)
+    return _answered(given, asked, known or {})
 
 
-def without_asking(given: Answers) -> Answers:
+def without_asking(given: Answers, known: Answers | None = None) -> Answers:
     """Return the answers as TOML, defaults where none is given.
 
     Parameters
     ----------
     given : dict
         Answers that were given as options.
+    known : dict, optional
+        What a target file answers: see `answers_of_target`.
     """
-    return _answered(given, lambda question, default: default)
+    return _answered(given, lambda question, default: default, known or {})
 
 
-def _answered(given: Answers, asked: Callable[[Question, str], str]) -> Answers:
+def answers_of_target(found: TargetFile) -> Answers:
+    """Return what a target file answers: its points, what they are, and its side, m.
+
+    Parameters
+    ----------
+    found : TargetFile
+    """
+    said = textwrap.wrap("; ".join(found.words), 96, break_long_words=False)
+    return {
+        "tag": text(float(found.side)),
+        "points": points_text(found),
+        "target": "\n".join(f"# {line}" for line in said),
+    }
+
+
+def points_text(found: TargetFile) -> str:
+    """Write the points of a target as TOML, four on a line.
+
+    Parameters
+    ----------
+    found : TargetFile
+    """
+    rows = [f"[{', '.join(map(decimal, point))}]" for point in found.points]
+    if len(rows) <= 4:
+        return f"[{', '.join(rows)}]"
+    lines = [", ".join(rows[i : i + 4]) for i in range(0, len(rows), 4)]
+    return "[\n" + "".join(f"  {line},\n" for line in lines) + "]"
+
+
+def _answered(given: Answers, asked: Callable[[Question, str], str], known: Answers) -> Answers:
     """Go through the questions: what is given, what is known of the vehicle, and what is asked."""
-    answers: Answers = {}
+    answers: Answers = dict(known)
     for question in QUESTIONS:
         name = question.name
         if name in given:
@@ -81,7 +129,7 @@ def _answered(given: Answers, asked: Callable[[Question, str], str]) -> Answers:
             if (reason := refusal(question, answers[name])) is not None:
                 raise InputError(f"--{name.replace('_', '-')}", "", reason)
             if name == "rotor_distance":
-                answers.pop("arm", None)
+                answers.pop("placed", None)
         elif name not in answers:
             answers[name] = asked(question, question.default(answers))
         if name == "vehicle" and json.loads(answers[name]) != OWN:
@@ -97,8 +145,8 @@ def _known(source: str) -> Answers:
     vehicle, lag = mission.vehicle, mission.uncertainty.rotor_lag or mission.rotors.time_constant
     known = {
         "mass": decimal(vehicle.mass),
-        "rotor_distance": text(float(vehicle.arm) * math.sqrt(2)),
-        "arm": decimal(vehicle.arm),
+        "rotor_distance": text(vehicle.distance),
+        "placed": placed(vehicle),
         "inertia": f"[{', '.join(map(decimal, vehicle.inertia))}]",
         "drag_ratio": decimal(vehicle.drag_ratio),
         "gravity": decimal(vehicle.gravity),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
@@ -15,6 +15,9 @@ from hoverproof.cli.console import Json, at_work, warn
 from hoverproof.cli.questions import Answers, Given
 from hoverproof.cli.reading import mission_name, refuse_given
 from hoverproof.errors import InputError
+
+if TYPE_CHECKING:
+    from hoverproof.mission.target_files import TargetFile
 
 AUTO = 'eigenvalues = "auto"          # of Q or J: proved over a box around start and goal'
 
@@ -61,6 +64,16 @@ def new(
             completer=preset_names,
         ),
     ] = None,
+    target: Annotated[
+        str | None,
+        Parameter(
+            help="Take the target from this file: tag bundle (apriltag_ros), grid (Kalibr) or "
+            "marker map (ArUco), in m."
+        ),
+    ] = None,
+    target_name: Annotated[
+        str | None, Parameter(help="Which bundle, or which tag, of a file that holds several.")
+    ] = None,
     given: Annotated[Given | None, Parameter(name="*", help="Answers, each an option.")] = None,
     yes: Annotated[
         bool, Parameter(negative="", help="Ask nothing: what is not given has its default.")
@@ -84,11 +97,14 @@ def new(
     Example: `hoverproof new my-flyer.toml --mass 0.5 --rotor-distance 0.17 --rotor-lag 0.05`
 
     Example: `hoverproof new my-flyer.toml --from x4-flyer --force`
+
+    Example: `hoverproof new my-flyer.toml --target aprilgrid.yaml --height 2`
     """
     from hoverproof.cli.answers.missions import NewAnswer
     from hoverproof.files import replacing
     from hoverproof.mission.presets import with_conditions
     from hoverproof.mission.reading import load
+    from hoverproof.mission.target_files import read_target
 
     answers = given.answers() if given else {}
     if preset:
@@ -96,33 +112,47 @@ def new(
             {f"--{name.replace('_', '-')}": text for name, text in answers.items()},
             "does not go with --from, which copies a preset",
         )
+    if target_name is not None and target is None:
+        raise InputError("--target-name", "", "goes with --target")
+    if target is not None and "tag" in answers:
+        raise InputError(
+            "--tag", "", "does not go with --target, which tells the size of the target"
+        )
     if path.exists() and not force:
         raise InputError(str(path), "", "exists already; --force replaces it")
     if not path.parent.is_dir():
         raise InputError(str(path), "", f"there is no folder {path.parent}")
     name = mission_name(path)
+    found = None if target is None else read_target(target, target_name)
     asks = not (yes or json_ or preset) and sys.stdin.isatty() and sys.stdout.isatty()
     with replacing(path) as beside:
-        text = _copied(preset, name) if preset else _own(beside, name, answers, asks)
+        text = _copied(preset, name, found) if preset else _own(beside, name, answers, asks, found)
         beside.write_text(with_conditions(text), encoding="utf-8")
         made = load(beside)  # nothing is put in place that does not load
     made = made.model_copy(update={"source": str(path)})
     warn(made)
-    return tell(NewAnswer(path, made, preset or "own vehicle"), json_)
+    read = () if found is None else found.words
+    return tell(NewAnswer(path, made, preset or "own vehicle", read), json_)
 
 
-def _copied(preset: str, name: str) -> str:
+def _copied(preset: str, name: str, target: TargetFile | None) -> str:
+    from hoverproof.cli.interview import answers_of_target
     from hoverproof.mission.presets import preset_text
 
     text = re.sub(r'(?m)^name = ".*"', f'name = "{name}"', preset_text(preset), count=1)
+    if target is not None:
+        known = answers_of_target(target)
+        lines = f"{known['target']}\npoints = {known['points']}"
+        text = re.sub(r"(?m)^points = .*", lines, text, count=1)
     return re.sub(r"(?m)^eigenvalues = .*", AUTO, text, count=1)
 
 
-def _own(beside: Path, name: str, given: Answers, asks: bool) -> str:
+def _own(beside: Path, name: str, given: Answers, asks: bool, target: TargetFile | None) -> str:
     from hoverproof.cli.first_mission import make
-    from hoverproof.cli.interview import interview, without_asking
+    from hoverproof.cli.interview import answers_of_target, interview, without_asking
 
-    answers = interview(given) if asks else without_asking(given)
+    known = {} if target is None else answers_of_target(target)
+    answers = interview(given, known=known) if asks else without_asking(given, known)
     with at_work() as doing:
         doing("looking for gains that hold the start")
         return make(beside, name, answers)

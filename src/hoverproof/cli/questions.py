@@ -9,11 +9,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from fractions import Fraction
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 from cyclopts import Parameter
 
 from hoverproof.cli.completion import mission_names
+
+if TYPE_CHECKING:
+    from hoverproof.mission.vehicle import Vehicle
 
 Answers = dict[str, str]
 OWN, NONE = "own", "none"
@@ -74,7 +78,7 @@ QUESTIONS = (
     Question("mass", "vehicle.mass", "mass with battery and camera, kg", lambda a: "0.5"),
     Question(
         "rotor_distance",
-        "vehicle.arm",
+        "vehicle.lever",
         "distance of a rotor from the centre, in X, m",
         lambda a: text(USUAL_ARM * _scale(a)),
     ),
@@ -153,6 +157,23 @@ class Given:
     def answers(self) -> Answers:
         """Return those that were given."""
         return {name: given for name, given in vars(self).items() if given is not None}
+
+
+def placed(vehicle: Vehicle) -> str:
+    """Write where the rotors of a vehicle are, as lines of a mission file."""
+    from hoverproof.mission.writing import decimal  # help, which asks nothing, comes at once
+
+    if vehicle.lever is not None:
+        return f"lever = {decimal(vehicle.lever)}  # m, of each rotor about roll and pitch axis"
+    arms = vehicle.arm if isinstance(vehicle.arm, tuple) else (vehicle.arm or Fraction(0),)
+    lengths = ", ".join(map(decimal, arms))
+    return in_layout(vehicle.layout or "", f"[{lengths}]" if len(arms) > 1 else lengths)
+
+
+def in_layout(layout: str, arm: str) -> str:
+    """Write a layout with its arms, TOML, as lines of a mission file."""
+    of = "forward and sideways" if layout == "h" else "from the centre of mass to a rotor"
+    return f'layout = "{layout}"  # of the rotors: x, plus or h\narm = {arm}  # m, {of}'
 
 
 def text(value: float) -> str:

@@ -6,7 +6,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from hoverproof.certification.flow import flow_of
 from hoverproof.design.gain_search import COARSE, GainSearch
@@ -84,6 +83,8 @@ def needed_bandwidth(
     at_least : float
         Decay rate of L that is wished for, 1/s.
     """
+    from scipy.optimize import brentq  # as long to import as all that `tune` needs besides
+
     z = np.log([float(k) for k in (gains.k1, gains.k1 * gains.k2, gains.k3)])
     low, short = math.log(search.limits.fastest), at_least - rate
     known = {low: short}

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.errors import InputError
+from hoverproof.mission.frame import Frame
 from hoverproof.mission.sections import Gains, Mission
 from hoverproof.plant import rotors
 from hoverproof.servo.controller import derive_controller
@@ -149,16 +150,16 @@ class FirstCommand:
         """
         n = len(gains[0])
         vehicle = self.mission.vehicle
-        thrusts, tilt = _first_command(self.numbers.law)(
+        thrusts, tilt = _first_command(self.numbers.law, vehicle.frame)(
             np.tile(self.measured[:, None], n),
             self.numbers.designs(gains),
-            np.full((1, n), float(vehicle.arm)),
+            np.full((1, n), float(vehicle.reach)),
             np.full((1, n), float(vehicle.drag_ratio)),
         )
         return np.array(thrusts), np.array(tilt).ravel()
 
 
-def _first_command(law: Law) -> ca.Function:
+def _first_command(law: Law, frame: Frame) -> ca.Function:
     """Return (measurement, design, arm, drag ratio) ↦ (rotor thrusts, tilt asked for).
 
     The force asked for is the F at which δ3 = 0; the thrust that makes it lies along m g ρ - F.
@@ -166,7 +167,7 @@ def _first_command(law: Law) -> ca.Function:
     controller = derive_controller(law)
     z, d = controller.measured, controller.design
     arm, drag = ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
-    thrusts = rotors.rotor_thrusts(z.thrust, controller.torque, arm, drag)
+    thrusts = rotors.rotor_thrusts(frame, z.thrust, controller.torque, arm, drag)
     asked = d.mass * d.gravity * z.gravity_direction + d.stiffness * law.errors(z, d).d2
     across, along = ca.cross(z.gravity_direction, asked), ca.dot(z.gravity_direction, asked)
     tilt = ca.atan2(ca.norm_2(across), along)

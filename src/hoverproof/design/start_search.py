@@ -117,7 +117,7 @@ class StartSearch:
         """
         whole = Search.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
         wider, beyond = SPARED[0]
-        half = mission.camera.half_angle
+        half = mission.camera.about_vertical
         half_angle = None if half is None else float(half)
         highest = ROOMS[0][1]
         whole = replace(whole, highest=highest, half_angle=half_angle)

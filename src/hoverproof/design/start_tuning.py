@@ -158,9 +158,10 @@ def is_shown(mission: Mission, whole: Search, d: float) -> bool:
         A bare number, dimensionless.
     """
     ball = whole.ball(d)
-    points = [tuple(point) for point in mission.target.points]
-    tree = None if ball is None else Domain.of(whole.scene, points, d, ball).tree()
-    return tree is not None and tree.count("0") < OF_CELLS * most_cells(len(points), COST)
+    tree = None if ball is None else Domain.of(whole.scene, mission.target, d, ball).tree()
+    return tree is not None and tree.count("0") < OF_CELLS * most_cells(
+        len(whole.scene.points), COST
+    )
 
 
 def _proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | str:

@@ -76,8 +76,7 @@ class Firmware:
             )
             self.name = str(self.manifest["name"])
             headers = [f"{self.name}.h"]
-            if "camera" in self.manifest:
-                headers.append(f"{self.name}_camera.h")
+            headers += [f"{self.name}_{k}.h" for k in ("camera", "lens") if k in self.manifest]
             header = "".join((folder / path).read_text("utf-8") for path in headers)
         except (OSError, ValueError, KeyError):
             raise InputError(str(folder), "", "is no firmware package: see `export`") from None
@@ -147,7 +146,20 @@ class Firmware:
 
     def selftest(self) -> int:
         """Return 0 if every built-in vector holds bit for bit, else the first that does not."""
-        return self._call("selftest")
+        return self._call("selftest") or ("lens" in self.manifest and self._call("lens_selftest"))
+
+    def lens(self, pixels: Any) -> tuple[int, Array]:
+        """Return the status and the undistorted image points of pixels, of a package with a lens.
+
+        Parameters
+        ----------
+        pixels : (n, 2)
+            px, one for each target point.
+        """
+        given = np.ascontiguousarray(pixels, self._real)
+        image = np.zeros_like(given)
+        pointers = (ctypes.c_void_p(a.ctypes.data) for a in (given, image))
+        return int(getattr(self._library, f"{self.name}_lens")(*pointers)), image.astype(float)
 
     def step(self, seen: Any, **rest: Any) -> Output:
         """Run one step.
@@ -355,7 +367,7 @@ def _built(folder: Path, name: str, compiler: str | None, build: Path) -> Path:
     library = build / f"{name}.so"
     (build / "loop.c").write_text(loop.replace("NAME", name), encoding="utf-8")
     sources = [folder / f"{name}.c", folder / f"{name}_selftest.c", folder / "example/vehicle.c"]
-    sources += folder.glob(f"{name}_camera.c")
+    sources += [*folder.glob(f"{name}_camera.c"), *folder.glob(f"{name}_lens.c")]
     words = command_words(compiler or find_compiler())
     if not words:
         reason = "firmware needs a C compiler; none was found (or set CC)"

@@ -94,7 +94,7 @@ def camera_text(mission: Mission, law: FlightLaw, options: Options) -> CameraTex
         if field == "image"
         else [f"frame->centroid[{k}]" for k in range(3)]
     )
-    seen = seen_feature(law.source.feature, options.camera, points)
+    seen = seen_feature(law.source, options.camera, points)
     inputs = [seen.seen, seen.spread]
     of_seen = ca.Function("feature", inputs, [ca.cse(seen.feature)])
     spread = seen.spread_function()
@@ -119,6 +119,6 @@ def camera_text(mission: Mission, law: FlightLaw, options: Options) -> CameraTex
             )
         ),
         image_square=sum_of_squares(names),
-        north=north_seen(mission, options, names, "frame->", axis) if headed else (),
+        north=north_seen(mission, options, law.source, names, "frame->", axis) if headed else (),
         heading=heading_kept(options, kept, "in->") if headed else (),
     )

@@ -28,7 +28,7 @@ class Chain:
     parts : Design
         Of the law, symbols.
     arm, drag : SX
-        Of the rotors, (1, 1), m.
+        Of the rotors, (1, 1), m; see `hoverproof.plant.rotors.wrench`.
     sensors : dict of str to SX
         What is taken in of the body, each (3, 1); a heading is (2, 1).
     excess : SX

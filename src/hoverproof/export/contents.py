@@ -16,12 +16,13 @@ from hoverproof.errors import InputError
 from hoverproof.export.camera import CameraText, camera_text
 from hoverproof.export.flight_law import FlightLaw
 from hoverproof.export.law_text import LawText, VehicleText, law_text, vehicle_text
+from hoverproof.export.lens import LensText, lens_text
 from hoverproof.export.options import Options
 from hoverproof.export.precision import FLOAT32
 from hoverproof.export.vectors import InputBox, Vector, test_vectors
+from hoverproof.mission.frame import Place, mixing_rows
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
-from hoverproof.plant.rotors import PLACES
 from hoverproof.servo.hover_error import hover_error, rests_as_modelled
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
@@ -103,14 +104,14 @@ class Design:
     goal_centroid : sequence of Fraction
         q*, (3,), dimensionless.
     rotors : tuple of (str, (2,))
-        Names of the rotors and where they are, (x, y) in levers, in their order.
+        Names of the rotors and where they are, (x, y) in arms, in their order.
     """
 
     weight: Fraction
     gains: tuple[Fraction, ...]
     gains_text: str
     goal_centroid: Sequence[Fraction]
-    rotors: tuple[tuple[str, tuple[int, int]], ...]
+    rotors: tuple[tuple[str, Place], ...]
 
 
 @dataclass(frozen=True)
@@ -189,6 +190,8 @@ class Contents:
     vehicle : VehicleText
     camera : CameraText or None
         If frames are kept between steps.
+    lens : LensText or None
+        If the mission has one, and points are taken in.
     adapter : Adapter
     hover_error : list of (str, str)
         What errors of thrust and mass do to the hover; empty where that is not known of the law.
@@ -208,6 +211,7 @@ class Contents:
     law: LawText
     vehicle: VehicleText
     camera: CameraText | None
+    lens: LensText | None
     adapter: Adapter
     hover_error: Sequence[tuple[str, str]]
     vectors: Sequence[Vector]
@@ -216,6 +220,17 @@ class Contents:
     def points(self) -> int:
         """Number of target points."""
         return len(self.mission.target.points)
+
+    @property
+    def centroid_words(self) -> str:
+        """What the image centroid is."""
+        by_weight = "" if self.mission.target.weights is None else ", each times its weight"
+        return f"sum of the unit vectors toward the {self.points} target points{by_weight}"
+
+    @property
+    def in_order(self) -> bool:
+        """Whether image points are to be in the order of the target."""
+        return self.law.from_image or self.mission.target.weights is not None
 
     @property
     def tells_gains(self) -> bool:
@@ -256,6 +271,7 @@ def contents(
         law=text,
         vehicle=vehicle_text(mission, options, law.source),
         camera=camera,
+        lens=lens_text(mission, options),
         adapter=_adapter(mission, options),
         hover_error=hover_error(mission, law.source).rows()
         if rests_as_modelled(law.source)
@@ -284,7 +300,7 @@ def _evidence(standing: Standing) -> Evidence:
 
 
 def _origin(mission: Mission, evidence: Evidence, text: LawText, law: Law) -> Origin:
-    flies = "" if law == HAMEL_MAHONY else f", law {law.name}"
+    flies = "" if law.name == HAMEL_MAHONY.name else f", law {law.name}"
     made = f"Made by hoverproof {__version__} from the mission {mission.name}{flies}. Do not edit."
     in_c = (
         f"mission {mission.name}; certificate SHA-256 {evidence.sha256}; law SHA-256 {text.sha256}"
@@ -297,14 +313,14 @@ def _origin(mission: Mission, evidence: Evidence, text: LawText, law: Law) -> Or
 
 
 def _design(mission: Mission, law: Law) -> Design:
-    units, numbers = law.design.gains(), law.design.numbers(mission)
+    frame, units, numbers = mission.vehicle.frame, law.design.gains(), law.design.numbers(mission)
     words = ", ".join(f"{gain} {unit}" for gain, unit in units.items())
     return Design(
         weight=mission.vehicle.weight,
         gains=tuple(numbers[gain][0] for gain in units),
         gains_text=words.replace("²", "^2"),
         goal_centroid=law.goal_feature(mission),
-        rotors=tuple(PLACES.items()),
+        rotors=tuple(zip(frame.names, frame.places, strict=True)),
     )
 
 
@@ -328,18 +344,18 @@ def _limits(
             spread=spread,
             heading=None if law.source.heading is None else Fraction(1, 10),
         ),
-        centroid_square=(Fraction(101, 100) * len(mission.target.points)) ** 2,
-        feature_square=_longest_feature(law.source, len(mission.target.points), spread) ** 2,
+        centroid_square=(Fraction(101, 100) * mission.target.whole) ** 2,
+        feature_square=_longest_feature(law.source, mission.target.whole, spread) ** 2,
     )
 
 
 def _spread(mission: Mission, options: Options) -> tuple[Fraction, Fraction]:
     """Return the n² - |q|² that a feature of the target's size is computed from.
 
-    The target is no smaller than what keeps rounding to about a thousandth; its points are before
-    the camera, so that their centroid is longer than n/25.
+    n is the sum of the weights. The target is no smaller than what keeps rounding to about a
+    thousandth; its points are before the camera, so that their centroid is longer than n/25.
     """
-    n, q = len(mission.target.points), hover_goal(mission).centroid_midpoint
+    n, q = mission.target.whole, hover_goal(mission).centroid_midpoint
     by_centroid = options.precision == FLOAT32 and "centroid" in (options.sensing, options.camera)
     radius = Fraction(1, 100 if by_centroid else 10_000)
     if n**2 - sum(c**2 for c in q) < (2 * n * radius) ** 2:
@@ -352,12 +368,13 @@ def _spread(mission: Mission, options: Options) -> tuple[Fraction, Fraction]:
     return (n * radius) ** 2, n**2 * (1 - Fraction(1, 625))
 
 
-def _longest_feature(law: Law, n: int, spread: tuple[Fraction, Fraction] | None) -> Fraction:
+def _longest_feature(law: Law, n: Fraction, spread: tuple[Fraction, Fraction] | None) -> Fraction:
     """Return the longest feature that is accepted: a hundredth more than of the smallest target."""
     square = Fraction(0) if spread is None else spread[0]
     along = ca.SX([0, 0, math.sqrt(n**2 - square)])
-    feature = ca.evalf(law.feature.of(along, ca.SX(float(square)), n))
-    return Fraction(101, 100) * Fraction(float(ca.norm_2(feature)))
+    feature = ca.evalf(law.feature.of(along, ca.SX(float(square)), float(n)))
+    beside = ca.norm_2(law.made_up(ca.SX.zeros(3)))
+    return Fraction(101, 100) * Fraction(float(ca.norm_2(feature) + beside))
 
 
 def _tilt(mission: Mission, excess: Fraction) -> tuple[Fraction, str]:
@@ -375,8 +392,9 @@ def _adapter(mission: Mission, options: Options) -> Adapter:
         return FLOAT32.literal(value).replace("F", "f")
 
     v, (low, high) = mission.vehicle, options.rotor_limits
-    reach = 2 * (high - low)  # two rotors high and two low
-    torques = [reach * v.arm, reach * v.arm, reach * v.drag_ratio]
+    _, *rows = mixing_rows(v.frame)  # half of a lever's sum: one side high and the other low
+    most = [sum(map(abs, row), Fraction(0)) / 2 * (high - low) for row in rows]
+    torques = [a * b for a, b in zip(most, (v.reach, v.reach, v.drag_ratio), strict=True)]
     of_points = "points" in (options.sensing, options.camera)
     return Adapter(
         weight=single(v.weight),

@@ -21,6 +21,7 @@ from hoverproof.export.chain import Chain, body_sensors, chain_of
 from hoverproof.export.closed_form import closed_forms
 from hoverproof.export.quadratic import Coefficients, Variables, quadratic
 from hoverproof.export.seen import SeenFeature, seen_feature
+from hoverproof.mission.frame import Frame, X
 from hoverproof.mission.sections import Mission
 from hoverproof.plant import rigid_body, rotors
 from hoverproof.servo.controller import derive_controller
@@ -109,26 +110,28 @@ def flight_law(
         If the graph is not the derived controller, compared in exact arithmetic.
     """
     law, points = law or flown_law(mission), len(mission.target.points)
-    return _flight_law(law, tuple(_design_values(mission, law)), (sensing, points), tunable)
+    law, here = law.weighing(mission.target), tuple(_design_values(mission, law))
+    return _flight_law(law, mission.vehicle.frame, here, (sensing, points), tunable)
 
 
 @lru_cache(maxsize=8)
 def _flight_law(
-    law: Law, here: tuple[Fraction, ...], sensing: tuple[str, int], tunable: bool
+    law: Law, frame: Frame, here: tuple[Fraction, ...], sensing: tuple[str, int], tunable: bool
 ) -> FlightLaw:
     """Return the law of a design, for what it takes in of so many target points."""
     chain = chain_of(law)
     samples = [list(here), *(_with_gains(law, here, g) for g in _other_gains(law, here))]
     numbers = Coefficients(chain.design, samples if tunable else samples[:1])
     feature = ca.SX.sym("feature", 3)
-    by_feature, _ = _functions(chain, numbers, SeenFeature(feature, feature))
+    by_feature, _ = _functions(chain, numbers, SeenFeature(feature, feature), frame)
     forms = closed_forms(ca.vertcat(*numbers.expressions.values()))
     expressions = ca.vertcat(*(form.value for form in forms))
     at_samples = numbers.at_samples(expressions)
     for i, sample in enumerate(numbers.samples):
-        assert_is_the_controller(by_feature, sample, [values[i] for values in at_samples], law)
-    seen = seen_feature(law.feature, *sensing)
-    function, after_checks = _functions(chain, numbers, seen)
+        at_sample = [values[i] for values in at_samples]
+        assert_is_the_controller(by_feature, sample, at_sample, law, frame)
+    seen = seen_feature(law, *sensing)
+    function, after_checks = _functions(chain, numbers, seen, frame)
     tuned, rest = _gains_and_rest(law)
     (singular,) = numbers.at_samples(chain.singular)
     return FlightLaw(
@@ -157,6 +160,7 @@ def assert_is_the_controller(
     design: Sequence[Fraction],
     coefficients: Sequence[Fraction],
     law: Law = HAMEL_MAHONY,
+    frame: Frame = X,
 ) -> None:
     """Compare a law with the derived controller and rotor mixing, exactly, at random points.
 
@@ -168,10 +172,12 @@ def assert_is_the_controller(
     function : casadi.Function
         The law by its feature, as in `FlightLaw`.
     design : sequence of Fractions
-        That of the law, then the arm in m and the drag ratio in m.
+        That of the law, then what places of the frame are multiples of, and the drag ratio, in m.
     coefficients : sequence of Fractions
         Those of the law in this design, (n,).
     law : Law
+    frame : Frame
+        Of the rotors.
 
     Raises
     ------
@@ -194,7 +200,8 @@ def assert_is_the_controller(
     measured = [number for name in law.measurement.sizes() for number in parts[name]]
     thrust_rate, torque = evaluate(derive_controller(law).function(), [measured, own])
     T, Gamma, d, k = ca.SX.sym("T"), ca.SX.sym("Gamma", 3), ca.SX.sym("d"), ca.SX.sym("k")
-    mixing = ca.Function("mixing", [T, Gamma, d, k], [rotors.rotor_thrusts(T, Gamma, d, k)])
+    each = rotors.rotor_thrusts(frame, T, Gamma, d, k)
+    mixing = ca.Function("mixing", [T, Gamma, d, k], [each])
     (mixed,) = evaluate(mixing, [[thrust], [row[0] for row in torque], [arm], [drag]])
     for name, wanted in (("thrust_rate", thrust_rate), ("torque", torque), ("rotor", mixed)):
         if named[name] != wanted:  # not an assert statement, which `python -O` leaves out
@@ -204,7 +211,11 @@ def assert_is_the_controller(
 def _design_values(mission: Mission, law: Law) -> list[Fraction]:
     """Return the numbers of a mission in the order of the chain's design."""
     vehicle = mission.vehicle
-    return [*law.design.values(mission, law.goal_feature(mission)), vehicle.arm, vehicle.drag_ratio]
+    return [
+        *law.design.values(mission, law.goal_feature(mission)),
+        vehicle.reach,
+        vehicle.drag_ratio,
+    ]
 
 
 def _gains_and_rest(law: Law) -> tuple[list[int], list[int]]:
@@ -238,10 +249,10 @@ def _lift(chain: Chain, numbers: Coefficients, law: ca.Function) -> ca.Function:
 
 
 def _functions(
-    chain: Chain, numbers: Coefficients, seen: SeenFeature
+    chain: Chain, numbers: Coefficients, seen: SeenFeature, frame: Frame
 ) -> tuple[ca.Function, ca.Function]:
     """Return the law, and the law for what is checked before it."""
-    named = _scheme(chain, numbers, seen.feature)
+    named = _scheme(chain, numbers, seen.feature, frame)
     checked = {"spread": (seen.spread, seen.spread_of)}
     if chain.measures_thrust:
         checked["lift"] = chain.lift, named["lift"]
@@ -266,7 +277,7 @@ def _function(inputs: dict[str, ca.SX], named: dict[str, ca.SX]) -> ca.Function:
     return share_reciprocals(law)
 
 
-def _scheme(chain: Chain, numbers: Coefficients, feature: ca.SX) -> dict[str, ca.SX]:
+def _scheme(chain: Chain, numbers: Coefficients, feature: ca.SX, frame: Frame) -> dict[str, ca.SX]:
     """Build the graph, with a symbol for the lift that a law measures.
 
     Every value in it that has a meaning comes with a name.
@@ -328,10 +339,9 @@ def _scheme(chain: Chain, numbers: Coefficients, feature: ca.SX) -> dict[str, ca
         numbers,
     )
     wrench = over(("thrust", chain.excess), ("torque", chain.s))  # any symbols do
-    mixing = rotors.rotor_thrusts(
-        chain.excess + chain.parts.mass * chain.parts.gravity, chain.s, chain.arm, chain.drag
-    )
-    mixed = quadratic(mixing, ["rotor"] * 4, wrench, numbers)
+    lift_off = chain.excess + chain.parts.mass * chain.parts.gravity
+    mixing = rotors.rotor_thrusts(frame, lift_off, chain.s, chain.arm, chain.drag)
+    mixed = quadratic(mixing, ["rotor"] * len(frame.names), wrench, numbers)
 
     graph = {"centroid": feature, "image_error": image_error, "tilt": tilt}
     if chain.measures_thrust:

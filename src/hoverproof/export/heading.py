@@ -38,7 +38,7 @@ def check_sees_points(law: Law, options: Options) -> None:
 
 
 def north_seen(
-    mission: Mission, options: Options, image: Sequence[str], down: str, to: Sequence[str]
+    mission: Mission, options: Options, law: Law, image: Sequence[str], down: str, to: Sequence[str]
 ) -> tuple[str, ...]:
     """Return the statements from an image to the x axis of the world, or to its heading.
 
@@ -46,6 +46,7 @@ def north_seen(
     ----------
     mission : Mission
     options : Options
+    law : Law
     image : sequence of str
         2 n numbers in C, point by point.
     down : str
@@ -56,7 +57,8 @@ def north_seen(
     n = len(mission.target.points)
     seen, gravity_direction = ca.SX.sym("seen", 2, n), ca.SX.sym("down", 3)
     points = ca.DM([[float(c) for c in point] for point in mission.target.points]).T
-    told = camera.north(camera.spherical(seen), gravity_direction, ca.SX(points))
+    directions = law.in_body(camera.spherical(seen))
+    told = camera.north(directions, gravity_direction, ca.SX(points))
     if len(to) == 2:
         told = heading_of_north(told, gravity_direction)
     function = share_reciprocals(

@@ -167,7 +167,9 @@ def vehicle_text(mission: Mission, options: Options, law: Law) -> VehicleText:
     sensors, goal = sense_function(n, options.sensing, law), law.goal_feature(mission)
     design = [FLOAT64.literal(c) for c in law.design.values(mission, goal)]
     inputs = [x, points, ["vehicle->thrust"], design]
-    sense = statements(sensors, inputs, {"seen": options.seen(n), **fields}, FLOAT64)
+    raw = options.of_points and mission.camera.lens is not None  # then a lens makes pixels of it
+    seen = [f"seen[{i}][{k}]" for i in range(n) for k in range(2)] if raw else options.seen(n)
+    sense = statements(sensors, inputs, {"seen": seen, **fields}, FLOAT64)
     if options.precision.name == "float32":
         sense = [re.sub(r"^(in->.*?) = (.*);$", r"\1 = (float)(\2);", line) for line in sense]
     start = ", ".join(repr(float(s) + 0.0) for s in LoopNumbers.of(mission).start[:BODY_SIZE])
@@ -178,7 +180,7 @@ def _seen_heading(mission: Mission, options: Options, law: Law) -> tuple[str, ..
     if not (law.sees_north and options.of_points):
         return ()
     image, places = options.seen(len(mission.target.points)), ["in->heading[0]", "in->heading[1]"]
-    return north_seen(mission, options, image, "in->", places)
+    return north_seen(mission, options, law, image, "in->", places)
 
 
 def _law_sha256(law: FlightLaw) -> str:

@@ -47,6 +47,12 @@ CAMERA_FILES = {
 }
 """Those of a package that keeps the frames of a camera."""
 
+LENS_FILES = {
+    "{name}_lens.h": "templates/lens.h.j2",
+    "{name}_lens.c": "templates/lens.c.j2",
+}
+"""Those of a package that takes raw pixels."""
+
 STACK_BUDGET = 160
 """Bytes of stack that a step may take on a Cortex-M4F, in float32."""
 
@@ -126,7 +132,7 @@ def write_package(
         rotor_limits=rotor_limits,
         camera=camera,
     )
-    law = law or flown_law(mission)
+    law = (law or flown_law(mission)).weighing(mission.target)
     check_sees_points(law, options)
     if standing.certificate is not None:
         own = flown_law(mission)
@@ -189,12 +195,14 @@ def _templates() -> Any:
 
 def _rendered(filled: Contents) -> dict[str, str]:
     """Fill the templates; return the texts by their paths."""
-    files = FILES | (CAMERA_FILES if filled.camera else {})
+    files = FILES | (CAMERA_FILES if filled.camera else {}) | (LENS_FILES if filled.lens else {})
     for target in TARGETS:
         files |= target.files()
     named = {
         **vars(filled),
         "points": filled.points,
+        "centroid_words": filled.centroid_words,
+        "in_order": filled.in_order,
         "tells_gains": filled.tells_gains,
         "lit": filled.options.precision.lit,
         "braces": filled.options.precision.braces,
@@ -205,6 +213,12 @@ def _rendered(filled: Contents) -> dict[str, str]:
         path.format(name=filled.name): _templates().get_template(template).render(named)
         for path, template in files.items()
     }
+
+
+def _whole(mission: Mission) -> float:
+    """Return the sum of the weights, which is the number of points if each counts once."""
+    whole = mission.target.whole
+    return len(mission.target.points) if mission.target.weights is None else float(whole)
 
 
 def _manifest(filled: Contents, texts: Mapping[str, str], law: Law) -> dict[str, Any]:
@@ -222,13 +236,14 @@ def _manifest(filled: Contents, texts: Mapping[str, str], law: Law) -> dict[str,
         "precision": options.precision.name,
         "sensing": options.sensing,
         **({"camera": options.camera} if options.camera else {}),
+        **({"lens": filled.lens.model} if filled.lens else {}),
         "tunable": options.tunable,
         "tools": {"hoverproof": __version__, "casadi": version("casadi")},
         "thrust": [float(t) for t in limits.thrust],
         "tilt_cosine": float(limits.tilt_cosine),
         "rotor_limits": [float(r) for r in options.rotor_limits],
         "rotor_limits_from": options.rotor_limits_from,
-        "input_box": limits.box.as_json(options.sensing, filled.points),
+        "input_box": limits.box.as_json(options.sensing, _whole(filled.mission)),
         "budgets": {
             "target": "Cortex-M4F, float32, gcc -O2 -fno-math-errno -ffp-contract=off",
             "instructions": _instruction_budget(filled),

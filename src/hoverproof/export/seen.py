@@ -8,7 +8,7 @@ import casadi as ca
 
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.plant import camera
-from hoverproof.servo.law import Feature
+from hoverproof.servo.law import Law
 
 
 @dataclass(frozen=True)
@@ -39,12 +39,12 @@ class SeenFeature:
         )
 
 
-def seen_feature(feature: Feature, sensing: str, points: int) -> SeenFeature:
+def seen_feature(law: Law, sensing: str, points: int) -> SeenFeature:
     """Return the feature of what is taken in of the image.
 
     Parameters
     ----------
-    feature : Feature
+    law : Law
     sensing : {"points", "centroid", "feature"}
         What is taken in.
     points : int
@@ -53,13 +53,15 @@ def seen_feature(feature: Feature, sensing: str, points: int) -> SeenFeature:
     seen, spread = ca.SX.sym("centroid", 3), ca.SX.sym("spread")
     if sensing == "feature":
         return SeenFeature(seen, seen)
-    q, spread_of = seen, points**2 - ca.dot(seen, seen)
+    feature = law.feature
+    whole, weights = feature.whole(points), feature.weights or None
+    q, spread_of = law.in_body(seen), whole**2 - ca.dot(seen, seen)
     if sensing == "points":
         seen = ca.SX.sym("image", 2, points)
-        directions = camera.spherical(seen)
-        q = camera.centroid(directions)
-        spread_of = camera.spread(directions, q)
-    found = feature.of(q, spread, points)
+        directions = law.in_body(camera.spherical(seen))
+        q = camera.centroid(directions, weights)
+        spread_of = camera.spread(directions, q, weights)
+    found = law.made_up(feature.of(q, spread, whole))
     if not ca.depends_on(found, spread):
         return SeenFeature(seen, found)
     return SeenFeature(seen, found, spread, spread_of)

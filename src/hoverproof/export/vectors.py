@@ -58,23 +58,23 @@ class InputBox:
     spread: tuple[Fraction, Fraction] | None = None
     heading: Fraction | None = None
 
-    def as_json(self, sensing: str, points: int) -> dict[str, Any]:
+    def as_json(self, sensing: str, whole: float) -> dict[str, Any]:
         """Return the box in words and numbers.
 
         Parameters
         ----------
         sensing : {"points", "centroid"}
             What the camera delivers.
-        points : int
-            Number of target points.
+        whole : float
+            Sum of the weights of the target points: their number, if each counts once.
         """
         seen = (
             {"image_root_sum_of_squares": [0, float(self.image)]}
             if sensing == "points"
-            else {"centroid_length": [0, 1.01 * points]}
+            else {"centroid_length": [0, 1.01 * whole]}
         )
-        if self.spread is not None:  # n times the root mean square of the angles from the middle
-            radii = [math.sqrt(s) / points for s in self.spread]
+        if self.spread is not None:  # times whole, of the angles from the middle
+            radii = [math.sqrt(s) / whole for s in self.spread]
             seen = {**seen, "angular_radius_rad": radii}
         if self.specific_force is not None:
             felt = {"specific_force_length_m_per_s2": [0, float(self.specific_force)]}
@@ -180,13 +180,14 @@ def random_step(
         The interval, N.
     """
     n, weight, real = len(mission.target.points), float(mission.vehicle.weight), precision.scalar
+    counts = np.array(mission.target.counts, float)
     image = draw.uniform(-1, 1, (2, n))
     rays = np.vstack([image, np.ones(n)])
     tilt = draw.normal(0, 0.1, 2)
     down = np.array([*tilt, 1.0]) / np.sqrt(1 + tilt @ tilt)
     step = Step(
         seen=(
-            image if sensing == "points" else (rays / np.linalg.norm(rays, axis=0)).sum(1)
+            image if sensing == "points" else (counts * rays / np.linalg.norm(rays, axis=0)).sum(1)
         ).astype(real),
         velocity=draw.normal(0, 0.5, 3).astype(real),
         rate=draw.normal(0, 0.2, 3).astype(real),
@@ -307,7 +308,7 @@ def test_vectors(
         falls = replace(step, specific_force=np.zeros(3, precision.scalar))
         faults.append((falls, 4, "no thrust is felt"))
     if law.spread is not None:
-        one = replace(step, seen=_one_point(step.seen, len(mission.target.points)))
+        one = replace(step, seen=_one_point(step.seen, float(mission.target.whole)))
         faults.append((one, 1, "all points in one"))
     for at, status, words in faults:
         written.append(write(at, safe, zero, status, words))
@@ -326,15 +327,15 @@ def _random_step(
         return random_step(draw, mission, options.precision, options.sensing, thrust)
     step = random_step(draw, mission, options.precision, "points", thrust)
     directions = camera.spherical(ca.SX(ca.DM(step.seen.astype(float))))
-    feature = np.array(ca.evalf(law.source.feature.seen(directions))).ravel()
+    feature = np.array(ca.evalf(law.source.look(directions))).ravel()
     return replace(step, seen=feature.astype(options.precision.scalar))
 
 
-def _one_point(seen: NDArray[Any], points: int) -> NDArray[Any]:
+def _one_point(seen: NDArray[Any], whole: float) -> NDArray[Any]:
     """Return the image or the centroid of a target so small that its points are one."""
     if seen.ndim == 2:
         return np.broadcast_to(seen[:, :1], seen.shape)
-    return np.array([0, 0, points], seen.dtype)
+    return np.array([0, 0, whole], seen.dtype)
 
 
 def _written(

@@ -43,7 +43,7 @@ def sense_function(n: int, sensing: str, law: Law = HAMEL_MAHONY) -> ca.Function
     x, T, (design, points) = ca.SX.sym("x", BODY_SIZE), ca.SX.sym("T"), parameters(n, law)
     body = RigidBodyState.from_vector(ca.vertcat(x, T))
     measured, image, _ = sense(body, points, law, design)
-    centroid = camera.centroid(camera.spherical(image))
+    centroid = camera.centroid(camera.spherical(image), law.feature.weights or None)
     outputs = {
         "seen": {"points": image, "centroid": centroid, "feature": measured.centroid}[sensing],
         **{name: getattr(measured, name) for name in body_sensors(law)},

@@ -68,7 +68,7 @@ class Sensors(Section):
     latency : s
         From the frame to its arrival at the controller.
     focal_length : px
-        Of the camera.
+        Of the camera; where `[camera.lens]` tells it, this and the next are left out.
     width, height : px
         Of the image, with the optical axis in its middle; by default without an edge.
     pixel_noise : px
@@ -118,11 +118,7 @@ class Sensors(Section):
     gyro_turned: Annotated[bool, true_or_false()] = False
 
     @model_validator(mode="after")
-    def _has_a_camera(self) -> Self:
-        in_pixels = ("width", "height", "pixel_noise", "pixel_resolution")
-        named = [key for key in in_pixels if getattr(self, key)]
-        if named and self.focal_length is None:
-            raise reject(f"is missing; {named[0]} in px needs it", key="focal_length")
+    def _has_both_sides(self) -> Self:
         if (self.width is None) != (self.height is None):
             raise reject("give both width and height (px) or neither")
         return self

@@ -105,6 +105,23 @@ def array(*names: str, instead: str = "") -> Callable[[object], object]:
     return check
 
 
+def list_of(what: str) -> Callable[[object], object]:
+    """Return a validator that wants a list of numbers.
+
+    Parameters
+    ----------
+    what : str
+        What they are, as shown in messages.
+    """
+
+    def check(value: object) -> object:
+        if not isinstance(value, list | tuple):
+            raise reject(f"must be a list of {what}, one number for each point, not {shown(value)}")
+        return list(value)
+
+    return check
+
+
 def one_of(*words: str) -> BeforeValidator:
     """Accept one of some words.
 

@@ -12,9 +12,11 @@ from typing import Any
 from pydantic import ValidationError
 
 from hoverproof.errors import InputError, suggestion
+from hoverproof.mission.camera_info import lens_of_file
 from hoverproof.mission.fields import shown
 from hoverproof.mission.presets import preset_text, presets
-from hoverproof.mission.sections import MAX_POINTS, TAGS, Mission
+from hoverproof.mission.sections import TAGS, Mission
+from hoverproof.mission.target import MAX_POINTS
 
 MAX_FILE_BYTES = 1_000_000
 MAX_PARTS = 64
@@ -48,6 +50,7 @@ def load(source: str | Path, overrides: Mapping[str, object] | None = None) -> M
         raise InputError(where, "source", f"unknown key ({_key_hint((), 'source')})")
     for key, value in (overrides or {}).items():
         _override(data, key, value)
+    _read_lens(data, where)
     try:
         return Mission(**data, source=where)
     except ValidationError as error:
@@ -124,6 +127,20 @@ def _exact_decimal(text: str) -> Fraction | float:
     if text.lstrip("+-") in ("inf", "nan"):
         return float(text)
     return Fraction(text.replace("_", ""))
+
+
+def _read_lens(data: dict[str, Any], where: str) -> None:
+    """Put the lens of the file that `camera.file` names in its place."""
+    section = data.get("camera")
+    if not isinstance(section, dict) or "file" not in section:
+        return
+    file = section.pop("file")
+    if not isinstance(file, str) or not file:
+        raise InputError(where, "camera.file", f"must be the path of a file, not {shown(file)}")
+    if "lens" in section:
+        raise InputError(where, "camera.file", "give either the file or camera.lens, one of them")
+    folder = Path() if where in presets() else Path(where).parent
+    section["lens"] = lens_of_file(folder / file)
 
 
 def _override(data: dict[str, Any], key: str, value: object) -> None:

@@ -5,12 +5,13 @@ Numbers are exact (`fractions.Fraction`); a float is made of them only where one
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from fractions import Fraction
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
+from hoverproof.mission.camera import Camera
 from hoverproof.mission.conditions import ModelError, Rotors, Scatter, Sensors, Wind
 from hoverproof.mission.fields import Section as _Section
 from hoverproof.mission.fields import array as _array
@@ -18,16 +19,16 @@ from hoverproof.mission.fields import one_of as _one_of
 from hoverproof.mission.fields import quantity as _quantity
 from hoverproof.mission.fields import reject as _reject
 from hoverproof.mission.fields import shown as _shown
-from hoverproof.mission.uncertainty import Camera, Uncertainty
+from hoverproof.mission.target import Point, Target, on_one_line
+from hoverproof.mission.uncertainty import Uncertainty
+from hoverproof.mission.vehicle import Vehicle
 
-MAX_POINTS = 64
 CONDITIONS = ("sensors", "rotors", "wind", "model_error", "scatter")
 """Sections that say what a real flight adds to the model."""
 
 
 _Length = Annotated[Fraction, _quantity("m", "-1e6", "1e6")]
 _PositiveLength = Annotated[Fraction, _quantity("m", "0", "1e6", open_low=True)]
-_Inertia = Annotated[Fraction, _quantity("kg m²", "0", "1e6", open_low=True, least="1e-15")]
 _Speed = Annotated[Fraction, _quantity("m/s", "-1e4", "1e4")]
 _Angle = Annotated[Fraction, _quantity("rad", "-3.1416", "3.1416")]
 _BodyRate = Annotated[Fraction, _quantity("rad/s", "-1e3", "1e3")]
@@ -35,51 +36,6 @@ _Eigenvalue = Annotated[Fraction, _quantity("1/m", "0", "1e6", open_low=True)]
 _Force = Annotated[Fraction, _quantity("N", "0", "1e9", open_low=True)]
 _Direction = Annotated[Fraction, _quantity("", "-1e3", "1e3")]
 _MassPerTime = Annotated[Fraction, _quantity("kg/s", "0", "1e9", open_low=True)]
-
-Point = Annotated[tuple[_Length, _Length, _Length], BeforeValidator(_array("x", "y", "z"))]
-
-
-class Vehicle(_Section):
-    """The vehicle: mass kg, inertia kg m² (principal), arm m, drag_ratio m, gravity m/s²."""
-
-    mass: Annotated[Fraction, _quantity("kg", "0", "1e6", open_low=True)]
-    inertia: Annotated[
-        tuple[_Inertia, _Inertia, _Inertia], BeforeValidator(_array("I1", "I2", "I3"))
-    ]
-    arm: _PositiveLength
-    drag_ratio: _PositiveLength
-    gravity: Annotated[Fraction, _quantity("m/s²", "0", "1e3", open_low=True)]
-
-    @model_validator(mode="after")
-    def _is_a_body(self) -> Self:
-        a, b, c = sorted(self.inertia)
-        if a + b < c:
-            raise _reject(
-                "no rigid body has one moment above the sum of the other two", key="inertia"
-            )
-        return self
-
-    @property
-    def weight(self) -> Fraction:
-        """m g, N."""
-        return self.mass * self.gravity
-
-
-class Target(_Section):
-    """The target: points in the world frame, m, z down."""
-
-    points: Annotated[list[Point], Field(min_length=2, max_length=MAX_POINTS)]
-
-    @model_validator(mode="after")
-    def _spans_a_shape(self) -> Self:
-        for i, point in enumerate(self.points):
-            if point in self.points[:i]:
-                raise _reject(
-                    f"point {i + 1} coincides with another; all must differ", key="points"
-                )
-        if len(self.points) > 2 and on_one_line(self.points):
-            raise _reject("all lie on one line; move at least one of them off it", key="points")
-        return self
 
 
 class LawChoice(_Section):
@@ -297,9 +253,10 @@ class Mission(_Section):
                     key="goal.height",
                 )
         if centroid is not None:
-            if sum(q * q for q in centroid) >= len(points) ** 2:
+            if sum(q * q for q in centroid) >= self.target.whole**2:
+                of = "number of points" if self.target.weights is None else "sum of the weights"
                 raise _reject(
-                    f"must be shorter than the number of points, {len(points)}: "
+                    f"must be shorter than the {of}, {_shown(self.target.whole)}: "
                     "no hover sees the target so",
                     key="goal.centroid",
                 )
@@ -339,6 +296,18 @@ class Mission(_Section):
             )
         if on_one_line([*points, start]):
             raise _reject("is in line with the target points", key="start.position")
+        return self
+
+    @model_validator(mode="after")
+    def _has_one_lens(self) -> Self:
+        lens, seen = self.camera.lens, self.sensors
+        for key in ("focal_length", "width", "height"):
+            if lens is not None and getattr(seen, key) is not None:
+                raise _reject("is told by camera.lens; leave it out", key=f"sensors.{key}")
+        in_pixels = ("width", "height", "pixel_noise", "pixel_resolution")
+        named = [key for key in in_pixels if getattr(seen, key)]
+        if named and seen.focal_length is None and lens is None:
+            raise _reject(f"is missing; {named[0]} in px needs it", key="sensors.focal_length")
         return self
 
     @model_validator(mode="after")
@@ -382,28 +351,39 @@ class Mission(_Section):
 
     @property
     def height_of_target(self) -> Fraction:
-        """Mean z of the target points, m, world frame (down)."""
-        return sum((z for _, _, z in self.target.points), Fraction(0)) / len(self.target.points)
+        """Mean z of the target points, each as much as it counts, m, world frame (down)."""
+        return self.target.mean[2]
 
     def asks_to_cover(self) -> list[str]:
         """Return in words what a proof is asked to cover beside the vehicle as modelled."""
         return [*self.uncertainty.covers(), *self.camera.covers()]
 
-    def exact(self) -> dict[str, Any]:
+    def exact(self, *, as_written: bool = False) -> dict[str, Any]:
         """Return the mission as nested dicts and lists, each number an exact string.
 
-        Sensors, rotors, wind, model_error and scatter are not in it: see `conditions`; but for
-        whether a late feature is turned, which stands under `uncertainty` if it is not.
+        The vehicle is what counts of it, `Vehicle.as_flown`, however a file says it. Sensors,
+        rotors, wind, model_error and scatter are not in it: see `conditions`; but for whether a
+        late feature is turned, which stands under `uncertainty` if it is not.
+
+        Parameters
+        ----------
+        as_written : bool
+            Whether the vehicle has the keys of a mission file.
         """
         said_by_none = ("law", "uncertainty", "camera")  # as in the missions before these sections
         left_out = {k for k in said_by_none if getattr(self, k) == type(getattr(self, k))()}
-        text: dict[str, Any] = _as_text(self.model_dump(exclude_none=True, exclude=left_out))
+        numbers = self.model_dump(exclude_none=True, exclude=left_out)
+        if not as_written:
+            numbers["vehicle"] = self.vehicle.as_flown()
+        text: dict[str, Any] = _as_text(numbers)
         for part, key in (
             (text.get("uncertainty"), "gust"),
             (text.get("uncertainty", {}).get("noise"), "vertical"),
         ):
             if part and part[key] == "0":  # as in the missions before these keys
                 del part[key]
+        if "camera" in text:
+            text["camera"] = _as_text(self.camera.told())
         if self.holds_old_axes:
             text["uncertainty"]["gyro_turned"] = "false"
         if text["goal"].get("heading_from") == "compass":
@@ -417,21 +397,6 @@ class Mission(_Section):
             {k: v.model_dump(exclude_defaults=True) for k, v in sections.items()}
         )
         return {name: keys for name, keys in text.items() if keys}
-
-
-def on_one_line(points: Sequence[Sequence[Fraction]]) -> bool:
-    """Tell whether all points lie on one line.
-
-    Parameters
-    ----------
-    points : (n, 3), m
-    """
-    origin, *others = points
-    rays = [[a - b for a, b in zip(p, origin, strict=True)] for p in others]
-    first = next((r for r in rays if any(r)), [Fraction(1), Fraction(0), Fraction(0)])
-    return all(
-        first[i] * r[j] == first[j] * r[i] for r in rays for i, j in ((0, 1), (0, 2), (1, 2))
-    )
 
 
 def _as_text(value: Any) -> Any:

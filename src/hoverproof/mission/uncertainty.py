@@ -1,4 +1,4 @@
-"""What a proof is asked to cover: the tolerances of vehicle, wind and camera, and what is seen."""
+"""What a proof is asked to cover: the tolerances of vehicle, wind and camera."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ _Share = Annotated[Fraction, quantity("(a share: 0.2 is 20 %)", "0", "0.999")]
 _Time = Annotated[Fraction, quantity("s", "0", "1e3")]
 _Acceleration = Annotated[Fraction, quantity("m/s²", "0", "1e3")]
 _BodyRate = Annotated[Fraction, quantity("rad/s", "0", "1e3")]
-_HalfAngle = Annotated[Fraction, quantity("rad", "0", "1.5707", open_low=True)]
 
 
 class Noise(Section):
@@ -110,21 +109,3 @@ class Uncertainty(Section):
             (noise.vertical, f"noise of the vertical up to {shown(noise.vertical)} rad"),
         ]
         return [words for size, words in each if size]
-
-
-class Camera(Section):
-    """What the camera is sure to see.
-
-    Attributes
-    ----------
-    half_angle : rad
-        Of the cone about the optical axis in which every point is seen; by default not said.
-    """
-
-    half_angle: _HalfAngle | None = None
-
-    def covers(self) -> list[str]:
-        """Return what is sure to be seen in words, if it is said."""
-        if self.half_angle is None:
-            return []
-        return [f"points seen within {shown(self.half_angle)} rad of the optical axis"]

@@ -31,7 +31,7 @@ def mission_text(mission: Mission, *, name: str | None = None, note: str = "") -
     InputError
         If a number of the mission is no decimal.
     """
-    wanted = mission.exact() | ({"name": name} if name else {})
+    wanted = mission.exact(as_written=True) | ({"name": name} if name else {})
     head = "".join(f"# {line}\n" for line in note.splitlines())
     edited = _written(_source_text(mission), wanted)
     if _read(edited) == wanted:
@@ -86,7 +86,7 @@ def _put(table: Any, key: str, value: Any) -> None:
 def _read(text: str) -> dict[str, Any] | None:
     """Return the exact mission of a text; None if it is none."""
     try:
-        return Mission(**tomllib.loads(text, parse_float=Fraction)).exact()
+        return Mission(**tomllib.loads(text, parse_float=Fraction)).exact(as_written=True)
     except (ValueError, TypeError):
         return None
 
@@ -97,7 +97,7 @@ def _value(value: Any) -> str:
         return f"[{', '.join(map(_value, value))}]"
     if isinstance(value, dict):
         return f"{{{', '.join(f'{key} = {_value(entry)}' for key, entry in value.items())}}}"
-    return f'"{value}"' if value.isalpha() else decimal(Fraction(value))
+    return f'"{value}"' if value.replace("_", "").isalpha() else decimal(Fraction(value))
 
 
 def decimal(value: Fraction) -> str:

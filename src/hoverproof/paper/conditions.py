@@ -136,8 +136,9 @@ def start_level(mission: Mission) -> float:
     ----------
     mission : Mission
     """
-    numbers = LoopNumbers.of(mission, HAMEL_MAHONY)
-    read = readout_function(numbers.target_size)  # L depends on neither of the rotors' lengths
+    law = HAMEL_MAHONY.weighing(mission.target)
+    numbers = LoopNumbers.of(mission, law)
+    read = readout_function(numbers.target_size, law)  # L depends on neither of the rotors' lengths
     seen = read(x=numbers.start, design=numbers.design, points=numbers.points)
     return float(seen["lyapunov"])
 

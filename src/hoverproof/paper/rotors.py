@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
+from hoverproof.mission.frame import X
 from hoverproof.paper.judge import Claim, definition, identity, setting
 from hoverproof.paper.notation import Equation as E
 from hoverproof.paper.notation import Symbol, World
@@ -24,9 +25,9 @@ PLACED = (
 
 def four_rotors() -> World:
     """Return the thrust and torque that four rotors make."""
-    short = ["T" + "".join(word[0] for word in name.split()) for name in rotors.ROTORS]
+    short = ["T" + "".join(word[0] for word in name.split()) for name in X.names]
     each, d, k = [ca.SX.sym(name) for name in short], ca.SX.sym("d"), ca.SX.sym("kappa")
-    made = rotors.wrench(ca.vertcat(*each), d, k)
+    made = rotors.wrench(X, ca.vertcat(*each), d, k)
     return {
         **dict(zip(short, each, strict=True)),
         **{"d": d, "κ": k, "T": made[0], "Γ1": made[1], "Γ2": made[2], "Γ3": made[3]},

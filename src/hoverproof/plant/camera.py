@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import casadi as ca
 
 from hoverproof.plant.rigid_body import direction_of, skew
@@ -59,30 +62,41 @@ def directions(points: ca.SX) -> ca.SX:
     return points / ca.repmat(ca.sqrt(ca.sum1(points * points)), 3, 1)
 
 
-def centroid(directions: ca.SX) -> ca.SX:
-    """Return the image centroid q = Σ pᵢ, (3, 1) (eq. 7).
+def centroid(directions: ca.SX, weights: Any = None) -> ca.SX:
+    """Return the image centroid q = Σ wᵢ pᵢ, (3, 1) (eq. 7, where every wᵢ is 1).
 
     Parameters
     ----------
     directions : SX
         p, (3, n), unit vectors.
+    weights : SX or (n,) numbers, optional
+        How much each point counts; by default 1.
     """
-    return ca.sum2(directions)
+    if weights is None:
+        return ca.sum2(directions)
+    return directions @ ca.SX(weights)
 
 
-def spread(directions: ca.SX, centroid: ca.SX) -> ca.SX:
-    """Return n² - |q|² = n Σ|pᵢ - q/n|², (1, 1), without cancellation where the points are near.
+def spread(directions: ca.SX, centroid: ca.SX, weights: Sequence[float] | None = None) -> ca.SX:
+    """Return W² - |q|² = W Σ wᵢ|pᵢ - q/W|², (1, 1), without cancellation where points are near.
+
+    W is the sum of the weights: the number of points, if each counts once.
 
     Parameters
     ----------
     directions : SX
         p, (3, n), unit vectors.
     centroid : SX
-        q, (3, 1), their sum.
+        q, (3, 1), their weighted sum.
+    weights : (n,) numbers, optional
+        How much each point counts; by default 1.
     """
     n = directions.shape[1]
-    apart = directions - ca.repmat(centroid / n, 1, n)
-    return n * ca.sumsqr(apart)
+    if weights is None:
+        return n * ca.sumsqr(directions - ca.repmat(centroid / n, 1, n))
+    whole = sum(weights)
+    apart = directions - ca.repmat(centroid / whole, 1, n)
+    return whole * (ca.sum1(apart * apart) @ ca.SX(weights))
 
 
 LOWEST = 1 / 32
@@ -116,19 +130,22 @@ def north(directions: ca.SX, gravity_direction: ca.SX, points: ca.SX) -> ca.SX:
     return direction_of(along)
 
 
-def depth_matrix(points: ca.SX) -> ca.SX:
-    """Return Q = Σ (I - pᵢpᵢᵀ)/rᵢ, (3, 3), 1/m (eq. 9).
+def depth_matrix(points: ca.SX, weights: Any = None) -> ca.SX:
+    """Return Q = Σ wᵢ (I - pᵢpᵢᵀ)/rᵢ, (3, 3), 1/m (eq. 9, where every wᵢ is 1).
 
     Parameters
     ----------
     points : SX
         P, (3, n), camera frame, m.
+    weights : SX or (n,) numbers, optional
+        How much each point counts; by default 1.
     """
     total = ca.SX.zeros(3, 3)
     for i in range(points.shape[1]):
         distance = ca.norm_2(points[:, i])
         p = points[:, i] / distance
-        total += (ca.SX.eye(3) - p @ p.T) / distance
+        turned = (ca.SX.eye(3) - p @ p.T) / distance
+        total += turned if weights is None else weights[i] * turned
     return total
 
 

@@ -39,7 +39,7 @@ def player_data(flown: Flown) -> dict[str, Any]:
         "goal": _short(scene.goal),
         "goal_image": _short(scene.goal_image(yaw)),
         "image_size": scene.image_size,
-        "rotors": _short(scene.rotor_places()),
+        "rotors": _short(scene.rotor_places),
         "arm": scene.arm,
         "drawn_size": 1 if size < 1.5 else round(size),
     }

@@ -15,7 +15,10 @@ from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.certification.flow import flow_of
 from hoverproof.certification.gains import GainsVerdict
 from hoverproof.certification.over_box import BoundsVerdict
+from hoverproof.mission.frame import X
 from hoverproof.mission.sections import Mission
+from hoverproof.mission.vehicle import Vehicle
+from hoverproof.plant.goal import hover_goal
 from hoverproof.plausibility import warnings
 from hoverproof.reporting.parts import Firmware, Flown, Missing
 from hoverproof.servo.hover_error import hover_error, rests_as_modelled
@@ -24,6 +27,10 @@ from hoverproof.servo.laws.hamel_mahony import law_of
 
 DIGITS = 4
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+MOST = 24
+"""So many target points are written out."""
 
 
 class Table(NamedTuple):
@@ -37,6 +44,15 @@ class Table(NamedTuple):
 
     title: str
     rows: list[tuple[str, str]]
+
+
+def _rotors(vehicle: Vehicle) -> tuple[str, str]:
+    """Return where the rotors are, by name."""
+    if vehicle.frame == X:
+        return "lever of a rotor about roll and pitch axis", f"{short(vehicle.reach)} m"
+    places = [[short(c * vehicle.reach) for c in place] for place in vehicle.frame.places]
+    where = (f"{n} ({', '.join(p)})" for n, p in zip(vehicle.frame.names, places, strict=True))
+    return "rotors (x forward, y right)", f"{', '.join(where)} m"
 
 
 def short(value: float | Fraction, digits: int = DIGITS) -> str:
@@ -147,7 +163,10 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
     height, bounds = mission.goal.height, mission.bounds
     goal = "by its centroid" if height is None else f"{short(height)} m above the target"
     q = ", ".join(short(c, 6) for c in q_star)
-    points = "; ".join(place(p) for p in mission.target.points)
+    counts = mission.target.weights
+    points = "; ".join(place(p) for p in mission.target.points[:MOST])
+    if len(mission.target.points) > MOST:
+        points += f"; and {len(mission.target.points) - MOST} more"
     origin = "proved over a box" if bounds.eigenvalues == "auto" else "assumed"
     assumed = (
         ("thrust, assumed", f"{interval(bounds.thrust)} N")
@@ -162,7 +181,7 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
             [
                 ("mass", f"{short(v.mass)} kg"),
                 ("inertia", f"{', '.join(map(short, v.inertia))} kg m²"),
-                ("arm", f"{short(v.arm)} m"),
+                _rotors(v),
                 ("drag torque over thrust", f"{short(v.drag_ratio)} m"),
                 ("gravity", f"{short(v.gravity)} m/s²"),
                 ("weight", f"{short(v.weight)} N"),
@@ -183,7 +202,9 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
             "Target, goal and start (world frame, z down)",
             [
                 (f"{len(mission.target.points)} target points", points),
+                *([("weights", ", ".join(map(short, counts)))] if counts else []),
                 ("goal", goal),
+                ("hover there", place(hover_goal(mission).position)),
                 ("wanted centroid q*", f"({q})"),
                 ("start", place(start.position)),
                 *_moving(mission),

@@ -5,7 +5,7 @@ force is zero, so a vehicle whose weight over its thrust is `load` times the mod
 level, at T = m g load: the law takes it to be pulled by F = m g (1 - load) e3. Its rates U and Γ
 vanish where δ3 = F/c + δ2 is zero with V = 0, that is at q = q* + F/c. So q3 is another one, and
 with it the height. No hover sees a q3 at or below that of the plane of the highest target point, or
-one that makes |q| as large as the number of points: there the vehicle reaches the target, or
+one that makes |q| as large as the sum of the weights: there the vehicle reaches the target, or
 leaves. On its way to a hover near the target it may swing through it before that, so these are the
 last errors.
 
@@ -21,7 +21,6 @@ from itertools import pairwise
 from operator import itemgetter
 
 import casadi as ca
-from scipy.optimize import brentq
 
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, hover_at_height, hover_goal
@@ -116,8 +115,8 @@ def rests_as_modelled(law: Law) -> bool:
     law : Law
     """
     papers = HAMEL_MAHONY
-    own = (law.feature, law.force, law.chain)
-    return own == (papers.feature, papers.force, papers.chain) and law.goal in (IMAGE, INERTIAL)
+    own = (law.feature.of, law.force, law.chain)
+    return own == (papers.feature.of, papers.force, papers.chain) and law.goal in (IMAGE, INERTIAL)
 
 
 def hover_error(mission: Mission, law: Law | None = None) -> HoverError:
@@ -137,7 +136,7 @@ def hover_error(mission: Mission, law: Law | None = None) -> HoverError:
     column = _Column.of(mission)
     q1, q2, q3 = (float(q) for q in column.goal.centroid_midpoint)
     shift = LoopNumbers.of(mission, law).value(_shift)
-    highest = math.sqrt(len(mission.target.points) ** 2 - q1**2 - q2**2)
+    highest = math.sqrt(float(mission.target.whole) ** 2 - q1**2 - q2**2)
     loads = {
         "less_thrust": 1 / (1 - PERCENT),
         "more_thrust": 1 / (1 + PERCENT),
@@ -196,6 +195,8 @@ class _Column:
 
     def height(self, q3: float) -> float | None:
         """Return the height of the hover that sees a certain q3, m; None if there is none."""
+        from scipy.optimize import brentq  # as long to import as all that `tune` needs besides
+
         for (low, near, below), (high, _, above) in pairwise(self.hovers):
             if below < q3 <= above:
 

@@ -8,7 +8,7 @@ holds a law.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 from typing import Any
 
@@ -16,13 +16,16 @@ import casadi as ca
 
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
+from hoverproof.mission.target import Target
 from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.goal import hover_goal
+from hoverproof.plant.mount import Mount
+from hoverproof.servo.feature import Feature
 from hoverproof.servo.heading import Heading
 from hoverproof.servo.layout import Packed, column, scalar
 
 SMALLEST_SPREAD = Fraction(1, 10**12)
-"""Of n² - |q|² at a goal: a target that is seen smaller, under some 1e-6 rad, is a point."""
+"""Of W² - |q|² at a goal: a target that is seen smaller, under some 1e-6 rad, is a point."""
 
 
 @dataclass(frozen=True)
@@ -169,45 +172,6 @@ class WantedRates:
 
 
 @dataclass(frozen=True)
-class Feature:
-    """What a law makes of the image.
-
-    Attributes
-    ----------
-    name : str
-    of : callable
-        (q (3, 1), n² - |q|² (1, 1), number n of target points) ↦ what stands in place of q, (3, 1).
-        It turns with the camera as q does.
-    """
-
-    name: str
-    of: Callable[[ca.SX, ca.SX, int], ca.SX]
-
-    def seen(self, directions: ca.SX) -> ca.SX:
-        """Return the feature of an image, (3, 1), without cancellation for a small target.
-
-        Parameters
-        ----------
-        directions : SX
-            p, (3, n), unit vectors.
-        """
-        q = camera.centroid(directions)
-        return self.of(q, camera.spread(directions, q), directions.shape[1])
-
-    def at(self, centroid: ca.SX, points: int) -> ca.SX:
-        """Return the feature of a centroid, (3, 1).
-
-        Parameters
-        ----------
-        centroid : SX
-            q, (3, 1).
-        points : int
-            Number of target points.
-        """
-        return self.of(centroid, points**2 - ca.dot(centroid, centroid), points)
-
-
-@dataclass(frozen=True)
 class Goal:
     """Where the goal of a law is fixed.
 
@@ -285,6 +249,8 @@ class Law:
         What tells it from another law of the same choices.
     heading : Heading, optional
         By default yaw is damped alone.
+    mount : Mount, optional
+        Of its camera; by default at the centre of mass, its axes those of the body.
     """
 
     feature: Feature
@@ -297,6 +263,7 @@ class Law:
     design: type[Design] = Design
     variant: str = ""
     heading: Heading | None = None
+    mount: Mount | None = None
 
     @property
     def name(self) -> str:
@@ -307,6 +274,19 @@ class Law:
 
     def __repr__(self) -> str:
         return f"Law({self.name!r})"
+
+    def weighing(self, target: Target) -> Law:
+        """Return the law with how much each point of a target counts.
+
+        Parameters
+        ----------
+        target : Target
+            Of a mission.
+        """
+        if target.weights is None:
+            return self
+        weights = tuple(map(float, target.weights))
+        return replace(self, feature=replace(self.feature, weights=weights))
 
     @property
     def has_compass(self) -> bool:
@@ -323,6 +303,53 @@ class Law:
         """The layout of what it measures."""
         own = self.force.measurement
         return own if self.heading is None else self.heading.measurement(own)
+
+    def in_body(self, directions: ca.SX) -> ca.SX:
+        """Return directions that its camera sees in body axes, (3, n).
+
+        Parameters
+        ----------
+        directions : SX
+            (3, n), camera axes, of any unit.
+        """
+        return directions if self.mount is None else self.mount.in_body(directions)
+
+    def look(self, directions: ca.SX) -> ca.SX:
+        """Return the feature that it makes of an image, (3, 1), body axes.
+
+        Parameters
+        ----------
+        directions : SX
+            p, (3, n), unit vectors, body axes.
+        """
+        return self.made_up(self.feature.seen(directions))
+
+    def made_up(self, feature: ca.SX) -> ca.SX:
+        """Return a feature with what makes up for the place of its camera, (3, 1), body axes.
+
+        Parameters
+        ----------
+        feature : SX
+            That the camera sees, (3, 1), body axes.
+        """
+        return feature if self.mount is None else feature + self.mount.added()
+
+    def before_camera(self, points: ca.SX, position: ca.SX, rotation: ca.SX) -> ca.SX:
+        """Return the target points in the frame of its camera, (3, n), m.
+
+        Parameters
+        ----------
+        points : SX
+            P', (3, n), world frame, m.
+        position : SX
+            ξ, (3, 1), world frame, m.
+        rotation : SX
+            R, (3, 3), body to world.
+        """
+        if self.mount is not None:
+            position = position + rotation @ self.mount.arm()
+            rotation = rotation @ self.mount.axes()
+        return camera.body_points(points, position, rotation)
 
     def known(
         self,
@@ -431,12 +458,12 @@ class Law:
         InputError
             If no hover sees the goal of the mission, or the target is a point from there.
         """
-        q, n = hover_goal(mission).centroid_midpoint, len(mission.target.points)
+        q, whole = hover_goal(mission).centroid_midpoint, mission.target.whole
         symbol, spread = ca.SX.sym("q", 3), ca.SX.sym("spread")
-        seen = self.feature.of(symbol, spread, n)
+        seen = self.feature.of(symbol, spread, self.feature.whole(len(mission.target.points)))
         if ca.is_equal(seen, symbol):
             return q
-        exact = n**2 - sum(c * c for c in q)  # in floating point nothing would be left of it
+        exact = whole**2 - sum(c * c for c in q)  # in floating point nothing would be left of it
         if exact < SMALLEST_SPREAD:
             raise InputError(
                 mission.source, "target.points", "are too near to one another, seen from the goal"

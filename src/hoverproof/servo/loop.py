@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.derived import kept_graph
 from hoverproof.algebra.graph import evaluate
+from hoverproof.mission.frame import Frame, X
 from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera, rotors
 from hoverproof.plant.goal import hover_goal, level_view
@@ -68,11 +69,11 @@ def sense(
         That of the true vehicle, (3, 1), body frame, m/s², for a law that measures it; by default
         it follows from the model.
     """
-    seen = camera.body_points(points, state.position, state.rotation)
+    seen = law.before_camera(points, state.position, state.rotation)
     image = camera.pinhole(seen)
-    directions = camera.directions(seen) if all_round else camera.spherical(image)
+    directions = law.in_body(camera.directions(seen) if all_round else camera.spherical(image))
     measured = Measurement(
-        centroid=law.feature.seen(directions),
+        centroid=law.look(directions),
         velocity=state.velocity,
         gravity_direction=state.gravity_direction,
         rate=state.rate,
@@ -144,6 +145,7 @@ def readout(
     drag_ratio: ca.SX,
     law: Law = HAMEL_MAHONY,
     specific_force: ca.SX | None = None,
+    frame: Frame = X,
 ) -> dict[str, ca.SX]:
     """Return the outputs of `readout_function` as expressions of its inputs.
 
@@ -155,10 +157,12 @@ def readout(
     points : SX
         (3, n), world frame, m.
     arm, drag_ratio : SX
-        Of the rotors, (1, 1), m.
+        Of the rotors, (1, 1), m; see `hoverproof.plant.rotors.wrench`.
     law : Law
     specific_force : SX, optional
         (3, 1), body frame, m/s²; see `sense`.
+    frame : Frame
+        Of the rotors.
     """
     body = RigidBodyState.from_vector(x)
     measured, image, _ = sense(body, points, law, design, specific_force=specific_force)
@@ -173,24 +177,30 @@ def readout(
         "delta4": e.d4,
         "lyapunov": lyapunov(e, ca.SX.ones(4)),
         "torque": torque,
-        "rotor_thrusts": rotors.rotor_thrusts(measured.thrust, torque, arm, drag_ratio),
+        "rotor_thrusts": rotors.rotor_thrusts(frame, measured.thrust, torque, arm, drag_ratio),
     }
 
 
 @kept_graph
 def readout_function(
-    n: int, law: Law = HAMEL_MAHONY, *, with_specific_force: bool = False
+    n: int,
+    law: Law = HAMEL_MAHONY,
+    frame: Frame = X,
+    *,
+    with_specific_force: bool = False,
 ) -> ca.Function:
     """Return (state, design, points, arm, drag_ratio) ↦ what a flight record holds.
 
     Outputs: image (2, n), centroid (3,), δ1, δ2, δ3 (3,), δ4 (2,), lyapunov, torque (3,) in N m,
-    rotor_thrusts (4,) in N.
+    rotor_thrusts (r,) in N, r the number of rotors.
 
     Parameters
     ----------
     n : int
         Number of target points.
     law : Law
+    frame : Frame
+        Of the rotors.
     with_specific_force : bool
         Whether the last input is the true specific force, (3,), body frame, m/s²; see `sense`.
     """
@@ -198,7 +208,7 @@ def readout_function(
     x, arm, drag = ca.SX.sym("x", STATE_SIZE), ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
     inputs = {"x": x, "design": design.vector(), "points": points, "arm": arm, "drag_ratio": drag}
     felt = ca.SX.sym("specific_force", 3) if with_specific_force else None
-    outputs = readout(x, design, points, arm, drag, law, felt)
+    outputs = readout(x, design, points, arm, drag, law, felt, frame)
     inputs |= {} if felt is None else {"specific_force": felt}
     return ca.Function(
         "readout", list(inputs.values()), list(outputs.values()), list(inputs), list(outputs)
@@ -217,7 +227,7 @@ def level_slope(n: int, law: Law) -> ca.Function:
     """
     points, position, q = ca.SX.sym("points", 3, n), ca.SX.sym("xi", 3), ca.SX.sym("q", 3)
     if ca.is_equal(law.feature.at(q, n), q):
-        return level_view(n).factory("level_slope", ["points", "xi"], ["Q"])
+        return level_view(n, law.feature.weights).factory("level_slope", ["points", "xi"], ["Q"])
     slope = -ca.jacobian(level_feature(n, law)(points, position), position)
     return ca.Function("level_slope", [points, position], [ca.densify(slope)])
 
@@ -277,14 +287,14 @@ class LoopNumbers:
         ----------
         mission : Mission
         law : Law, optional
-            By default that of the mission.
+            By default that of the mission; it counts the target points as the mission does.
 
         Raises
         ------
         InputError
             If no level hover sees the goal of the mission.
         """
-        goal, law = hover_goal(mission), law or flown_law(mission)
+        goal, law = hover_goal(mission), (law or flown_law(mission)).weighing(mission.target)
         start = mission.start
         state = [
             *start.position,

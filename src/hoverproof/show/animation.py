@@ -131,7 +131,7 @@ class Stage:
         space = self.figure.add_subplot(grid[0, 0], projection="3d")
         plane = self.figure.add_subplot(grid[0, 1])
         self.size = self._drawn_size()
-        self.rotors = self.size * self.scene.rotor_places()
+        self.rotors = self.size * self.scene.rotor_places
         self._set_space(space)
         self._set_plane(plane, float(flight["euler_angles"].sel(angle="yaw").values[-1]))
         self.clock = self.figure.suptitle("t", family="monospace")
@@ -171,8 +171,8 @@ class Stage:
         k = max(0, int(np.searchsorted(self.times, time + 1e-9, side="right")) - 1)
         place, rotation = self.places[k], self.rotations[k]
         body = place + self.rotors @ rotation.T
-        for line, (i, j) in zip(self.arms, ((0, 3), (1, 2)), strict=True):
-            line.set_data_3d(*body[[i, j]].T)
+        for line, end in zip(self.arms, body, strict=True):
+            line.set_data_3d(*np.array([place, end]).T)
         for line, centre in zip(self.discs, self.rotors, strict=True):
             line.set_data_3d(*(place + (centre + self._circle()) @ rotation.T).T)
         for line, point in zip(self.rays, self.scene.points, strict=True):
@@ -192,8 +192,8 @@ class Stage:
         axes.plot(*scene.goal, "*", color=COLOURS[2], markersize=12, label="goal")
         (self.flown,) = axes.plot([], [], [], color=COLOURS[0], linewidth=1.6, label="flown")
         self.rays = [axes.plot([], [], [], alpha=0.5, **grey)[0] for _ in scene.points]
-        self.arms = [axes.plot([], [], [], color="black", linewidth=2)[0] for _ in range(2)]
-        self.discs = [axes.plot([], [], [], color=c, linewidth=1.6)[0] for c in rotor_colours()]
+        self.arms = [axes.plot([], [], [], color="black", linewidth=2)[0] for _ in self.rotors]
+        self.discs = [axes.plot([], [], [], color=c, linewidth=1.6)[0] for c in self._colours()]
         reach = self.size * scene.arm * (math.sqrt(2) + ROTOR_RADIUS)
         around = [self.places - reach, self.places + reach]
         space_axes(axes, np.vstack([*around, scene.points, scene.goal]))
@@ -245,7 +245,6 @@ class Stage:
         radius = ROTOR_RADIUS * self.size * self.scene.arm
         return radius * np.stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)], axis=1)
 
-
-def rotor_colours() -> tuple[str, str, str, str]:
-    """Return the colours of the rotors, in the order of `hoverproof.plant.rotors.ROTORS`."""
-    return (COLOURS[0], COLOURS[0], COLOURS[4], COLOURS[4])
+    def _colours(self) -> list[str]:
+        """Return the colours of the rotors: of those in front, and of the others."""
+        return [COLOURS[4 if x > 0 else 0] for x, *_ in self.rotors]

@@ -156,19 +156,22 @@ def fly(region: Attraction, view: View, count: int = FLIGHTS) -> Flights:
     low = p.height(float(p.points[:, 2].min())) + 0.005 * view.top
     height = low + (view.top - low) * rng.uniform(0, 1, count) ** 2
     places = view.places(across, height)
-    numbers, rate = LoopNumbers.of(mission, HAMEL_MAHONY), slowest_rate(mission)
+    numbers, rate = (
+        LoopNumbers.of(mission, HAMEL_MAHONY.weighing(mission.target)),
+        slowest_rate(mission),
+    )
     step = 1 / (STEPS_PER_FASTEST * bandwidth(mission))
     every = max(1, int(12 / rate / step / SAMPLES))
     level = (np.zeros(3), np.eye(3).ravel(), np.zeros(3), [numbers.hover_thrust])
     hovers = np.column_stack([places, np.tile(np.concatenate(level), (count, 1))])
-    starts = flight_states(hovers, p.goal, p.points.T)
+    starts = flight_states(hovers, p.goal, numbers.points)
     near = 0.05 * np.linalg.norm(p.points - p.goal, axis=1).min()
     energy = np.full((count, SAMPLES + 1), np.nan)
     settled = np.zeros(count, bool)
-    machine = runner(p.n)
+    machine = runner(numbers.target_size, numbers.law)
 
     def run(now: Array) -> tuple[Array, bool]:
-        return machine.run(now, numbers.design, p.points.T, step, BLOCK, every)
+        return machine.run(now, numbers.design, numbers.points, step, BLOCK, every)
 
     energy[:, 0] = energies(region, starts[:, :STATE_SIZE])
     flying, now = np.arange(count), starts
@@ -247,7 +250,7 @@ def draw_section(axes: Axes, region: Attraction, view: View, flights: Flights) -
     inside = hovers_inside(region, places).reshape(shape)
     axes.contourf(across, height, inside, levels=[0.5, 1.5], colors=["#56B4E9"], alpha=0.45)
     axes.fill([], [], color="#56B4E9", alpha=0.45, label="certified hovers")
-    values = eigenvalues(p.points, places)
+    values = eigenvalues(p.target, places)
     low, high = (float(x) for x in eigenvalue_bounds(mission))
     bounded = ((values[:, 0] > low) & (values[:, 2] < high)).astype(float).reshape(shape)
     if 0 < bounded.mean() < 1:
@@ -256,7 +259,7 @@ def draw_section(axes: Axes, region: Attraction, view: View, flights: Flights) -
     d1 = p.hover_terms(places) @ [0, 1, 2, 1]  # L = ½(3|δ1|² + |Pδ1|²) in a level hover
     paper = d1.reshape(shape)
     axes.contour(
-        across, height, paper, levels=[(p.n - p.q3) ** 2 / 2], colors=COLOURS[1], linewidths=1.5
+        across, height, paper, levels=[(p.whole - p.q3) ** 2 / 2], colors=COLOURS[1], linewidths=1.5
     )
     axes.plot([], [], color=COLOURS[1], label="largest bounded level set of the paper's L")
     if region.barrier_height is not None:

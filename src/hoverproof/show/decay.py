@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.certification.flow import flow_of
 from hoverproof.certification.gains import GainsVerdict
-from hoverproof.show.scene import Flight, Scene
+from hoverproof.certification.pattern import Pattern
+from hoverproof.show.scene import Flight
 
 YAW_RATE_ZERO = 1e-9
 
@@ -71,15 +72,11 @@ def decay_along(flight: Flight, verdict: GainsVerdict) -> Decay | None:
     added = set(json.loads(flight.attrs.get("conditions", "{}"))) - {"scatter"}
     if proved is None or added or any(w != 1 for w in problem.weights):
         return None
-    points, positions, thrust = (
-        Scene.of(flight).points,
-        flight["position"].values,
-        flight["thrust"].values,
-    )
+    positions, thrust = flight["position"].values, flight["thrust"].values
     low, high = (float(x) for x in problem.eigenvalues)
     least, most = problem.thrust
     kept = (
-        flow_of(problem.mission).kept(points, positions, low, high)
+        flow_of(problem.mission).kept(Pattern.of(problem.mission), positions, low, high)
         & (thrust >= float(least))
         & (thrust <= float(most))
         & (np.abs(flight["body_rate"].values[:, 2]) <= YAW_RATE_ZERO)

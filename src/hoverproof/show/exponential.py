@@ -55,7 +55,7 @@ class View:
     @cached_property
     def top(self) -> float:
         """Height of the target, world z, m."""
-        return float(self.scene.points[:, 2].mean())
+        return float(self.scene.target.mean[2])
 
     @cached_property
     def middles(self) -> Array:
@@ -76,7 +76,8 @@ class View:
         """How |σ - σ*| follows from Ψ."""
         v = self.verdict
         reach = Reach.of(np.array(v.weights, float), float(v.level))
-        return Tilted.of(Limits(Vehicles.of(v.mission), reach, float(v.slope[1])))
+        low, high = map(float, v.slope)
+        return Tilted.of(Limits(Vehicles.of(v.mission).before((low, high)), reach, high))
 
     def offset(self, level: float | Array) -> Array:
         """Return what |σ - σ*| is at most where Ψ is at most a level.

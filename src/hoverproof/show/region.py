@@ -11,6 +11,7 @@ from matplotlib.patches import Rectangle
 
 from hoverproof.certification.flow import OfJ, eigenvalues, flow_of
 from hoverproof.certification.over_box import BoundsVerdict
+from hoverproof.certification.pattern import Pattern
 from hoverproof.certification.region import Box
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
@@ -28,20 +29,20 @@ def region_figure(mission: Mission, found: BoundsVerdict) -> Figure:
     found : BoundsVerdict
         Its bounds are drawn, and the outline of its box.
     """
-    points = np.array(mission.target.points, float)
+    target = Pattern.of(mission)
     goal = np.array([float(c) for c in hover_goal(mission).position])
     start = np.array([float(c) for c in mission.start.position])
     low, high = (float(x) for x in found.bounds)
-    x, z = _window(points, goal, start, found.box)
+    x, z = _window(target.points, goal, start, found.box)
     grid_x, grid_z = np.meshgrid(np.linspace(*x, CELLS), np.linspace(*z, CELLS))
     places = np.stack([grid_x, np.full_like(grid_x, goal[1]), grid_z], axis=-1).reshape(-1, 3)
     flow = flow_of(mission)
     if isinstance(flow, OfJ):
         j = (low + high) / 2
-        far = flow.far(points, places, j).reshape(grid_x.shape)
+        far = flow.far(target, places, j).reshape(grid_x.shape)
         lines = [((high - low) / 2, far, COLOURS[1], f"|J - {j:g} I|")]
     else:
-        lowest, _, highest = eigenvalues(points, places).T.reshape(3, *grid_x.shape)
+        lowest, _, highest = eigenvalues(target, places).T.reshape(3, *grid_x.shape)
         lines = [
             (-low, -lowest, COLOURS[0], "lowest eigenvalue"),
             (high, highest, COLOURS[1], "highest eigenvalue"),
@@ -60,7 +61,7 @@ def region_figure(mission: Mission, found: BoundsVerdict) -> Figure:
     outline = Rectangle((x0, z0), x1 - x0, z1 - z0, fill=False, linestyle="--", linewidth=1.5)
     outline.set_label("the box of the question")
     axes.add_patch(outline)
-    axes.plot(points[:, 0], points[:, 2], "s", color="black", label="target points")
+    axes.plot(target.points[:, 0], target.points[:, 2], "s", color="black", label="target points")
     axes.plot(goal[0], goal[2], "*", color=COLOURS[2], markersize=13, label="goal")
     axes.plot(start[0], start[2], "o", color=COLOURS[3], label="start (its x and z)")
     where = f"where the bounds of {flow.symbol} hold (shaded), at y = {goal[1]:g} m"

@@ -11,10 +11,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.mission.frame import X
 from hoverproof.mission.sections import LawChoice
 from hoverproof.plant.camera import body_points, pinhole
 from hoverproof.plant.rigid_body import rotation_matrix
-from hoverproof.plant.rotors import PLACES, ROTORS
 from hoverproof.simulation.record import Recorded
 
 Array = NDArray[np.float64]
@@ -39,7 +39,10 @@ class Scene:
     weight : float
         m g, N.
     arm : float
-        m.
+        Root mean square of the distances of the rotors from the centre of mass over √2, m; in an X
+        frame their lever.
+    rotor_places : (n, 3)
+        Where the rotors are in the body frame, m.
     rotor_limits : (lowest or None, highest or None)
         Of the thrust of one rotor, N.
     image_size : (width, height) or None
@@ -53,6 +56,7 @@ class Scene:
     goal: Array
     weight: float
     arm: float
+    rotor_places: Array
     rotor_limits: tuple[float | None, float | None]
     image_size: tuple[float, float] | None
 
@@ -72,13 +76,15 @@ class Scene:
         mission = json.loads(record.attrs["mission"])
         conditions = {**mission, **json.loads(record.attrs.get("conditions", "{}"))}
         vehicle, rotors = mission["vehicle"], conditions.get("rotors", {})
+        places = _rotor_places(vehicle)
         return cls(
             name=mission["name"],
             law=record.attrs["law"],
             points=np.array([[_float(c) for c in p] for p in mission["target"]["points"]]),
             goal=np.array(record.attrs["goal_position"], float),
             weight=_float(vehicle["mass"]) * _float(vehicle["gravity"]),
-            arm=_float(vehicle["arm"]),
+            arm=float(np.sqrt((places**2).sum(axis=1).mean() / 2)),
+            rotor_places=places,
             rotor_limits=(_maybe(rotors, "min_thrust"), _maybe(rotors, "max_thrust")),
             image_size=_image_size(conditions.get("sensors", {})),
         )
@@ -101,10 +107,6 @@ class Scene:
         seen = body_points(ca.SX(self.points.T), ca.SX(self.goal), rotation)
         return np.array(ca.evalf(pinhole(seen))).T
 
-    def rotor_places(self) -> Array:
-        """Return where the rotors are in the body frame, (4, 3), m, in the order of `ROTORS`."""
-        return self.arm * np.array([(*PLACES[name], 0) for name in ROTORS], float)
-
 
 def view_angle(flight: Flight) -> Array:
     """Return the largest angle of a target point off the optical axis, (time,), rad.
@@ -116,6 +118,13 @@ def view_angle(flight: Flight) -> Array:
     """
     image = flight["image"].values
     return np.asarray(np.arctan(np.linalg.norm(image, axis=-1)).max(axis=-1), np.float64)
+
+
+def _rotor_places(vehicle: dict[str, Any]) -> Array:
+    """Return where rotors are, (n, 3), m, of what `Vehicle.as_flown` says."""
+    if "arm" in vehicle:
+        return _float(vehicle["arm"]) * np.array([(*place, 0) for place in X.places], float)
+    return np.array([(_float(x), _float(y), 0.0) for x, y, _ in vehicle["rotors"]])
 
 
 def _image_size(sensors: dict[str, Any]) -> tuple[float, float] | None:

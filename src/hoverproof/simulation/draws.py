@@ -44,7 +44,7 @@ def memory_and_parameters(plan: Plan, runs: NDArray[np.int64]) -> tuple[Array, A
         start[:, 6:15] = rotation_matrix(*angles).transpose(2, 1, 0).reshape(count, 9)
     start[:, 15:18] += drawn["rates"]
     design = np.tile(numbers.design, (count, 1))
-    arm, drag = float(mission.vehicle.arm), float(mission.vehicle.drag_ratio)
+    arm, drag = float(mission.vehicle.reach), float(mission.vehicle.drag_ratio)
     if plan.ideal:
         memory = flight_states(start, numbers.goal, numbers.points)
         return memory, np.hstack([design, np.tile([plan.step, arm, drag], (count, 1))])
@@ -98,6 +98,8 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
     s, r, w, wrong, vehicle = m.sensors, m.rotors, m.wind, m.model_error, m.vehicle
     tilt = [float(a) + d for a, d in zip(wrong.camera_tilt, drawn["camera_tilt"].T, strict=True)]
     mounted = rotation_matrix(*tilt)  # (3, 3, count)
+    if (mount := plan.numbers.law.mount) is not None:
+        mounted = np.einsum("ijk,jl->ilk", mounted, np.array(mount.rotation))
     focal = float(s.focal_length or 1)
     bias = _normals(plan, runs, IMU_BIAS_DRAW, IMU_NOISE + 4)
     time_constant = float(r.time_constant)
@@ -118,7 +120,7 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
         "gyro_bias": float(s.gyro_bias) * bias[:, :3],
         "velocity_bias": float(s.velocity_bias) * bias[:, 3:6],
         "gravity_bias": float(s.gravity_bias) * bias[:, 6:9],
-        "arm": float(vehicle.arm),
+        "arm": float(vehicle.reach),
         "drag_ratio": float(vehicle.drag_ratio),
         "air_drag": float(w.drag),
         "step": plan.step,
@@ -144,7 +146,7 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
         "rotor_shares": strength * (1 + np.array([float(e) for e in wrong.rotors])),
         "heading_bias": float(s.heading_bias) * bias[:, 12],
         "heading_noise": float(s.heading_noise),
-        "true_arm": float(vehicle.arm) * (1 + float(wrong.arm) + drawn["arm"][:, 0]),
+        "true_arm": float(vehicle.reach) * (1 + float(wrong.arm) + drawn["arm"][:, 0]),
     }
     return {
         name: np.broadcast_to(np.reshape(values[name], (-1, size)), (count, size))

@@ -327,10 +327,11 @@ def fly_as_built(
     parts = {name: kept[:, place(plan.record, name)] for name in plan.record}
     felt = parts.get("specific_force")
     flight = flight_record(mission, plan.numbers, parts["state"], plan.step * taken, felt)
-    lengths = mission.vehicle.arm * (1 + mission.model_error.arm), mission.vehicle.drag_ratio
+    vehicle, frame = mission.vehicle, mission.vehicle.frame
+    lengths = vehicle.reach * (1 + mission.model_error.arm), vehicle.drag_ratio
     arm, drag = (ca.SX(float(x)) for x in lengths)
     thrusts = ca.SX.sym("thrusts", 4)
-    made = ca.Function("made", [thrusts], [wrench(thrusts, arm, drag)[1:]])
+    made = ca.Function("made", [thrusts], [wrench(frame, thrusts, arm, drag)[1:]])
     flight["rotor_thrust"].values[:] = parts["rotor_thrust"]
     flight["torque"].values[:] = np.array(made.map(len(kept))(parts["rotor_thrust"].T)).T
     for name, dims, units, words in (

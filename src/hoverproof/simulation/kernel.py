@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.compilers import find_compiler
+from hoverproof.mission.frame import Frame, X
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
@@ -117,7 +118,7 @@ class Stop:
 
 
 @cache
-def ideal_loop(n: int, law: Law = HAMEL_MAHONY) -> Loop:
+def ideal_loop(n: int, law: Law = HAMEL_MAHONY, frame: Frame = X) -> Loop:
     """Return the ideal loop: controller, camera and body as one differential equation.
 
     Parameters
@@ -125,12 +126,14 @@ def ideal_loop(n: int, law: Law = HAMEL_MAHONY) -> Loop:
     n : int
         Number of target points.
     law : Law
+    frame : Frame
+        Of the rotors.
     """
     design, points = parameters(n, law)
     flight, dt = ca.SX.sym("flight", FLIGHT_SIZE), ca.SX.sym("dt")
     arm, drag = ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
     x = flight[:STATE_SIZE]
-    read = readout(x, design, points, arm, drag, law)
+    read = readout(x, design, points, arm, drag, law, frame=frame)
     held = ca.vertcat(design.vector(), dt, arm, drag)
     inputs = [flight, held, points]
     outputs = [ca.cse(ca.vertcat(x, read["lyapunov"], read["rotor_thrusts"]))]

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
+from hoverproof.plant.lens import seeing_lens
 from hoverproof.servo.law import Law
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import kernel
@@ -35,7 +36,7 @@ _PREPARING = threading.Lock()
 
 
 def is_ideal(mission: Mission, *, scattered: bool = False) -> bool:
-    """Tell whether a mission flies as in the paper: no sensors, rotors, wind or errors named.
+    """Tell whether a mission flies as in the paper: no sensors, lens, rotors, wind or errors named.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ def is_ideal(mission: Mission, *, scattered: bool = False) -> bool:
         Whether ``[scatter]`` is drawn from: it may make vehicles differ from the model.
     """
     named = mission.conditions().keys() - {"scatter"}
-    return not (named or (scattered and mission.scatter.of_the_vehicle))
+    return not (named or mission.camera.lens or (scattered and mission.scatter.of_the_vehicle))
 
 
 def check_runs_differ(mission: Mission, runs: int) -> None:
@@ -143,10 +144,10 @@ class Plan:
     @cached_property
     def loop(self) -> kernel.Loop:
         """What is compiled."""
-        n = self.numbers.target_size
+        n, frame = self.numbers.target_size, self.mission.vehicle.frame
         if self.ideal:
-            return kernel.ideal_loop(n, self.numbers.law)
-        return realistic_loop(n, self.features, self.numbers.law)
+            return kernel.ideal_loop(n, self.numbers.law, frame)
+        return realistic_loop(n, self.features, self.numbers.law, frame)
 
     @cached_property
     def features(self) -> Features:
@@ -167,6 +168,7 @@ class Plan:
             turned=s.gyro_turned,
             rotors_differ=any(errors),
             lag=bool(s.accelerometer_time_constant),
+            lens=None if (seeing := seeing_lens(mission)) is None else seeing[0],
         )
 
     @cached_property

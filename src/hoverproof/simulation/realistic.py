@@ -14,7 +14,9 @@ from typing import Any
 import casadi as ca
 
 from hoverproof.algebra.reciprocals import share_reciprocals
+from hoverproof.mission.frame import Frame, X
 from hoverproof.plant import camera, rigid_body, rotors
+from hoverproof.plant.lens import LensModel, sight_of
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, held_rate
 from hoverproof.servo.law import Design, Law, Measurement
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
@@ -36,13 +38,13 @@ from hoverproof.simulation.surroundings import (
 IMU_NOISE = 9
 """Numbers that a tick draws for gyro, velocity and gravity; see `imu_noise`."""
 
-IMU_CHANNEL, GUST_CHANNEL = 64, 72  # a camera has at most 64 points: channels 0 to 63
+IMU_CHANNEL, GUST_CHANNEL = 64, 72
 CAMERA_CHANNEL = 128
-"""Of a camera that tells the heading too, which draws three numbers more."""
+"""Of a camera that draws more than 64 pairs of numbers; a smaller one has channels 0 to 63."""
 
 
 @cache
-def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY) -> Loop:
+def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY, frame: Frame = X) -> Loop:
     """Return the loop with sensors, rotors and wind.
 
     Parameters
@@ -51,6 +53,8 @@ def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY) -> Loop:
         Number of target points.
     features : Features
     law : Law
+    frame : Frame
+        Of the rotors.
     """
     design, points = parameters(n, law)
     around = features.surroundings(law).symbols()
@@ -65,10 +69,10 @@ def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY) -> Loop:
         outputs = [ca.densify(output) for output in ca.cse(outputs)]
         return share_reciprocals(ca.Function(f"hoverproof_{name}", inputs, outputs))
 
-    seen = look(memory, around, points, pixels, law, rounded=features.rounded)
-    decided = packed_with(memory, decide(memory, design, around, imu, law))
-    moved = packed_with(memory, move(memory, design, around, points, gust))
-    record = recorded(memory, design, around, points, law)
+    seen = look(memory, around, points, pixels, law, features)
+    decided = packed_with(memory, decide(memory, design, around, imu, law, frame))
+    moved = packed_with(memory, move(memory, design, around, points, gust, (law, frame)))
+    record = recorded(memory, design, around, points, law, frame)
     return Loop(
         {
             "frame": function("frame", [packed, params, points, pixels], list(seen)),
@@ -91,7 +95,7 @@ def realistic_loop(n: int, features: Features, law: Law = HAMEL_MAHONY) -> Loop:
             "SEEN": 6 if north else 3,
             "NORTH": place(layout, "north" if north else "held").start,
             "CAMERA_NOISE": pixels.numel(),
-            "CAMERA_CHANNEL": CAMERA_CHANNEL if north else 0,
+            "CAMERA_CHANNEL": CAMERA_CHANNEL if north or n > IMU_CHANNEL else 0,
             "CAMERA_NOISY": int(features.camera_noise or (north and features.imu_noise)),
             "IMU_NOISE": imu.numel(),
             "IMU_CHANNEL": IMU_CHANNEL,
@@ -122,8 +126,7 @@ def look(
     points: ca.SX,
     noise: ca.SX,
     law: Law,
-    *,
-    rounded: bool,
+    features: Features,
 ) -> tuple[ca.SX, ca.SX]:
     """Return what a frame tells, (3, 1), and a margin above 0 if all points are in it.
 
@@ -141,28 +144,49 @@ def look(
         (2 n, 1), standard normal, point by point; with three more of the gravity direction where
         the image tells the heading.
     law : Law
-    rounded : bool
-        Whether image coordinates are rounded.
+    features : Features
     """
-    seen = around.seen(RigidBodyState.from_vector(memory["state"]), points)
+    seen = around.seen(RigidBodyState.from_vector(memory["state"]), points, law)
     image = camera.pinhole(seen)
-    size = ca.fabs(image)
-    margin = ca.fmin(
-        ca.fmin(ca.mmin(around.half_width - size[0, :]), ca.mmin(around.half_height - size[1, :])),
-        ca.mmin(seen[2, :]),
-    )
-    count = 2 * points.shape[1]
+    count, lens = 2 * points.shape[1], features.lens
+    image, inside = projected(image, around, lens)
+    margin = ca.fmin(inside, ca.mmin(seen[2, :]))
     image = image + around.image_noise * ca.reshape(noise[:count], 2, points.shape[1])
-    if rounded:
+    if features.rounded:
         image = ca.floor(image / around.image_resolution + 0.5) * around.image_resolution
-    directions = camera.spherical(image)
-    told = [law.feature.seen(directions)]
+    if lens is not None and (sight := sight_of(lens)) is not None:
+        image = ca.horzcat(*(lens.undistorted(p, sight.steps) for p in ca.horzsplit(image)))
+    directions = law.in_body(camera.spherical(image))
+    told = [law.look(directions)]
     if law.sees_north:
         down = gravity_read(RigidBodyState.from_vector(memory["state"]), around, noise[count:])
         told.append(camera.north(directions, down, points))
     if "attitude" in memory:
         told = [held_still(memory["attitude"], vector) for vector in told]
     return ca.vertcat(*told), margin
+
+
+def projected(image: ca.SX, around: Surroundings, lens: LensModel | None) -> tuple[ca.SX, ca.SX]:
+    """Return what is read of an image, (2, n), and a margin above 0 if all of it is within edges.
+
+    It is in px through a lens, else the image itself.
+
+    Parameters
+    ----------
+    image : SX
+        (X/Z, Y/Z), (2, n).
+    around : Surroundings
+    lens : LensModel or None
+    """
+    if lens is None or (sight := sight_of(lens)) is None:
+        sides = ca.vertcat(around.half_width, around.half_height)
+        gap = ca.repmat(sides, 1, image.shape[1]) - ca.fabs(image)
+        return image, ca.fmin(ca.mmin(gap[0, :]), ca.mmin(gap[1, :]))
+    pixels = ca.horzcat(*map(lens.pixel, ca.horzsplit(image)))
+    size = ca.DM([lens.width, lens.height])
+    within = ca.mmin(ca.fmin(pixels, ca.repmat(size, 1, image.shape[1]) - pixels))
+    beyond = (1.02 * sight.reach) ** 2 - ca.sum1(image * image)  # there pixels may come back
+    return pixels, ca.fmin(within, ca.mmin(beyond))
 
 
 def gravity_read(body: RigidBodyState, around: Surroundings, noise: ca.SX) -> ca.SX:
@@ -281,7 +305,7 @@ def read(
 
 
 def decide(
-    memory: dict[str, ca.SX], design: Design, around: Any, noise: ca.SX, law: Law
+    memory: dict[str, ca.SX], design: Design, around: Any, noise: ca.SX, law: Law, frame: Frame
 ) -> dict[str, ca.SX]:
     """Return what a tick of the controller changes in the memory.
 
@@ -298,13 +322,15 @@ def decide(
     noise : SX
         (k, 1), standard normal, k = `imu_noise`: gyro, velocity, gravity, accelerometer, compass.
     law : Law
+    frame : Frame
+        Of the rotors.
     """
     measured = read(memory, design, around, noise, law)
     thrust_rate, torque = command(measured, design, law)
     low, high = around.rotor_min, around.rotor_max
     thrust = measured.thrust + around.period * thrust_rate
     thrust = ca.fmin(ca.fmax(thrust, 4 * low), 4 * high)
-    wanted = rotors.rotor_thrusts(thrust, torque, around.arm, around.drag_ratio)
+    wanted = rotors.rotor_thrusts(frame, thrust, torque, around.arm, around.drag_ratio)
     lever = law.lever(law.force.thrust(measured, design), design)
     changes = {
         "thrust_margin": ca.fmin(memory["thrust_margin"], lever),
@@ -317,7 +343,12 @@ def decide(
 
 
 def move(
-    memory: dict[str, ca.SX], design: Design, around: Any, points: ca.SX, noise: ca.SX
+    memory: dict[str, ca.SX],
+    design: Design,
+    around: Any,
+    points: ca.SX,
+    noise: ca.SX,
+    made: tuple[Law, Frame],
 ) -> dict[str, ca.SX]:
     """Return what one step of the integrator changes in the memory.
 
@@ -335,11 +366,14 @@ def move(
         (3, n), world frame, m.
     noise : SX
         (3, 1), standard normal: the gust.
+    made : tuple of Law and Frame
+        The law, and the rotors.
     """
+    law, frame = made
     gap = memory["rotors"] - memory["rotor_commands"]
     left = (around.left_now, around.left_half, around.left_whole)
     thrusts = [memory["rotor_commands"] + share * gap for share in left]
-    wrenches = [around.wrench(t) for t in thrusts]
+    wrenches = [around.wrench(frame, t) for t in thrusts]
 
     def rate(x: ca.SX, half: int) -> ca.SX:
         body = RigidBodyState.from_vector(ca.vertcat(x, wrenches[half][0]))
@@ -357,7 +391,7 @@ def move(
         ca.vertcat(runge_kutta(rate, now[:-1], around.step), wrenches[2][0])
     )
     before = RigidBodyState.from_vector(now)
-    depth = ca.mmin(around.seen(before, points)[2, :])
+    depth = ca.mmin(around.seen(before, points, law)[2, :])
     changes = {
         "state": RigidBodyState(
             after.position,
@@ -382,7 +416,7 @@ def move(
 
 
 def recorded(
-    memory: dict[str, ca.SX], design: Design, around: Surroundings, points: ca.SX, law: Law
+    memory: dict[str, ca.SX], design: Design, around: Any, points: ca.SX, law: Law, frame: Frame
 ) -> ca.SX:
     """Return a record, in the order of `Features.record`.
 
@@ -395,20 +429,22 @@ def recorded(
     points : SX
         (3, n), world frame, m.
     law : Law
+    frame : Frame
+        Of the rotors.
     """
-    wind = around.wind + memory["gust"]
-    own = []
+    body, own = RigidBodyState.from_vector(memory["state"]), []
     if law.force.sensed is not None:
-        body = RigidBodyState.from_vector(memory["state"])
         own = [around.specific_force(body, memory["gust"])]
-    read = readout(memory["state"], design, points, around.arm, around.drag_ratio, law, *own)
+    lengths = around.arm, around.drag_ratio
+    force = own[0] if own else None
+    read = readout(memory["state"], design, points, *lengths, law, force, frame)
     return ca.vertcat(
         memory["state"],
         read["lyapunov"],
         around.thrusts(memory["rotors"]),
         memory["command"],
         used(memory),
-        wind,
+        around.wind + memory["gust"],
         *own,
     )
 

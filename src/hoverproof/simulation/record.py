@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from hoverproof.algebra.derived import kept_json
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.mission.sections import Mission
-from hoverproof.plant.rotors import ROTORS
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers, readout_function
@@ -223,7 +222,7 @@ def flight_record(
         "horizontal_axis": axes[:2],
         "image_axis": axes[:2],
         "angle": ["roll", "pitch", "yaw"],
-        "rotor": list(ROTORS),
+        "rotor": list(mission.vehicle.frame.names),
         "point": np.arange(1, n + 1),
     }
     units = {"time": {"units": "s"}}
@@ -254,15 +253,17 @@ def _columns(
 ) -> dict[str, Array]:
     """Evaluate the readout along the flight; each result is (samples, size)."""
     n, samples, own = numbers.target_size, len(states), []
+    frame = mission.vehicle.frame
     if specific_force is None:
-        read = readout_function(n, numbers.law)
+        read = readout_function(n, numbers.law, frame)
     else:
-        read, own = readout_function(n, numbers.law, with_specific_force=True), [specific_force.T]
+        read = readout_function(n, numbers.law, frame, with_specific_force=True)
+        own = [specific_force.T]
     names: Callable[[int], str] = read.name_out
     held = (
         np.tile(numbers.design[:, None], samples),
         np.tile(numbers.points, samples),
-        np.full((1, samples), float(mission.vehicle.arm)),
+        np.full((1, samples), float(mission.vehicle.reach)),
         np.full((1, samples), float(mission.vehicle.drag_ratio)),
     )
     outputs = read.map(samples)(states.T, *held, *own)

@@ -28,7 +28,6 @@ from numpy.typing import NDArray
 
 from hoverproof.errors import InputError
 from hoverproof.files import replacing
-from hoverproof.plant.rotors import ROTORS
 from hoverproof.simulation.flight_log import OUTCOMES
 from hoverproof.simulation.plan import Plan
 from hoverproof.version import __version__
@@ -283,7 +282,7 @@ def _skeleton(plan: Plan, runs: int, precision: Precision) -> xr.Dataset:
             "axis": axes,
             "body_axis": axes,
             "angle": ["roll", "pitch", "yaw"],
-            "rotor": list(ROTORS),
+            "rotor": list(mission.vehicle.frame.names),
         },
         attrs={
             "title": f"closed-loop flights of {mission.name}",

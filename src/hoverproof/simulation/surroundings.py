@@ -10,7 +10,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from hoverproof.mission.frame import Frame
 from hoverproof.plant import camera, rotors
+from hoverproof.plant.lens import LensModel
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, specific_force
 from hoverproof.servo.law import Law
 from hoverproof.servo.layout import Packed, column, scalar
@@ -71,7 +73,7 @@ class Surroundings(Packed):
     gyro_bias, velocity_bias, gravity_bias : SX
         rad/s, m/s and rad, body frame.
     arm, drag_ratio : SX
-        Of the rotors, m.
+        Of the rotors, m; see `hoverproof.plant.rotors.wrench`.
     air_drag : SX
         kg/s.
     step, period : SX
@@ -118,7 +120,7 @@ class Surroundings(Packed):
     velocity_noise: ca.SX = scalar("m/s")
     gravity_noise: ca.SX = scalar("rad")
 
-    def seen(self, body: RigidBodyState, points: ca.SX) -> ca.SX:
+    def seen(self, body: RigidBodyState, points: ca.SX, law: Law) -> ca.SX:
         """Return the target points in the frame of the camera as it is mounted, (3, n), m.
 
         Parameters
@@ -126,9 +128,13 @@ class Surroundings(Packed):
         body : RigidBodyState
         points : SX
             (3, n), world frame, m.
+        law : Law
+            Its camera sits where it says.
         """
-        mounted = ca.horzcat(self.camera_x, self.camera_y, self.camera_z)
-        return camera.body_points(points, body.position, body.rotation @ mounted)
+        axes, place = ca.horzcat(self.camera_x, self.camera_y, self.camera_z), body.position
+        if law.mount is not None:
+            place = place + body.rotation @ law.mount.arm()
+        return camera.body_points(points, place, body.rotation @ axes)
 
     def thrusts(self, commanded: ca.SX) -> ca.SX:
         """Return what rotors push with that the controller takes to push so, (4, 1), N.
@@ -140,15 +146,17 @@ class Surroundings(Packed):
         """
         return commanded
 
-    def wrench(self, commanded: ca.SX) -> ca.SX:
+    def wrench(self, frame: Frame, commanded: ca.SX) -> ca.SX:
         """Return (T, Γ₁, Γ₂, Γ₃), (4, 1), N and N m, that act on the true vehicle.
 
         Parameters
         ----------
+        frame : Frame
+            Of the rotors.
         commanded : SX
             What the controller takes to be the thrust of each rotor, (4, 1), N.
         """
-        return rotors.wrench(commanded, self.arm, self.drag_ratio)
+        return rotors.wrench(frame, commanded, self.arm, self.drag_ratio)
 
     def drag(self, body: RigidBodyState, gust: ca.SX) -> ca.SX:
         """Return the force of the air, (3, 1), body frame, N.
@@ -210,15 +218,17 @@ class FurtherSurroundings(Surroundings):
         """
         return self.rotor_shares * commanded
 
-    def wrench(self, commanded: ca.SX) -> ca.SX:
+    def wrench(self, frame: Frame, commanded: ca.SX) -> ca.SX:
         """Return what acts on the vehicle; see `Surroundings.wrench`.
 
         Parameters
         ----------
+        frame : Frame
+            Of the rotors.
         commanded : SX
             (4, 1), N.
         """
-        return rotors.wrench(self.thrusts(commanded), self.true_arm, self.drag_ratio)
+        return rotors.wrench(frame, self.thrusts(commanded), self.true_arm, self.drag_ratio)
 
     def lagging(self, held: ca.SX, first: ca.SX, last: ca.SX) -> ca.SX:
         """Return what a first-order low-pass holds after a step, (3, 1), m/s².
@@ -272,6 +282,8 @@ class Features:
         Whether rotors or arms are not as the controller takes them to be.
     lag : bool
         Whether an accelerometer lags.
+    lens : LensModel, optional
+        What makes pixels of image points, and has edges; then noise and rounding are in px.
     """
 
     camera_noise: bool = False
@@ -282,6 +294,7 @@ class Features:
     turned: bool = False
     rotors_differ: bool = False
     lag: bool = False
+    lens: LensModel | None = None
 
     def layout(self, law: Law) -> dict[str, int]:
         """Return the parts of a vehicle's memory and their sizes, those of `LAYOUT` first.

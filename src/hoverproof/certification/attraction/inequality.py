@@ -150,7 +150,7 @@ class Loop:
         turned = m / quick * (self.weight + thrust - self.stiffness * q3) * rate
         d2 = whole + q3 * tilt + moved
         d3 = d2 + thrust / self.stiffness + lean
-        d4 = level + turned + lean + moved + len(mission.target.points) * tilt
+        d4 = level + turned + lean + moved + float(mission.target.whole) * tilt
         return np.stack([d2**2 / 2, d3**2 / 2, d4**2 / 2], axis=1)
 
     def path_before(self, start: Start) -> float:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from hoverproof.certification.cells import View
 from hoverproof.certification.flow import eigenvalues
+from hoverproof.certification.pattern import Pattern
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
@@ -20,19 +21,18 @@ UP = np.array([0.0, 0.0, -1.0])
 
 @dataclass(frozen=True)
 class Potential:
-    """W(ξ) = Σ |P'ᵢ - ξ| + q3* z less its minimum, for an axial goal.
+    """W(ξ) = Σ wᵢ|P'ᵢ - ξ| + q3* z less its minimum, for an axial goal.
 
     Attributes
     ----------
-    points : (n, 3)
-        Target, world frame, m.
+    target : Pattern
     goal : (3,)
         Hover point ξ*, world frame, m.
     q3 : float
         q3* of q* = (0, 0, q3*).
     """
 
-    points: Array
+    target: Pattern
     goal: Array
     q3: float
 
@@ -47,7 +47,7 @@ class Potential:
         Raises
         ------
         InputError
-            If the goal is not axial: q1* = q2* = 0 exactly; or if the feature is scaled.
+            If the goal is not straight below: q1* = q2* = 0; or if the feature is scaled.
         """
         if mission.law.feature != "centroid":
             raise InputError(
@@ -57,28 +57,26 @@ class Potential:
             )
         goal = hover_goal(mission)
         if any(end != 0 for ends in goal.centroid[:2] for end in ends):
-            key = "goal.centroid" if mission.goal.height is None else "goal.height"
-            raise InputError(
-                mission.source,
-                key,
-                "is not axial: a region of attraction needs q1* = q2* = 0 exactly; "
-                "give centroid = [0, 0, q3]",
-            )
+            raise off_the_vertical(mission)
         if len({(x, y) for x, y, _ in mission.target.points}) == 1:
             raise InputError(mission.source, "target.points", "all lie on one vertical line")
-        points = np.array(mission.target.points, float)
         position = np.array([float(c) for c in goal.position])
-        return cls(points, position, float(goal.centroid_midpoint[2]))
+        return cls(Pattern.of(mission), position, float(goal.centroid_midpoint[2]))
 
     @property
-    def n(self) -> int:
-        """Number of target points."""
-        return len(self.points)
+    def points(self) -> Array:
+        """Target points, (n, 3), world frame, m."""
+        return self.target.points
+
+    @property
+    def whole(self) -> float:
+        """W, the sum of their weights."""
+        return self.target.whole
 
     @property
     def plane(self) -> float:
         """Mean z of the target, m."""
-        return float(self.points[:, 2].mean())
+        return float(self.target.mean[2])
 
     def height(self, z: float) -> float:
         """Return the height above the mean of the target, m.
@@ -101,7 +99,8 @@ class Potential:
 
         def raw(x: Array) -> Array:
             rays = self.points[None] - x[:, None]
-            return np.asarray(np.linalg.norm(rays, axis=2).sum(axis=1) + self.q3 * x[:, 2])
+            far = self.target.weights * np.linalg.norm(rays, axis=2)
+            return np.asarray(far.sum(axis=1) + self.q3 * x[:, 2])
 
         return np.asarray(raw(positions) - raw(self.goal[None]))
 
@@ -113,7 +112,7 @@ class Potential:
         positions : (k, 3)
             World frame, m.
         """
-        return View.at(self.points, positions).centroid
+        return View.at(self.target, positions).centroid
 
     def hover_terms(self, positions: Array) -> Array:
         """Return (k, 4): Λ = terms · (1, a2, a3, a4) for a level hover at positions (k, 3).
@@ -139,16 +138,17 @@ class Potential:
         span = self._span()
         for rise in (0.0, 0.1):
             places = self._plane_grid(bottom - rise * span)
-            above = (1 / np.linalg.norm(self.points[None] - places[:, None], axis=2)).sum(axis=1)
-            first = eigenvalues(self.points, places[[above.argmax()]])[0, 2]
+            far = np.linalg.norm(self.points[None] - places[:, None], axis=2)
+            above = (self.target.weights / far).sum(axis=1)
+            first = eigenvalues(self.target, places[[above.argmax()]])[0, 2]
             best = max(best, float(first))
             places = places[above > best]  # no eigenvalue is above Σ 1/rᵢ
             if len(places):
-                best = max(best, float(eigenvalues(self.points, places)[:, 2].max()))
+                best = max(best, float(eigenvalues(self.target, places)[:, 2].max()))
         return best
 
     def largest_height_part(self, z: float) -> float:
-        """Return the largest qz = Σ hᵢ/rᵢ found on the plane at z.
+        """Return the largest qz = Σ wᵢ hᵢ/rᵢ found on the plane at z.
 
         Parameters
         ----------
@@ -181,24 +181,24 @@ class Potential:
     @cached_property
     def largest_at_goal(self) -> float:
         """The largest eigenvalue of Q at the goal, 1/m."""
-        return float(eigenvalues(self.points, self.goal[None])[0, 2])
+        return float(eigenvalues(self.target, self.goal[None])[0, 2])
 
     @cached_property
     def _rays(self) -> tuple[Array, Array]:
         """Largest eigenvalue of Q, 1/m, and W, (rays, radii) each, from the target and the goal.
 
-        Rays from the target points reach as far as the eigenvalue of the goal does (none is above n
+        Rays from the target points reach as far as the eigenvalue of the goal does (none is above W
         over the distance to the nearest point); those from the goal, along which W grows, reach
         beyond all of these.
         """
-        far = self.n / self.largest_at_goal
+        far = self.whole / self.largest_at_goal
         beyond = far + float(np.linalg.norm(self.points - self.goal, axis=1).max())
         reaches = [(point, 200, far * np.geomspace(1e-3, 1.0, 120)) for point in self.points]
         nearer = beyond * np.concatenate([[0.0], np.geomspace(1e-3, 1.0, 119)])
         sizes, values = [], []
         for start, rays, radii in [*reaches, (self.goal, 600, nearer)]:
             places = (start + sphere(rays)[:, None] * radii[None, :, None]).reshape(-1, 3)
-            sizes.append(eigenvalues(self.points, places)[:, 2].reshape(rays, -1))
+            sizes.append(eigenvalues(self.target, places)[:, 2].reshape(rays, -1))
             values.append(self.value(places).reshape(rays, -1))
         return np.concatenate(sizes), np.concatenate(values)
 
@@ -210,8 +210,24 @@ class Potential:
         room = 0.5 * (high - low).max()
         x, y = (np.linspace(a, b, cells) for a, b in zip(low - room, high + room, strict=True))
         grid = np.stack(np.meshgrid(x, y, [z]), axis=-1).reshape(-1, 3)
-        over = np.column_stack([self.points[:, :2], np.full(self.n, z)])
+        over = np.column_stack([self.points[:, :2], np.full(len(self.points), z)])
         return np.vstack([grid, over])
+
+
+def off_the_vertical(mission: Mission) -> InputError:
+    """Say why nothing is shown of a goal that is not straight below.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    return InputError(
+        mission.source,
+        "goal.centroid",
+        "is not straight below: hovers that see it lie all around the target, one for each "
+        "heading, and convergence is shown to one place alone; certify is about such a goal too, "
+        "as long as it does not turn; or give goal.height, or centroid = [0, 0, q3]",
+    )
 
 
 def undominated(rows: Array) -> Array:

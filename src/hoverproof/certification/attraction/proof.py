@@ -79,7 +79,7 @@ def attraction(
     """
     tell = progress or (lambda text: None)
     verdict = _search_and_prove(mission, objective, starts, barrier, tell)
-    asked = objective == "start" or starts
+    asked = (objective == "start" or starts) and not mission.camera.has_arm
     if isinstance(verdict, Undecided) and asked and mission.law.is_papers:
         tell("following the motion from the start")
         return refute(mission, starts or None, verdict)
@@ -180,6 +180,11 @@ def why_not_covered(mission: Mission) -> str:
     ----------
     mission : Mission
     """
+    if mission.camera.has_arm:
+        return (
+            "a camera that is not at the centre of mass is not covered by a region of attraction: "
+            "what it sees counts as an error of the feature, and the motion ends near the goal"
+        )
     if is_plain(mission):
         return ""
     if refused := _why_noisy(mission):

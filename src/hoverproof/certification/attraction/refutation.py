@@ -26,6 +26,8 @@ from hoverproof.certification.certificate import rejection, seal
 from hoverproof.certification.verdict import Undecided
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
+from hoverproof.servo.law import Law
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters
 
 Array = NDArray[np.float64]
@@ -78,16 +80,18 @@ def worst_states(mission: Mission, start: Start) -> Iterator[State]:
 
 
 @cache
-def flight_rate(n: int) -> ca.Function:
+def flight_rate(n: int, law: Law = HAMEL_MAHONY) -> ca.Function:
     """Return (state (19,), design (13,), points (3, n)) ↦ its time derivative in closed loop.
 
     Parameters
     ----------
     n : int
         Number of target points.
+    law : Law
+        That of the paper, which tells how much each point counts.
     """
     (design, points), x = parameters(n), ca.SX.sym("x", STATE_SIZE)
-    rate = loop_rate(x, design, points, all_round=True)  # it is followed below the target
+    rate = loop_rate(x, design, points, law, all_round=True)  # it is followed below the target
     return ca.Function("flight", [x, design.vector(), points], [rate])
 
 
@@ -104,10 +108,13 @@ def simulate(mission: Mission, start: Array, most: float) -> tuple[Ending, float
     """
     from scipy.integrate import solve_ivp
 
-    numbers = LoopNumbers.of(mission)
+    numbers, law = LoopNumbers.of(mission), HAMEL_MAHONY.weighing(mission.target)
     design, points, goal = numbers.design, numbers.points, numbers.goal
     lowest, near = points[2].max(), 0.05 * np.linalg.norm(points.T - goal, axis=1).min()
-    read, singular = flight_rate(numbers.target_size), numbers.value(lambda d: d.singular_thrust)
+    read, singular = (
+        flight_rate(numbers.target_size, law),
+        numbers.value(lambda d: d.singular_thrust),
+    )
     if start[18] <= singular:
         return "breaks off", 0.0
 
@@ -162,7 +169,7 @@ def step_plans(mission: Mission, state: State, time: float) -> Iterator[list[Fra
         s; the sum of the steps is not less.
     """
     end = Fraction(math.ceil(time * FINEST), FINEST)
-    most = checker.MAX_STEPS // (len(mission.target.points) + 3)
+    most = checker.MAX_STEPS // (len(mission.target.places) + 3)
     times = _natural_times(mission, state, time, 8 * most)
     lengths = np.diff(times)
     lengths = np.maximum(lengths, np.append(lengths[1:], 0.0))  # its first is a careful one
@@ -187,7 +194,7 @@ def _natural_times(mission: Mission, state: State, time: float, most: int) -> Ar
     from scipy.integrate import DOP853
 
     numbers = LoopNumbers.of(mission)
-    read = flight_rate(numbers.target_size)
+    read = flight_rate(numbers.target_size, HAMEL_MAHONY.weighing(mission.target))
     method = DOP853(
         lambda t, x: np.array(read(x, numbers.design, numbers.points))[:, 0],
         *(0.0, state.packed(), 1.5 * time),  # its last step is cut short
@@ -264,4 +271,6 @@ def model_fingerprint(mission: Mission) -> str:
     ----------
     mission : Mission
     """
-    return fingerprint(flight_rate(len(mission.target.points)))
+    return fingerprint(
+        flight_rate(len(mission.target.points), HAMEL_MAHONY.weighing(mission.target))
+    )

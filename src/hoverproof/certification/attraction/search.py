@@ -108,7 +108,7 @@ class Search:
         omega = (p.q3 - p.largest_height_part(z)) * (1 - self.slack.omega)
         if omega <= 0 or omega >= p.q3:
             return None
-        bottom = z + self.sinking.lag(p.n - p.q3 + omega) * (1 + self.slack.omega / 10)
+        bottom = z + self.sinking.lag(p.whole - p.q3 + omega) * (1 + self.slack.omega / 10)
         if not self.sinking.deepest <= bottom <= p.points[:, 2].min() - 1e-3:
             return None
         largest = p.largest_eigenvalue(bottom) * (1 + self.slack.eigenvalue)

@@ -106,10 +106,10 @@ class TolerantLoop(Loop):
         mission : Mission
         """
         v = Vehicles.of(mission)
-        farthest = len(mission.target.points) + v.goal
-        rays = Scene.of(mission)
-        near = np.linalg.norm(rays.points - rays.goal, axis=1)
-        steepest = float((2 / near).sum() / 3)
+        farthest = float(mission.target.whole) + v.goal
+        scene = Scene.of(mission)
+        near = np.linalg.norm(scene.points - scene.goal, axis=1)
+        steepest = float((2 * scene.target.weights / near).sum() / 3)
         return cls(v.numbers, v.weight, v.stiffness, v.in_image, v, farthest, steepest)
 
     @property
@@ -316,7 +316,7 @@ class TolerantPotential(Potential):
 
     Attributes
     ----------
-    points, goal, q3
+    target, goal, q3
         See `Potential`, m and numbers.
     mission : Mission
     loop : TolerantLoop
@@ -361,4 +361,4 @@ def posed(mission: Mission) -> tuple[Potential, Loop]:
     if is_plain(mission):
         return p, Loop.of(mission, p.q3)
     loop = TolerantLoop.of_mission(mission)
-    return TolerantPotential(p.points, p.goal, p.q3, mission, loop), loop
+    return TolerantPotential(p.target, p.goal, p.q3, mission, loop), loop

@@ -55,18 +55,18 @@ class Set:
     def positions(self) -> str | None:
         """Halve all positions near the target until Q ≺ λ₊ I, or W > ℓ, over each cell."""
         p = self.potential
-        box = _widened(p.points, p.n / self.largest)
+        box = _widened(p.points, p.whole / self.largest)
         if self.bottom is not None:
             box[2, 1] = max(min(box[2, 1], self.bottom), box[2, 0])
         high = self.level * (1 + ROOM) + 1e-11 * np.abs(box).max()
 
         def hold(cells: Array) -> Told:
-            view = View.of(p.points, cells)
+            view = View.of(p.target, cells)
             slope = np.abs(view.centroid - [0, 0, p.q3])
             least = p.value(view.center) - (slope * view.half).sum(axis=1)
             return np.asarray(largest_below(view, self.largest) | (least > high))
 
-        return grow_tree(box, hold, most_cells(p.n, 3))
+        return grow_tree(box, hold, most_cells(len(p.points), 3))
 
     def barrier(self, sinking: Sinking) -> str | None:
         """Halve the plane where the barrier acts until qz < q3* - ω over each cell.
@@ -84,7 +84,7 @@ class Set:
         spread = np.sqrt(2 * self.level * ((1 + gamma) ** 2 / a4 + gamma**2 / a3))
         omega = self.loop.q3 * (1 - cosine) + sine * spread
         limit = (p.q3 - omega) * (1 - ROOM)
-        z = self.bottom - sinking.lag(p.n - p.q3 + omega)
+        z = self.bottom - sinking.lag(p.whole - p.q3 + omega)
         heights = np.maximum(p.points[:, 2] - z, 0) * (1 + ROOM)
         if limit <= 0:
             return None
@@ -94,10 +94,10 @@ class Set:
             gaps = np.maximum(gaps, p.points[None, :, :2] - cells[:, None, :, 1])
             distance = np.sqrt((gaps**2).sum(axis=2) + heights**2)
             parts = np.divide(heights, distance, out=np.zeros_like(distance), where=distance > 0)
-            return np.asarray(parts.sum(axis=1) < limit)
+            return np.asarray((p.target.weights * parts).sum(axis=1) < limit)
 
-        box = _widened(p.points[:, :2], float(heights.sum()) / limit)
-        return grow_tree(box, hold, most_cells(p.n, 1))
+        box = _widened(p.points[:, :2], float((p.target.weights * heights).sum()) / limit)
+        return grow_tree(box, hold, most_cells(len(p.points), 1))
 
     def start(self, mission: Mission, start: Start, radius: float | None = None) -> str | None:
         """Halve a set of states until Λ <= ℓ over each cell.
@@ -122,7 +122,7 @@ class Set:
                 inside |= far
             return np.asarray(inside)
 
-        return grow_tree(whole, hold, most_cells(p.n, 4))
+        return grow_tree(whole, hold, most_cells(len(p.points), 4))
 
 
 def _widened(points: Array, room: float) -> Array:
@@ -151,11 +151,11 @@ def start_terms(
     force : float
         Bound of |F| in the set, N.
     """
-    view = View.of(potential.points, cells)
+    view = View.of(potential.target, cells)
     ends = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3)
     corners = cells[:, np.arange(3)[None], ends]
     value = potential.value(corners.reshape(-1, 3)).reshape(-1, 8).max(axis=1)
-    change = (view.radius[:, None] / view.apart).sum(axis=1)
+    change = (view.weights * view.radius[:, None] / view.apart).sum(axis=1)
     d1 = view.centroid - [0, 0, potential.q3]
     level, whole = (np.linalg.norm(d1[:, :k], axis=1) + change for k in (2, 3))
     rest = loop.at_start(mission, start, whole, level, force)

@@ -119,7 +119,7 @@ class Candidate:
         """
         s = self.solution
         reach = Reach.of(s.weights, s.start)
-        limits = Limits(vehicles, reach, self.ball[1])
+        limits = Limits(vehicles.before(self.ball), reach, self.ball[1])
         offset = float(Tilted.of(limits).offset(s.weights, s.start))
         return float((1 + VIEW_ROOM) * scene.cone(offset) + np.arcsin(limits.tilt) + VIEW_ROOM)
 

@@ -22,39 +22,41 @@ from hoverproof.certification.cells import ROOM, Told, grow_tree, most_cells
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.flow import OfJ
 from hoverproof.certification.region import Box
+from hoverproof.mission.target import Target
 
 Array = NDArray[np.float64]
-SPARE = 1.08
-"""By what factor faces are beyond the domain, as sampled."""
+SPARE, SPARE_BESIDE = 1.08, 1.3
+"""By what factor faces are beyond the domain, as sampled; and where the camera is not at the centre
+of mass: a cell that holds all within its arm holds more than that."""
 COST, LOOK_COST = 15, 10
 """Of a cell of which J is bounded, and of one of which the feature is."""
 
 
-def mirrored(points: list[tuple[Fraction, ...]], axis: int) -> bool:
+def mirrored(target: Target, axis: int) -> bool:
     """Tell whether a target is its own mirror image across the plane through its mean.
 
     Parameters
     ----------
-    points : sequence of (3,)
-        World frame, m.
+    target : Target
+        Of a mission.
     axis : int
         Across which axis, a bare number.
     """
-    twice = 2 * sum(p[axis] for p in points) / len(points)
-    images = {(*p[:axis], twice - p[axis], *p[axis + 1 :]) for p in points}
-    return images == set(points)
+    places, twice = target.places, 2 * target.mean[axis]
+    images = {(*p[:axis], twice - p[axis], *p[axis + 1 :]): w for p, w in places.items()}
+    return images == places
 
 
-def swapped(points: list[tuple[Fraction, ...]]) -> bool:
+def swapped(target: Target) -> bool:
     """Tell whether a target is its own image if x and y, from its mean, change places.
 
     Parameters
     ----------
-    points : sequence of (3,)
-        World frame, m.
+    target : Target
+        Of a mission.
     """
-    x, y = (sum(p[k] for p in points) / len(points) for k in (0, 1))
-    return {(x + p[1] - y, y + p[0] - x, p[2]) for p in points} == set(points)
+    places, (x, y, _) = target.places, target.mean
+    return {(x + p[1] - y, y + p[0] - x, p[2]): w for p, w in places.items()} == places
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,7 @@ class Domain:
     def of(
         cls,
         scene: Scene,
-        points: list[tuple[Fraction, ...]],
+        target: Target,
         offset: float,
         bounds: tuple[float, float],
     ) -> Domain:
@@ -93,19 +95,20 @@ class Domain:
         Parameters
         ----------
         scene : Scene
-        points : sequence of (3,)
-            The exact target, world frame, m.
+        target : Target
+            The exact one, of the mission.
         offset : float
             d, dimensionless.
         bounds : (low, high)
             j - ϱ and j + ϱ, 1/m.
         """
-        ends = scene.reach(offset)
-        low = [decimal_below(SPARE * x if x < 0 else x / SPARE, 3) for x in ends[:, 0]]
-        high = [decimal_above(x * SPARE, 3) for x in ends[:, 1]]
-        both = swapped(points)
+        ends = _widened(scene.reach(offset)[None], scene.arm)[0]
+        spare = SPARE_BESIDE if scene.arm else SPARE
+        low = [decimal_below(spare * x if x < 0 else x / spare, 3) for x in ends[:, 0]]
+        high = [decimal_above(x * spare, 3) for x in ends[:, 1]]
+        both = swapped(target)
         for axis in (0, 1):
-            if mirrored(points, axis):
+            if mirrored(target, axis):
                 low[axis], high[axis] = Fraction(0), max(high[axis], -low[axis])
         both &= low[0] == low[1]
         if both:
@@ -118,7 +121,7 @@ class Domain:
         return np.asarray(cells[:, 1, 0] >= cells[:, 0, 1])
 
     def _sight(self, cells: Array) -> scaled.Sight:
-        return scaled.Sight.over_wedges(self.scene.points, cells)
+        return scaled.Sight.over_wedges(self.scene.target, cells)
 
     def _beyond(self, sight: scaled.Sight, count: int, offset: float) -> Told:
         """Tell where |σ - σ*| > offset is shown, along the direction in the middle."""
@@ -136,14 +139,18 @@ class Domain:
     def _held(self, cells: Array, sight: scaled.Sight) -> Told:
         if isinstance(self.scene.flow, OfJ):
             return scaled.in_ball(sight.slope(), len(cells), *self.bounds)
-        return self.scene.flow.hold(self.scene.points, self._boxes(cells), *self.bounds)
+        return self.scene.flow.hold(self.scene.target, self._boxes(cells), *self.bounds)
+
+    def _widened(self, cells: Array) -> Array:
+        """Return cells that hold all positions within the arm of the camera from cells."""
+        return _widened(cells, self.scene.arm)
 
     def _corners(self, cells: Array) -> Array:
         """Return the positions of the corners of wedges, (k, 8, 3), m."""
         ends = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1]), axis=-1).reshape(-1, 3)
         x, y, u = (cells[:, k, ends[:, k]] for k in range(3))
         rays = np.stack([x, y, np.ones_like(x)], axis=-1) / u[..., None]
-        return np.asarray(self.scene.points.mean(axis=0) - rays)
+        return np.asarray(self.scene.target.mean - rays)
 
     def _boxes(self, cells: Array) -> Array:
         corners = self._corners(cells)
@@ -170,9 +177,9 @@ class Domain:
 
         def hold(cells: Array) -> Told:
             with np.errstate(all="ignore"):
-                sight = self._sight(cells)
+                sight = self._sight(self._widened(cells))
                 told = self._left_out(cells) | self._beyond(sight, len(cells), self.offset)
-                inner = self._held(cells, sight)
+                inner = self._held(cells, self._sight(cells) if self.scene.arm else sight)
             for k in range(3):
                 inner &= cells[:, k, 1] < whole[k, 1]
                 inner &= (cells[:, k, 0] > whole[k, 0]) | (k < 2 and whole[k, 0] == 0)
@@ -220,3 +227,19 @@ class Domain:
         start : Start
         """
         return "0"
+
+
+def _widened(cells: Array, arm: float) -> Array:
+    """Return cells that hold all positions within an arm, m, from cells, (k, 3, 2)."""
+    if not arm:
+        return cells
+    moved = arm * cells[:, 2, 1]
+    moved[moved >= 1] = np.nan  # then nothing is shown
+    wide = cells.copy()
+    low, high = (cells[:, :2, k] + (2 * k - 1) * moved[:, None] for k in (0, 1))
+    near, far = 1 - moved[:, None], 1 + moved[:, None]
+    wide[:, :2, 0] = low / np.where(low < 0, near, far)
+    wide[:, :2, 1] = high / np.where(high > 0, near, far)
+    wide[:, 2, 0] /= 1 + arm * cells[:, 2, 0]
+    wide[:, 2, 1] /= 1 - moved
+    return wide

@@ -95,7 +95,7 @@ class Rounded:
         if level > s.level:
             raise NotShown("a start is not inside after rounding")
         reach = Reach.of(np.array(weights, float), float(level))
-        limits = Limits(search.vehicles, reach, found.ball[1])
+        limits = Limits(search.vehicles.before(found.ball), reach, found.ball[1])
         tilted = Tilted.of(limits)
         return cls(
             weights=weights,
@@ -206,9 +206,8 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
     below, above = wanted(mission, hover)[2]
     goal = [binary_below(below, BITS), binary_above(above, BITS)]
     offset = decimal_below(search.settled_offset, DIGITS)
-    points = [tuple(point) for point in mission.target.points]
     bounds = float(r.ball[0]), float(r.ball[1])
-    domain = Domain.of(search.scene, points, float(r.offset), bounds)
+    domain = Domain.of(search.scene, mission.target, float(r.offset), bounds)
     tree, cosine = _seen(domain, r)
     trees = {"domain": tree, "near": domain.near(float(offset), float(search.radius))}
     for name, tree in trees.items():

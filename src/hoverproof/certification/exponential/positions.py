@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from hoverproof.certification import scaled
 from hoverproof.certification.attraction.potential import sphere
 from hoverproof.certification.cells import View
 from hoverproof.certification.flow import Flow, OfJ, flow_of
+from hoverproof.certification.pattern import Pattern
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.servo.law import Law
@@ -23,6 +24,10 @@ MIDDLES, FINE = 20, 12
 """So many j are looked at, and so many times as many where that matters."""
 EVEN = 40
 """So many d: between them balls change evenly, so that a search is not led astray."""
+AROUND = 14
+"""So many directions are looked at from a position to where the camera may be."""
+ARMS = 1.5
+"""So many arms of it far: cells at the rim of the domain hold more than an arm around."""
 FARTHEST = 1e3
 """In heights of the goal."""
 
@@ -33,8 +38,7 @@ class Scene:
 
     Attributes
     ----------
-    points : (n, 3)
-        World frame, m.
+    target : Pattern
     law : Law
     flow : Flow
         What is bounded: Q of the centroid, J of the scaled one.
@@ -42,13 +46,16 @@ class Scene:
         Hover point ξ*, world frame, m.
     wanted : float
         s3* of σ* = (0, 0, s3*).
+    arm : float
+        How far the camera is from the centre of mass, m.
     """
 
-    points: Array
+    target: Pattern
     law: Law
     flow: Flow
     goal: Array
     wanted: float
+    arm: float = 0.0
 
     @classmethod
     def of(cls, mission: Mission) -> Scene:
@@ -59,8 +66,14 @@ class Scene:
         mission : Mission
         """
         goal = np.array([float(c) for c in hover_goal(mission).position])
-        law, points = law_of(mission), np.array(mission.target.points, float)
-        return cls(points, law, flow_of(mission), goal, float(law.goal_feature(mission)[2]))
+        law, target = law_of(mission), Pattern.of(mission)
+        wanted = float(law.goal_feature(mission)[2])
+        return cls(target, law, flow_of(mission), goal, wanted, mission.camera.arm)
+
+    @property
+    def points(self) -> Array:
+        """Target points, (n, 3), world frame, m; those that coincide are one."""
+        return self.target.points
 
     def feature(self, positions: Array) -> Array:
         """Return σ, what a level camera sees in world axes, (k, 3).
@@ -70,7 +83,7 @@ class Scene:
         positions : (k, 3)
             World frame, m.
         """
-        look = level_feature(len(self.points), self.law)
+        look = level_feature(len(self.points), _counting(self.law, self.target))
         found: Array = np.array(look(self.points.T, positions.T), float).T
         return found
 
@@ -93,7 +106,7 @@ class Scene:
             A bare number, dimensionless.
         """
         places = self.goal + self.ends(offset)[:, None] * np.linspace(0, 1, 40)[None, :, None]
-        ray = self.points.mean(axis=0) - places.reshape(-1, 3)
+        ray = self.target.mean - places.reshape(-1, 3)
         seen = np.column_stack([ray[:, :2] / ray[:, 2:], 1 / ray[:, 2]])
         return np.stack([seen.min(axis=0), seen.max(axis=0)], axis=1)
 
@@ -105,7 +118,7 @@ class Scene:
         offset : float
             A bare number, dimensionless.
         """
-        height = float(self.points[:, 2].mean() - self.goal[2])
+        height = float(self.target.mean[2] - self.goal[2])
         radii = height * np.geomspace(0.01, FARTHEST, 400)
         directions = sphere(DIRECTIONS)
         places = self.goal + directions[:, None] * radii[None, :, None]
@@ -124,7 +137,7 @@ class Scene:
         return far[order], places[order]
 
     def angles(self, positions: Array) -> Array:
-        """Return the largest angle to the vertical under which a target point is seen, (k,), rad.
+        """Return the largest angle to the vertical under which the camera sees a point, (k,), rad.
 
         Parameters
         ----------
@@ -132,7 +145,9 @@ class Scene:
             World frame, m.
         """
         rays = self.points[None] - positions[:, None]
-        return np.asarray(np.arccos(rays[..., 2] / np.linalg.norm(rays, axis=2)).max(axis=1))
+        far = np.linalg.norm(rays, axis=2)
+        more = np.arcsin(np.minimum(self.arm / far, 1)) if self.arm else 0.0
+        return np.asarray((np.arccos(rays[..., 2] / far) + more).max(axis=1))
 
     def cone(self, offset: float) -> float:
         """Return the largest of these angles where |σ - σ*| <= offset, as sampled, rad.
@@ -153,8 +168,8 @@ class Scene:
             World frame, m.
         """
         if isinstance(self.flow, OfJ):
-            return scaled.slopes_at(self.points, positions)
-        return View.at(self.points, positions).depths
+            return scaled.slopes_at(self.target, positions)
+        return View.at(self.target, positions).depths
 
 
 @dataclass(frozen=True)
@@ -182,12 +197,13 @@ class Balls:
         scene : Scene
         """
         offsets, places = scene.outward()
-        J = scene.slopes(places)
-        size = float(np.median(np.linalg.norm(J, 2, axis=(1, 2))))
+        beside = np.vstack([np.zeros(3), ARMS * scene.arm * sphere(AROUND if scene.arm else 0)])
+        J = np.array([scene.slopes(places + step) for step in beside])
+        size = float(np.median(np.linalg.norm(J[0], 2, axis=(1, 2))))
         farthest = _away(J, np.linspace(0.2, 1.2, MIDDLES) * size)
         rises = (np.diff(farthest, axis=0, prepend=-1) > 0).any(axis=1)
         middles = np.linspace(0.2, 1.2, FINE * MIDDLES) * size
-        farthest, offsets = _away(J[rises], middles), offsets[rises]
+        farthest, offsets = _away(J[:, rises], middles), offsets[rises]
         best = (farthest / middles).argmin(axis=1)
         j, radius = middles[best], farthest[np.arange(len(best)), best]
         even = np.linspace(offsets[0], offsets[-1], EVEN)
@@ -207,7 +223,18 @@ class Balls:
         return low, high
 
 
+def _counting(law: Law, target: Pattern) -> Law:
+    """Return the law with the weights of a target whose coinciding points are one."""
+    if (target.weights == 1).all():
+        return (
+            replace(law, feature=replace(law.feature, weights=())) if law.feature.weights else law
+        )
+    return replace(law, feature=replace(law.feature, weights=tuple(map(float, target.weights))))
+
+
 def _away(J: Array, middles: Array) -> Array:
-    """Return the largest |J - j I| up to each of J, for each j, (k, m)."""
-    away = np.linalg.norm(J[:, None] - middles[:, None, None] * np.eye(3), 2, axis=(2, 3))
-    return np.asarray(np.maximum.accumulate(away, axis=0))
+    """Return the largest |J - j I| up to each place, of all J there, for each j, (k, m)."""
+    each = (
+        np.linalg.norm(j[:, None] - middles[:, None, None] * np.eye(3), 2, axis=(2, 3)) for j in J
+    )
+    return np.asarray(np.maximum.accumulate(np.max(list(each), axis=0), axis=0))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification.attraction.draft import NotShown
+from hoverproof.certification.attraction.potential import off_the_vertical
 from hoverproof.certification.attraction.starts import Start, require_starts
 from hoverproof.certification.certificate import Certificate, rejection, seal
 from hoverproof.certification.exponential.candidate import Candidate, Near
@@ -26,6 +27,7 @@ from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
+from hoverproof.plant.lens import check_cone
 from hoverproof.servo.law import Law
 
 Array = NDArray[np.float64]
@@ -128,10 +130,8 @@ def require_question(mission: Mission, starts: Sequence[Start]) -> None:
         See `converge`.
     """
     if any(end != 0 for ends in hover_goal(mission).centroid[:2] for end in ends):
-        key = "goal.centroid" if mission.goal.height is None else "goal.height"
-        raise InputError(
-            mission.source, key, "is not axial: this theorem needs q1* = q2* = 0 exactly"
-        )
+        raise off_the_vertical(mission)
+    check_cone(mission)
     require_starts(mission, starts)
 
 
@@ -171,7 +171,7 @@ def _found(search: Search, near: Near | None) -> Candidate | str:
 
 
 def _half_angle(mission: Mission) -> float | None:
-    half = mission.camera.half_angle
+    half = mission.camera.about_vertical
     return None if half is None else float(half)
 
 

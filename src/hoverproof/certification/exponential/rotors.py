@@ -1,7 +1,7 @@
 """What each rotor makes, and is set to make, on a set, in floating point.
 
 Rotors that lag are set to what they would settle at: a thrust that is ahead of theirs by the lag
-times its rate, and the torque commanded. Both are of a vehicle whose mass, inertia, arm and drag
+times its rate, and the torque commanded. Both are of a vehicle whose mass, inertia, rotors and drag
 ratio are the mission's; `checker.Exponential` bounds the same exactly.
 """
 
@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from functools import cache
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.exponential.vehicles import Limits
+from hoverproof.mission.frame import Frame, shares
 from hoverproof.mission.sections import Mission
-from hoverproof.plant.rotors import rotor_thrusts
+from hoverproof.mission.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
@@ -52,15 +52,18 @@ def thrusts(limits: Limits, weights: Array, level: float, mission: Mission) -> t
     if mission.goal.heading is not None:
         yaw += float(mission.k_heading)
     yaw = (1 + v.torque) * (yaw + abs(i2 - i1) * (h * turn + v.gyro) ** 2 / 2)
-    by_thrust, *by_torque = _shares(float(mission.vehicle.arm), float(mission.vehicle.drag_ratio))
-    beside = np.hypot(i1, i2) * turned * by_torque[0] + yaw * by_torque[2]
-    return float(by_thrust * (least - ahead) - beside), float(by_thrust * (most + ahead) + beside)
+    by_thrust, roll, pitch, spin = _shares(mission.vehicle)
+    beside = np.hypot(i1 * roll, i2 * pitch) * turned + yaw * np.abs(spin)
+    ends = np.stack([by_thrust * (least - ahead), by_thrust * (most + ahead)])
+    return float((ends.min(axis=0) - beside).min()), float((ends.max(axis=0) + beside).max())
+
+
+def _shares(vehicle: Vehicle) -> Array:
+    """Return by how much each rotor's thrust changes with thrust and torques, (4, n)."""
+    reach, drag_ratio = float(vehicle.reach), float(vehicle.drag_ratio)
+    return np.divide(_shares_of(vehicle.frame).T, [[1.0], [reach], [reach], [drag_ratio]])
 
 
 @cache
-def _shares(arm: float, drag_ratio: float) -> tuple[float, ...]:
-    """Return by how much the thrust of a rotor changes with thrust and torques, alike for each."""
-    wrench = ca.SX.sym("wrench", 4)
-    each = rotor_thrusts(wrench[0], wrench[1:], ca.SX(arm), ca.SX(drag_ratio))
-    shares = np.abs(np.array(ca.DM(ca.jacobian(each, wrench))))
-    return tuple(shares.max(axis=0))
+def _shares_of(frame: Frame) -> Array:
+    return np.array(shares(frame), float)

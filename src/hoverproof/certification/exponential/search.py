@@ -171,7 +171,7 @@ class Search:
         ball : (low, high)
             j - ϱ and j + ϱ, 1/m.
         """
-        v = self.vehicles
+        v = self.vehicles.before(ball)
         low = v.weight - v.stiffness * v.in_image
         force = 0.95 * low / v.stiffness / (1 + np.exp(-x[1]))
         d = float(np.exp(x[0]))

@@ -73,6 +73,7 @@ class Vehicles:
     gusts: float = 0.0
     turned: bool = True
     noise_of_velocity: float = 0.0
+    arm: float = 0.0
 
     @classmethod
     def of(cls, mission: Mission) -> Vehicles:
@@ -102,7 +103,19 @@ class Vehicles:
             gusts=float(covered.gust),
             turned=mission.sensors.gyro_turned,
             noise_of_velocity=float(noise.velocity),
+            arm=mission.camera.arm,
         )
+
+    def before(self, ball: tuple[float, float]) -> Vehicles:
+        """Return them with what a camera beside the centre of mass sees wrong, as noise.
+
+        Parameters
+        ----------
+        ball : (low, high)
+            j - ϱ and j + ϱ within the arm of all positions, 1/m: at most 2 ϱ times the arm.
+        """
+        beside = self.arm * (ball[1] - ball[0])
+        return replace(self, noise=self.noise + beside) if beside else self
 
     def allowing(self, name: str, size: float) -> Vehicles:
         """Return them with another tolerance.
@@ -182,7 +195,7 @@ class Vehicles:
     @property
     def is_shaken(self) -> bool:
         """Whether something keeps the vehicle from coming to rest."""
-        return bool(self.missed or self.gyro or self.gusts)
+        return bool(self.missed or self.gyro or self.gusts or self.arm)
 
     @property
     def gust(self) -> float:

@@ -17,7 +17,7 @@ from hoverproof.certification.largest import UNITS, Largest
 from hoverproof.certification.verdict import Undecided
 from hoverproof.cli.answers import exponential, unproved
 from hoverproof.cli.answers.answer import EXIT, Answer
-from hoverproof.cli.answers.words import interval, number, numbers
+from hoverproof.cli.answers.words import goal_as_json, goal_text, interval, number, numbers
 from hoverproof.design.unproved import Unproved
 from hoverproof.mission.uncertainty import Uncertainty
 
@@ -67,6 +67,7 @@ class AttractionAnswer(Answer):
         """Yield the lines for people."""
         verdict = self.verdict
         yield f"{verdict.mission.name}: {verdict.status}"
+        yield from goal_text(verdict.mission)
         if self.largest is not None:
             yield from _largest(self.largest)
         if isinstance(verdict, Undecided):
@@ -98,6 +99,7 @@ class AttractionAnswer(Answer):
         return {
             "mission": verdict.mission.name,
             "verdict": verdict.status,
+            "goal_position": goal_as_json(verdict.mission),
             "certificate": str(self.path) if self.path and verdict.certificate else None,
             "not_covered": list(not_covered(verdict)),
             "advice": list(verdict.advice),

@@ -16,7 +16,15 @@ from hoverproof.certification.gains import (
 )
 from hoverproof.certification.region import Box
 from hoverproof.cli.answers.answer import EXIT, Answer
-from hoverproof.cli.answers.words import bounds_as_json, interval, number, numbers, sides_text
+from hoverproof.cli.answers.words import (
+    bounds_as_json,
+    goal_as_json,
+    goal_text,
+    interval,
+    number,
+    numbers,
+    sides_text,
+)
 from hoverproof.paper.conditions import Demand
 from hoverproof.plausibility import Finding
 
@@ -89,6 +97,7 @@ class CertifyAnswer(Answer):
                 yield f"  the mission's own bounds {flow.within(own, number)} are not used"
         else:
             yield f"  ({flow.bounds} assumed, not proved: see hoverproof region)"
+        yield from goal_text(problem.mission)
         if self.weighted:
             yield f"  weights of L            {', '.join(map(number, problem.weights))}"
 
@@ -123,6 +132,7 @@ class CertifyAnswer(Answer):
             **bounds_as_json(problem),
             "thrust": numbers(problem.thrust),
             "goal_centroid": numbers(problem.goal.centroid_midpoint),
+            "goal_position": goal_as_json(problem.mission),
             "weights": numbers(problem.weights),
             "box": None if problem.box is None else [numbers(side) for side in problem.box],
             "counterexample": refuted.certificate.content["counterexample"] if refuted else None,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.beyond import beyond_text, covering
-from hoverproof.cli.answers.words import position_text
+from hoverproof.cli.answers.words import goal_as_json, goal_text, position_text
 from hoverproof.simulation.compiled import VIRTUAL_MACHINE
 from hoverproof.simulation.numbers import SETTLED
 
@@ -49,6 +49,7 @@ class FlightAnswer(Answer):
         yield f"  {facts['steps']} steps in {facts['seconds']:.2f} s: {facts['machine']}"
         if facts["machine"] == VIRTUAL_MACHINE:
             yield "  (no C compiler works here; with one this is much faster)"
+        yield from goal_text(self.mission)
         start, end = position_text(facts["start_position"]), position_text(facts["final_position"])
         yield f"  start     {start}, {facts['start_error']:.3g} m away"
         yield f"  end       {end}, {facts['final_error']:.3g} m away"
@@ -104,6 +105,7 @@ class FlightAnswer(Answer):
         decay = self.decay
         return {
             "mission": self.mission.name,
+            "goal_position": goal_as_json(self.mission),
             **self.facts,
             "figures": [str(p) for p in self.pictures],
             "certified_decay": None

@@ -14,6 +14,7 @@ from hoverproof.cli.answers.words import (
     gain_units,
     gains_as_json,
     gains_text,
+    goal_text,
     hover_error_as_json,
     hover_error_text,
     limits_as_json,
@@ -41,6 +42,7 @@ class RegionTunedAnswer(Answer):
         yield f"{found.mission.name}: tuned for the region of attraction, and proved"
         yield from gains_text(found.mission)
         yield f"  certified hovers        {reach_text(found.region)} of the goal"
+        yield from goal_text(found.mission)
         own = "not proved" if found.before is None else reach_text(found.before)
         yield f"    the mission's own gains: {own}"
         yield from _rates(found)

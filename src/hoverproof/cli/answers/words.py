@@ -48,6 +48,23 @@ def position_text(p: Sequence[float | Fraction]) -> str:
     return "(" + ", ".join(f"{round(float(c), 4) + 0.0:g}" for c in p) + ") m"
 
 
+def goal_text(mission: Mission) -> Iterator[str]:
+    """Yield where the goal is, if that is not right above the middle of the target."""
+    from hoverproof.plant.goal import hover_goal
+
+    goal = hover_goal(mission)
+    if not goal.is_above_middle_of(mission):
+        yield f"  goal                    {position_text(goal.position)}, level:"
+        yield "                          where this target is seen as the mission asks"
+
+
+def goal_as_json(mission: Mission) -> list[float]:
+    """Return where the goal is, m, world frame."""
+    from hoverproof.plant.goal import hover_goal
+
+    return numbers(hover_goal(mission).position)
+
+
 def bounds_as_json(problem: GainProblem) -> dict[str, Any]:
     """Return what a verdict supposes of Q, or of J, and whether it is assumed or proved."""
     of_q = problem.flow.symbol == "Q"

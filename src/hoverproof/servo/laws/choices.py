@@ -8,16 +8,17 @@ import casadi as ca
 
 from hoverproof.plant import rigid_body
 from hoverproof.plant.rigid_body import E3, skew
-from hoverproof.servo.law import Design, Feature, Force, Goal, Measurement
+from hoverproof.servo.feature import Feature
+from hoverproof.servo.law import Design, Force, Goal, Measurement
 from hoverproof.servo.layout import column
 
 
-def _centroid(q: ca.SX, spread: ca.SX, n: int) -> ca.SX:
+def _centroid(q: ca.SX, spread: ca.SX, n: float) -> ca.SX:
     return q
 
 
-def _scaled(q: ca.SX, spread: ca.SX, n: int) -> ca.SX:
-    """φ(a) q/a with φ(a) = 1/√(2(1 - a/n)), a = |q|, and n - a = (n² - a²)/(n + a)."""
+def _scaled(q: ca.SX, spread: ca.SX, n: float) -> ca.SX:
+    """φ(a) q/a, φ(a) = 1/√(2(1 - a/n)), a = |q|, n - a = (n² - a²)/(n + a), n the whole weight."""
     a = ca.norm_2(q)
     return ca.sqrt(n * (n + a) / (2 * spread)) * q / a
 

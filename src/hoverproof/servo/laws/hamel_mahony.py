@@ -147,4 +147,4 @@ def law_of(mission: Mission) -> Law:
     mission : Mission
     """
     chosen = mission.law
-    return LAWS[chosen.feature, chosen.goal, chosen.force]
+    return LAWS[chosen.feature, chosen.goal, chosen.force].weighing(mission.target)

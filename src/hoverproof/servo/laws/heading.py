@@ -20,6 +20,7 @@ from hoverproof.servo.heading import Heading
 from hoverproof.servo.law import Design, Law, Measurement
 from hoverproof.servo.laws.choices import WithAccelerometer
 from hoverproof.servo.laws.hamel_mahony import LAWS, law_of
+from hoverproof.servo.laws.mounted import mounted
 from hoverproof.servo.layout import column, scalar
 
 
@@ -118,14 +119,15 @@ HEADED = {
 
 
 def flown_law(mission: Mission) -> Law:
-    """Return the law that a mission flies with: the one it names, turning to its heading if any.
+    """Return the law that a mission flies with: the one it names, with its heading and its camera.
 
     Parameters
     ----------
     mission : Mission
     """
     law = law_of(mission)
-    if mission.goal.heading is None:
-        return law
-    headed = HEADED[law.feature.name, law.goal.name, law.force.name]
-    return replace(headed, heading=FROM_IMAGE) if mission.goal.heading_from == "image" else headed
+    if mission.goal.heading is not None:
+        law = HEADED[law.feature.name, law.goal.name, law.force.name]
+    if mission.goal.heading_from == "image":
+        law = replace(law, heading=FROM_IMAGE)
+    return mounted(law.weighing(mission.target), mission)
