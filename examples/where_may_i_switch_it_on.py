@@ -225,7 +225,7 @@ trade_off_figure(regions)
 # would help; nearer to the goal there is a region. The two theorems want different gains.
 
 # %%
-small = hp.load("crazyflie-2.1")
+small = hp.load("x4-flyer-tuned")
 answer = hp.attraction(small)
 print(answer.status)
 print(textwrap.fill(answer.reason, 90))
