@@ -2,8 +2,9 @@
 # # Firmware in the loop
 #
 # `hp.export_c` writes the certified controller as C99 for a microcontroller. Here it is exported
-# for the paper's vehicle with its tuned gains, read, compiled for this computer, compared bit by bit and number by number with
-# the model, flown, and handed the faults that a real flight has in store.
+# for the paper's vehicle with its tuned gains, read, compiled for this computer, compared bit by
+# bit and number by number with the model, flown, and handed the faults that a real flight has in
+# store.
 #
 # The C is compiled with `cc` (or what `$CC` names); where there is no compiler, what needs one is
 # left out.
