@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from fractions import Fraction
 
 from hoverproof.algebra.decimals import decimal_above
 from hoverproof.mission.flown import beyond_tolerances
@@ -30,9 +31,14 @@ def covering(mission: Mission) -> list[str]:
     """Return values of ``--set`` with which a proof is asked about all that is flown with."""
     found = beyond_tolerances(mission)
     names = {it.name for it in found}
-    sets = [f"uncertainty.{n}={float(decimal_above(flown, 3)):g}" for n, flown, _ in found]
+    sets = [f"uncertainty.{n}={_enough(flown):g}" for n, flown, _ in found]
     if mission.law.force == "modelled" and names & {"thrust", "rotor_lag", "wind"}:
         sets.append("law.force=measured")  # only that can cover these
     if "latency" in names and not mission.sensors.gyro_turned:
         sets.append("sensors.gyro_turned=true")
     return sets
+
+
+def _enough(flown: float) -> float:
+    """Return three digits that cover it, and no more for a float that is a little above them."""
+    return float(decimal_above(Fraction(f"{flown:.10g}"), 3))
