@@ -2,8 +2,9 @@
 # # Firmware in the loop
 #
 # `hp.export_c` writes the certified controller as C99 for a microcontroller. Here it is exported
-# for a Crazyflie, read, compiled for this computer, compared bit by bit and number by number with
-# the model, flown, and handed the faults that a real flight has in store.
+# for the paper's vehicle with its tuned gains, read, compiled for this computer, compared bit by
+# bit and number by number with the model, flown, and handed the faults that a real flight has in
+# store.
 #
 # The C is compiled with `cc` (or what `$CC` names); where there is no compiler, what needs one is
 # left out.
@@ -38,7 +39,7 @@ from hoverproof.simulation.flight import summary
 # mission in place; then each number is rounded once to the precision of the target.
 
 # %%
-mission = hp.load("crazyflie-2.1")
+mission = hp.load("x4-flyer-tuned")
 home = tempfile.TemporaryDirectory()
 folders = {precision: Path(home.name, precision) for precision in PRECISIONS}
 manifests = {p: hp.export_c(mission, folders[p], precision=p) for p in PRECISIONS}
@@ -56,7 +57,7 @@ print("the certificate beside it:", " ".join(theorem.split())[:75], "...")
 
 # %%
 try:
-    hp.export_c(hp.load("crazyflie-2.1", {"gains.k4": "0.001"}), Path(home.name, "refused"))
+    hp.export_c(hp.load("x4-flyer-tuned", {"gains.k4": "0.1"}), Path(home.name, "refused"))
 except NotCertified as error:
     print(textwrap.fill(str(error), 90))
 assert not Path(home.name, "refused").exists()
@@ -280,8 +281,8 @@ for what, case in cases.items():
         compiled.thrust_excess = given.pop("excess")
     out = compiled.step(given.pop("seen", image), **given)
     torque = max(map(abs, out.torque))
-    rotors = f"[{1000 * min(out.rotor):.0f}, {1000 * max(out.rotor):.0f}] mN"
-    print(f"{what:31} {told(out.status):9} rotors {rotors:12} torque {1000 * torque:.1f} mN m")
+    rotors = f"[{min(out.rotor):.2f}, {max(out.rotor):.2f}] N"
+    print(f"{what:31} {told(out.status):9} rotors {rotors:16} torque {torque:.2f} N m")
     assert np.isfinite([*out.rotor, *out.torque, out.thrust]).all()
 
 # %% [markdown]

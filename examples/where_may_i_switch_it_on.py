@@ -45,7 +45,7 @@ print(f"start {[float(c) for c in mission.start.position]} m, goal {potential.go
 # height. There the smallest eigenvalue of $Q$ tends to zero, and the bounds fail.
 
 # %%
-largest = (potential.n - potential.q3) ** 2 / 2
+largest = (potential.target.weights.sum() - potential.q3) ** 2 / 2
 at_start = float(flight.lyapunov[0])
 print(f"largest level with a bounded set: (n - q3*)²/2 = {largest:.4f}")
 print(f"L at the start of the mission: {at_start:.4f}, {at_start / largest:.0f} times as much")
@@ -225,7 +225,7 @@ trade_off_figure(regions)
 # would help; nearer to the goal there is a region. The two theorems want different gains.
 
 # %%
-small = hp.load("crazyflie-2.1")
+small = hp.load("x4-flyer-tuned")
 answer = hp.attraction(small)
 print(answer.status)
 print(textwrap.fill(answer.reason, 90))

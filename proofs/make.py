@@ -22,29 +22,32 @@ LEDGERS = {
 
 
 def make(folder: Path) -> None:
-    """Write the ledgers, and certificates of each preset: gains, region, over-box, attraction."""
+    """Write the ledgers, and the certificates of each preset."""
     for name, (title, proved) in LEDGERS.items():
         (folder / name).write_text(lemmas(title, proved), encoding="utf-8")
     for name in presets():
-        mission = load(name)
-        box = default_box(mission)
-        over_box = certify_region(mission, box)
-        if over_box.status != "proved" or over_box.certificate is None:
-            raise SystemExit(f"{name}: eigenvalue bounds over its box: {over_box.status}")
-        over_box.certificate.save(folder / f"{name}.region.cert.json")
-        for ending, enclosed in (("cert", None), ("over-box.cert", over_box.enclosure)):
-            verdict = certify(mission, region=enclosed)
-            if not isinstance(verdict, Proved):
-                raise SystemExit(f"{name}: {verdict.status}")
-            verdict.certificate.save(folder / f"{name}.{ending}.json")
-        start, attracted = start_or_ball(mission)
-        if attracted is None:
-            raise SystemExit(f"{name}: no region of attraction, its start is {start.status}")
-        if attracted is not start:
-            print(
-                f"{name}: its start is {start.status}, so the largest ball about the goal is made"
-            )
-        attracted.certificate.save(folder / f"{name}.attraction.cert.json")
+        certificates(name, folder)
+
+
+def certificates(name: str, folder: Path) -> None:
+    """Write the certificates of a preset: gains, region, over-box, attraction."""
+    mission = load(name)
+    box = default_box(mission)
+    over_box = certify_region(mission, box)
+    if over_box.status != "proved" or over_box.certificate is None:
+        raise SystemExit(f"{name}: eigenvalue bounds over its box: {over_box.status}")
+    over_box.certificate.save(folder / f"{name}.region.cert.json")
+    for ending, enclosed in (("cert", None), ("over-box.cert", over_box.enclosure)):
+        verdict = certify(mission, region=enclosed)
+        if not isinstance(verdict, Proved):
+            raise SystemExit(f"{name}: {verdict.status}")
+        verdict.certificate.save(folder / f"{name}.{ending}.json")
+    start, attracted = start_or_ball(mission)
+    if attracted is None:
+        raise SystemExit(f"{name}: no region of attraction, its start is {start.status}")
+    if attracted is not start:
+        print(f"{name}: its start is {start.status}, so the largest ball about the goal is made")
+    attracted.certificate.save(folder / f"{name}.attraction.cert.json")
 
 
 def every_vehicle(folder: Path) -> None:

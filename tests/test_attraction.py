@@ -32,10 +32,10 @@ from hoverproof.certification.exponential.lemmas import LEMMAS as TOLERANCES
 from hoverproof.certification.pattern import Pattern
 from hoverproof.certification.verdict import Proved, Undecided
 from hoverproof.errors import InputError
-from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
 from hoverproof.servo.law import Design
 from hoverproof.servo.loop import slowest_rate
+from papers_law import PAPERS
 from random_missions import case
 from sharing import kept_value
 
@@ -493,7 +493,7 @@ def test_the_states_of_a_set_are_not_all_followed_where_one_is_given_up(tmp_path
 
 @pytest.mark.slow
 def test_a_flight_that_a_person_would_fly_is_followed_to_its_end(monkeypatch):
-    for preset in presets():
+    for preset in PAPERS.values():
         mission = load(preset)
         monkeypatch.setattr(refutation, "EVALUATIONS", refutation.EVALUATIONS // 2)
         ending, _ = refutation.simulate(mission, State.of(mission).packed(), refutation.LATE)

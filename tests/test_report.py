@@ -29,6 +29,7 @@ from hoverproof.reporting import document, mathematics, parts
 from hoverproof.reporting.page import CONTENTS
 from hoverproof.reporting.tables import at_least, at_most, short
 from once import start_or_ball_once
+from papers_law import PAPERS
 from sampling import mostly_whole
 
 MEGABYTE = 1_000_000
@@ -354,7 +355,7 @@ def test_every_formula_of_the_ledger_becomes_mathml_without_a_rest_of_latex():
             assert "\\" not in made, judgement.id
 
 
-@pytest.mark.parametrize("mission", presets())
+@pytest.mark.parametrize("mission", PAPERS.values(), ids=PAPERS)
 def test_the_formulas_of_a_theorem_hold_no_more_than_is_proved(mission):
     """Read the numbers back out of the formulas, and compare with what was proved."""
     verdict = certify(hp.load(mission))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -17,11 +18,13 @@ from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import Program
 from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.vehicles import Vehicles
+from hoverproof.cli.answers.beyond import beyond_text, covering
 from hoverproof.design.limits import Limits
 from hoverproof.design.start_search import StartSearch
 from hoverproof.design.start_tuning import ill_conditioned, why_not
 from hoverproof.design.tuning import Wish, pareto, tune
 from hoverproof.errors import InputError
+from hoverproof.mission.conditions import Rotors
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import slowest_rate
 from small_kit import small_vehicle
@@ -224,3 +227,19 @@ def test_nine_in_ten_random_vehicles_get_gains_that_are_proved_for_their_start(w
     numbers = range(50 if whole else 1)
     held = [tune(vehicle(number)).status == "tuned" for number in numbers]
     assert sum(held) >= 0.9 * len(held)
+
+
+def test_what_is_flown_with_beyond_the_tolerances_is_said_with_what_would_cover_it(small):
+    late = small(changes={**LATE, "sensors": "{gyro_turned = true, frame_rate = 20}"})
+    mission = late.model_copy(update={"rotors": Rotors(time_constant=Fraction("0.05"))})
+    assert list(beyond_text(small())) == covering(small()) == []
+    assert covering(mission) == ["uncertainty.rotor_lag=0.05"]
+    assert list(beyond_text(mission)) == [
+        "rotors that lag by 0.05 s; uncertainty.rotor_lag is 0.03"
+    ]
+    slow = {**LATE, "sensors": "{gyro_turned = true, frame_rate = 20, latency = 0.02}"}
+    settings = dict(text.split("=", 1) for text in covering(small(changes=slow)))
+    assert settings == {"uncertainty.latency": "0.07"}
+    covered = {k: v for k, v in slow.items() if k != "uncertainty"}
+    more = DOUBTS.replace("latency = 0.06", "latency = 0.07")
+    assert covering(small(changes={**covered, "uncertainty": more})) == []

@@ -8,13 +8,12 @@ import pytest
 from hoverproof import cli
 from hoverproof.errors import InputError
 from hoverproof.firmware import fly_firmware
-from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import slowest_rate
 from hoverproof.simulation.flight import simulate, without_conditions
 from hoverproof.simulation.runs import simulate_batch
 from hoverproof.simulation.timing import STEP, fastest_rate, flight_step
-from papers_law import CRAZYFLIE
+from papers_law import CRAZYFLIE, PAPERS
 
 FAST = {"gains.k1": "0.0056", "gains.k2": "4.8", "gains.k3": "0.064", "gains.k4": "8"}
 """Gains for a Crazyflie with an attitude bandwidth of 300 rad/s."""
@@ -45,7 +44,7 @@ def test_firmware_and_batches_take_the_same_step(fast, tmp_path):
     assert flown.steps == 2 * round(1 / flight_step(fast, None))
 
 
-@pytest.mark.parametrize("preset", presets())
+@pytest.mark.parametrize("preset", PAPERS.values(), ids=PAPERS)
 def test_presets_fly_in_the_steps_that_they_did(preset):
     assert flight_step(load(preset), None) == STEP
 

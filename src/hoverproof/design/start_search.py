@@ -50,7 +50,8 @@ BEGINNINGS, EVALUATIONS = 2, 70
 OWN, FEW = 14, 25
 """So many, at most, for the mission's own gains, and to find out whether any hold the start."""
 KEEPS = 2e-3
-"""A limit is kept that is exceeded by less than that share."""
+"""A limit is kept that is exceeded by less than that share, or rad: for the view, which the proof
+does not let be exceeded, it is spared."""
 SPARED = (0.35, 0.06), (0.6, 0.1)
 """By which shares the ball of J is widened, and d exceeded, for the proof, one after the other."""
 
@@ -177,11 +178,10 @@ class StartSearch:
 
     @cached_property
     def _views(self) -> tuple[Array, Array]:
-        """The logarithm of |σ - σ*|, ascending, and the largest angle to the vertical up to it."""
-        far, places = self.whole.scene.outward()
-        widest = np.maximum.accumulate(self.whole.scene.angles(places))
-        new = np.flatnonzero(np.diff(widest, prepend=-1) > 0)
-        return np.log(np.maximum(far[new], 1e-9)), widest[new]
+        """Logarithms of |σ - σ*|, ascending, and the largest angle to the vertical up to each."""
+        scene = self.whole.scene
+        far = np.linspace(1 / PLACES, 1, PLACES) * self.whole.highest * scene.wanted
+        return np.log(far), np.maximum.accumulate([scene.cone(d) for d in far])
 
     def _unseen(self, asked: Asked) -> list[float]:
         """Return how far beyond the half angle of the camera points may be, rad, if it is said."""
@@ -189,7 +189,7 @@ class StartSearch:
         if half is None:
             return []
         wide = (1 + VIEW_ROOM) * float(np.interp(asked.x[0], *self._views))
-        return [wide + float(np.arcsin(asked.limits.tilt)) + VIEW_ROOM - half]
+        return [wide + float(np.arcsin(asked.limits.tilt)) + VIEW_ROOM + KEEPS - half]
 
     def pose(self, z: Array) -> Asked | None:
         """Return what is asked at a point; None if that is no question.

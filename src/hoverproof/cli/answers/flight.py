@@ -7,32 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hoverproof.algebra.decimals import decimal_above
 from hoverproof.cli.answers.answer import Answer
+from hoverproof.cli.answers.beyond import beyond_text, covering
 from hoverproof.cli.answers.words import goal_as_json, goal_text, position_text
-from hoverproof.mission.flown import beyond_tolerances
 from hoverproof.simulation.compiled import VIRTUAL_MACHINE
 from hoverproof.simulation.numbers import SETTLED
 
 if TYPE_CHECKING:
     from hoverproof.mission.sections import Mission
     from hoverproof.show.decay import Decay
-
-
-WORDS = {
-    "thrust": "thrust off by a share of",
-    "torque": "torque off by a share of",
-    "latency": "images as old as",
-    "rotor_lag": "rotors that lag by",
-    "wind": "wind of",
-    "control_period": "a control period of",
-    "force_lag": "a low-pass of the accelerometer of",
-}
-UNITS = {
-    **{"thrust": "", "torque": "", "latency": " s", "rotor_lag": " s", "wind": " m/s²"},
-    **{"control_period": " s", "force_lag": " s"},
-}
-"""Of tolerances."""
 
 
 @dataclass(frozen=True)
@@ -95,17 +78,8 @@ class FlightAnswer(Answer):
 
     def _said_before(self) -> Iterator[str]:
         """Yield the tolerances that ask a proof about what was flown."""
-        found = beyond_tolerances(self.mission)
-        for name, flown, covered in found:
-            has = f"is {covered:g}" if covered else "is not named"
-            yield f"  flown with {WORDS[name]} {flown:.3g}{UNITS[name]}; uncertainty.{name} {has}"
-        if found:
-            names = {it.name for it in found}
-            sets = [f"uncertainty.{n}={float(decimal_above(flown, 3)):g}" for n, flown, _ in found]
-            if self.mission.law.force == "modelled" and names & {"thrust", "rotor_lag", "wind"}:
-                sets.append("law.force=measured")  # only that can cover these
-            if "latency" in names and not self.mission.sensors.gyro_turned:
-                sets.append("sensors.gyro_turned=true")
+        yield from (f"  flown with {words}" for words in beyond_text(self.mission))
+        if sets := covering(self.mission):
             options = " ".join(f"--set {it}" for it in sets)
             yield f"Next: hoverproof attraction {self.mission.source} {options}"
 

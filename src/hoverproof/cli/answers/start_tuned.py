@@ -10,6 +10,7 @@ from typing import Any
 
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.attraction import considered
+from hoverproof.cli.answers.beyond import beyond_text, covering
 from hoverproof.cli.answers.words import (
     gain_units,
     gains_as_json,
@@ -61,6 +62,11 @@ class StartTunedAnswer(Answer):
         found, proved, covers = self.found, self.found.verdict, self.considered
         yield f"{found.mission.name}: tuned for its start, and proved (theorem 5)"
         yield from wrapped("for every vehicle", ", ".join(covers) or "just as modelled")
+        for words in beyond_text(found.mission):
+            yield f"  not covered: {words}"
+        if sets := covering(found.mission):
+            yield "    with these the proof and the gains would be about that:"
+            yield from (f"    --set {setting}" for setting in sets)
         yield from gains_text(found.mission)
         yield f"  settled, proved         {settled_text(found)}"
         yield f"    before rounding:         {number(found.estimate)} s (floating point)"
@@ -100,6 +106,8 @@ class StartTunedAnswer(Answer):
             "settling_time_flown": found.flown,
             "settling_time_flown_before": found.flown_before,
             "covers": found.mission.asks_to_cover(),
+            "not_covered": list(beyond_text(found.mission)),
+            "would_cover": covering(found.mission),
             "rotor_thrust": numbers(proved.rotor_thrust),
             "field_of_view": None if proved.field_of_view is None else float(proved.field_of_view),
             "fill": fill(found),
