@@ -1,0 +1,210 @@
+"""Write certificates of gains as Coq literals, for the replay of `make -C proofs/coq`.
+
+    python literals.py CERTIFICATE... > Replay.v
+
+Standard library only. What is written is no part of what is believed: Coq decides anew whether the
+numbers are right, and the two hints of each certificate are tested there as well.
+"""
+
+import itertools
+import json
+import math
+import re
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+N = 11
+Forms = list[list[Fraction]]  # three linear forms
+
+
+def unit(i: int) -> list[Fraction]:
+    """Return a linear form that is one component of X, or zero."""
+    return [Fraction(int(k == i)) for k in range(N)]
+
+
+def vector(i: int) -> Forms:
+    """Return δ, whose first component is the i-th of X."""
+    return [unit(k if k < N else -1) for k in range(i, i + 3)]
+
+
+def plus(*terms: tuple[Fraction, Forms]) -> Forms:
+    """Return a sum of multiples of vectors of linear forms."""
+    return [[sum((c * u[k][i] for c, u in terms), Fraction(0)) for i in range(N)] for k in range(3)]
+
+
+def flat(u: Forms) -> Forms:
+    """Return P u."""
+    return [u[0], u[1], [Fraction(0)] * N]
+
+
+class Gains:
+    """A certificate of gains, with the numbers of `Gains.certificate` in its order."""
+
+    def __init__(self, path: Path) -> None:
+        c = json.loads(path.read_text(encoding="utf-8"))
+        mission, hints = c["mission"], c["enclosures"]
+        number = Fraction
+        self.name = path.name
+        self.mass = number(mission["vehicle"]["mass"])
+        self.k = [number(mission["gains"][key]) for key in ("k1", "k2", "k3", "k4")]
+        self.weights = [number(w) for w in c["weights"]]
+        self.low, self.high = map(number, c["region"]["eigenvalues"])
+        self.thrust = [number(x) for x in mission["bounds"]["thrust"]]
+        self.box = [[number(x) for x in side] for side in hints["centroid"]]
+        self.factor = [number(x) for x in hints["factor"]]
+        self.margin = number(c["claim"]["margin"])
+        self.multipliers = [number(vertex["multiplier"]) for vertex in c["vertices"]]
+        self.goal = c["goal_position"] and [number(x) for x in c["goal_position"]]
+        self.points = [[number(x) for x in point] for point in mission["target"]["points"]]
+        law = mission.get("law", {})
+        self.of_target = (
+            self.goal is not None
+            and "weights" not in mission["target"]
+            and (law.get("feature"), law.get("goal")) in ((None, None), ("centroid", "image"))
+        )
+
+    def terms(self, f: Fraction, q: list[Fraction], tau: Fraction) -> list[tuple]:
+        """Return the terms of `Gains.bound`."""
+        k1, k2, k3, k4 = self.k
+        j, rho = (self.low + self.high) / 2, (self.high - self.low) / 2
+        one, (d1, d2, d3, d4) = Fraction(1), map(vector, (0, 3, 6, 9))
+        e, v = plus((one, d4), (-one, d3)), plus((one, d1), (one, d2))
+        along = [q[0] * x + q[1] * y for x, y in zip(e[0], e[1], strict=True)]
+        turn = [[q[2] * x for x in e[0]], [q[2] * x for x in e[1]], [-x for x in along]]
+        rates = [
+            plus((k1 * f, turn), (-k1 * j, v)),
+            plus((k1 * k2, d3), (-k1 * k2, d2), (k1 * j, v), (-k1 * f, turn)),
+            plus((k1 * j, v), (k1 * k2 + k3, d4), (-k1 * k2, d2), (-k3, d3)),
+            plus((k1 * j, flat(v)), (-(k1 * k2 + k3), flat(d3)), (-k4, d4)),
+        ]
+        w = self.weights
+        pull = plus((w[0], d1), (-w[1], d2), (-w[2], d3), (-w[3], d4))
+        loss = -k1 * rho / 2
+        errors = (d1, d2, d3, d4)
+        return [
+            *((-w[i], errors[i], rates[i]) for i in range(4)),
+            *((-self.margin * w[i], errors[i], errors[i]) for i in range(4)),
+            (loss * tau, v, v),
+            (loss / tau, pull, pull),
+        ]
+
+    def hint(self, f: Fraction, tau: Fraction) -> str:
+        """Return a hint for the matrices at one end of the interval of f."""
+        corners = itertools.product(*(sorted(set(side)) for side in self.box))
+        each = [products(self.terms(f, list(corner), tau)) for corner in corners]
+        scaling = math.lcm(
+            *(x.denominator for m in itertools.chain(*each) for row in m for x in row)
+        )
+        total = [[scaling * sum(m[i][k] for m in each[0]) for k in range(N)] for i in range(N)]
+        return hint(scaling, total)
+
+    def literal(self) -> str:
+        """Return the certificate as a term of `Gains.certificate`."""
+        numbers = " ".join(map(q, (self.mass, *self.k, *self.weights)))
+        ends = [*self.thrust, *(x for side in self.box for x in side), *self.factor]
+        rest = " ".join(map(q, (self.low, self.high, *ends, self.margin, *self.multipliers)))
+        hints = "\n  ".join(map(self.hint, self.factor, self.multipliers))
+        return f"Certificate (Numbers {numbers})\n  {rest}\n  {hints}"
+
+    def target(self) -> str:
+        """Return the target as a term of `Target.target`."""
+        squares: list[Fraction] = []
+        for point in reversed(self.points):
+            square = sum((a - b) ** 2 for a, b in zip(point, self.goal, strict=True))
+            if square not in squares:
+                squares.append(square)
+        roots = "; ".join(f"({q(low)}, {q(high)})" for low, high in map(root, squares))
+        points = "; ".join(map(place, self.points))
+        return f"Target [{points}] {place(self.goal)}\n  [{roots}]"
+
+
+def root(square: Fraction) -> tuple[Fraction, Fraction]:
+    """Enclose a square root."""
+    unit = 2**128
+    low = math.isqrt(square.numerator * unit**2 // square.denominator)
+    return Fraction(low, unit), Fraction(low + 1, unit)
+
+
+def place(p: list[Fraction]) -> str:
+    """Write a position."""
+    return f"({', '.join(map(q, p))})"
+
+
+def products(terms: list[tuple]) -> list[list[list[Fraction]]]:
+    """Return twice the symmetric matrix of each product of two linear forms."""
+    return [
+        [[c * (x[i] * y[k] + x[k] * y[i]) for k in range(N)] for i in range(N)]
+        for c, u, v in terms
+        for x, y in zip(u, v, strict=True)
+    ]
+
+
+def factors(m: list[list[Fraction]]) -> list[tuple[Fraction, list[Fraction]]] | None:
+    """Return (d, r) with M = Σ d r rᵀ, d > 0, or None where M is not positive definite."""
+    found, rest = [], [row[:] for row in m]
+    for k in range(N):
+        d = rest[k][k]
+        if d <= 0:
+            return None
+        r = [x / d for x in rest[k]]
+        found.append((d, r))
+        for i in range(k, N):
+            rest[i] = [x - d * r[i] * y for x, y in zip(rest[i], r, strict=True)]
+    return found
+
+
+def hint(scaling: int, m: list[list[Fraction]]) -> str:
+    """Return what shows that a matrix is positive definite: nearly all of it as a sum of squares.
+
+    The squares are of M less a small multiple of I, rounded to whole numbers; what is left of M is
+    nearly that multiple of I.
+    """
+    size = max(m[i][i] for i in range(N))
+    for bits in range(4, 200, 4):
+        less = size / 2**bits
+        shifted = [
+            [x - (less if i == k else 0) for k, x in enumerate(row)] for i, row in enumerate(m)
+        ]
+        found = factors(shifted)
+        if found:
+            break
+    else:
+        raise SystemExit("the matrix is not positive definite")
+    unit = 2 ** (bits + 12)  # of the rows; they are multiplied by it, and M by its square
+    parts = []
+    for d, r in found:
+        whole = "; ".join(str(round(x * unit)) for x in r)
+        parts.append(f"({round(d)}, [{whole}])")
+    return f"(Hint {scaling} {unit**2} [{'; '.join(parts)}]%Z)"
+
+
+def q(x: Fraction) -> str:
+    """Write a rational number."""
+    return f"({x.numerator} # {x.denominator})"
+
+
+def main(paths: list[str]) -> None:
+    """Print theorems for each certificate of gains with an interval of thrust."""
+    print("(* Written by literals.py from certificates. *)")
+    print("From Hoverproof Require Import Forms Gains Target.")
+    print("Require Import QArith List.\nImport ListNotations.\n")
+    for path in map(Path, paths):
+        held = json.loads(path.read_text(encoding="utf-8"))
+        if held["kind"] != "gains" or "thrust" not in held["mission"]["bounds"]:
+            continue
+        c = Gains(path)
+        name = re.sub(r"\W", "_", path.name.removesuffix(".cert.json"))
+        print(f"Definition cert_{name} : certificate :=\n  {c.literal()}.")
+        print(f"Theorem gains_{name} : certificate_ok cert_{name} = true.")
+        print("Proof. vm_cast_no_check (eq_refl true). Qed.")
+        print(f"Definition falls_{name} := gains_sound cert_{name} gains_{name}.")
+        if c.of_target:
+            print(f"Definition target_{name} : target :=\n  {c.target()}.")
+            print(f"Theorem seen_{name} : target_ok target_{name} cert_{name} = true.")
+            print("Proof. vm_cast_no_check (eq_refl true). Qed.")
+        print()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
