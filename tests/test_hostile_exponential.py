@@ -132,8 +132,8 @@ MORE = {
     "domain cut": (("domain", "tree"), lambda tree: pruned(tree)),
     "near of one cell": (("near", "tree"), "0"),
     "near cut": (("near", "tree"), lambda tree: pruned(tree) if len(tree) > 1 else tree + "0"),
-    "near ball": (("near", "bounds", 0), larger(F(3, 2))),
-    "narrow near ball": (("near", "bounds", 1), larger(F(1, 2))),
+    "near ball": (("near", "bounds", 0), larger(3)),
+    "narrow near ball": (("near", "bounds", 1), larger(F(1, 10))),
     "loose near ball": (("near", "bounds", 0), larger(F(9, 10))),
     "an uneven target": (
         ("mission", "target", "points"),
