@@ -1,7 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test quick trials docs notebooks proofs bench fuzz missions lint clean
+.PHONY: demo test quick trials docs notebooks coq proofs bench fuzz missions lint clean
 .DELETE_ON_ERROR:
 
 # Certify the paper's vehicle, check the certificate, and fly it. Everything lands in demo/.
@@ -43,6 +43,10 @@ notebooks: .venv/installed-compare
 docs: .venv/installed-docs
 	$(BIN)/python -m sphinx -b html -W --keep-going -q docs docs/_build/html
 	@echo "The documentation: docs/_build/html/index.html"
+
+# The theorem behind certificates of gains, and these certificates, by the proof assistant Coq.
+coq:
+	@$(MAKE) --no-print-directory -C proofs/coq
 
 # Make the certificates in proofs/ anew.
 proofs: .venv/installed-dev

@@ -10,6 +10,7 @@ packages=(
   cppcheck                       # with its MISRA C:2012 addon
   frama-c-base                   # Eva: no run-time error over the input box
   chromium                       # opens reports
+  coq                            # proves the theorem, and replays certificates
 )
 
 missing=()
