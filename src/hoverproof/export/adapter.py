@@ -49,7 +49,7 @@ class Adapter:
     packet : str
         A packet of an image in the words of Python's `struct`.
     oldest_ms : int
-        Age of the oldest image that is flown by, ms.
+        Age of the oldest image that is flown by, ms: 1000 are 1 s.
     oldest_from : str
         Where that comes from, in words.
     gains : str
@@ -84,7 +84,7 @@ def adapter(
     mission : Mission
     options : Options
     gains : sequence of Fraction
-        In the order and the units of the law.
+        Shape (k,), in the order and the units of the law.
     units : dict
         The unit of each gain by its name.
     """

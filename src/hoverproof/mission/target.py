@@ -21,7 +21,7 @@ class Target(Section):
     """The target: points in the world frame, m, z down, and how much each counts.
 
     Points may coincide, as the centres of nested tags do: each is counted. A weight of 2 counts a
-    point twice; left out, each counts once.
+    point twice; left out, each counts once: `weights`, (n,), bare numbers.
     """
 
     points: Annotated[list[Point], Field(min_length=2, max_length=MAX_POINTS)]
