@@ -31,7 +31,7 @@ def solve_affine(residual: ca.SX, unknown: ca.SX) -> ca.SX:
     if ca.depends_on(slope, unknown):
         raise ValueError("the residual is not affine in the unknown")
     offset = ca.substitute(residual, unknown, ca.SX.zeros(unknown.shape))
-    scale = ca.vertcat(*(_first_entry(slope[i, :]) for i in range(slope.shape[0])))
+    scale = ca.vertcat(*(_divisor(slope, i) for i in range(slope.shape[0])))
     slope = ca.simplify(slope / ca.repmat(scale, 1, slope.shape[1]))
     if slope.is_constant():  # as for rotor mixing: keeps the solution rational and short
         return ca.inv(ca.DM(slope)) @ (-offset / scale)
@@ -41,8 +41,13 @@ def solve_affine(residual: ca.SX, unknown: ca.SX) -> ca.SX:
     return ca.solve(slope, -offset / scale)
 
 
-def _first_entry(row: ca.SX) -> ca.SX:
-    return ca.sparsify(row).nz[0]
+def _divisor(slope: ca.SX, i: int) -> ca.SX:
+    """Return what a row is divided by: an entry that is not zero.
+
+    A full matrix is one of inertia, of which entries off the diagonal may be zero as numbers.
+    """
+    full = ca.sparsify(slope).nnz() == slope.numel()
+    return slope[i, i] if full else ca.sparsify(slope[i, :]).nz[0]
 
 
 def _eliminate(slope: ca.SX, right: ca.SX) -> ca.SX:

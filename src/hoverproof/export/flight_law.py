@@ -109,8 +109,8 @@ def flight_law(
     AssertionError
         If the graph is not the derived controller, compared in exact arithmetic.
     """
-    law, points = law or flown_law(mission), len(mission.target.points)
-    law, here = law.flying(mission), tuple(_design_values(mission, law))
+    law, points = (law or flown_law(mission)).flying(mission), len(mission.target.points)
+    here = tuple(_design_values(mission, law))
     return _flight_law(law, mission.vehicle.frame, here, (sensing, points), tunable)
 
 

@@ -51,7 +51,7 @@ class DesignWithHeading(Design):
         yaw = float(mission.goal.heading or 0)
         wanted = (Fraction(math.cos(yaw)), Fraction(math.sin(yaw)))
         own = {"k_heading": (mission.k_heading,), "goal_heading": wanted}
-        return {**Design.numbers(mission), **own}
+        return {**super().numbers(mission), **own}
 
 
 @dataclass(frozen=True)
