@@ -10,7 +10,7 @@ packages=(
   cppcheck                       # with its MISRA C:2012 addon
   frama-c-base                   # Eva: no run-time error over the input box
   chromium                       # opens reports
-  coq                            # proves the theorem, and replays certificates
+  coq libzarith-ocaml-dev ocaml-findlib  # prove the theorem, replay certificates, and extract
 )
 
 missing=()

@@ -228,6 +228,26 @@ Proof.
     + assert (nonzero x) by (exists z; auto). specialize (H2 H). lra.
 Qed.
 
+(** Two triangles, entry by entry. *)
+Fixpoint combined (g : Z -> Z -> Z) (p q : triangle) : triangle :=
+  match p, q with
+  | a :: p, b :: q => both g a b :: combined g p q
+  | _, _ => []
+  end.
+
+Lemma combined_correct : forall g h k p q x,
+  (forall m e, IZR (g m e) = h * IZR m + k * IZR e) ->
+  shaped p = true -> shaped q = true -> length p = length q ->
+  quadratic (combined g p q) x = h * quadratic p x + k * quadratic q x.
+Proof.
+  intros g h k. induction p as [|a p IH]; intros [|b q] x G S T L; simpl in *; try discriminate; [ring|].
+  apply andb_prop in S. destruct S as [S1 S]. apply Nat.eqb_eq in S1.
+  apply andb_prop in T. destruct T as [T1 T]. apply Nat.eqb_eq in T1. injection L as L.
+  destruct a as [|m a]; [discriminate|]. destruct b as [|e b]; [discriminate|].
+  destruct x as [|y x]; simpl; [ring|]. simpl in S1, T1.
+  rewrite IH by assumption. rewrite (inner_both _ h k) by (assumption || lia). rewrite G. ring.
+Qed.
+
 (** What is left of k M when d (r·x)² is taken away, for each of a list of d >= 0 and rows r. *)
 Fixpoint outer (d : Z) (r : list Z) : triangle :=
   match r with
@@ -246,26 +266,6 @@ Proof.
   rewrite IH, inner_map, !mult_IZR. ring.
 Qed.
 
-Fixpoint less (p q : triangle) : triangle :=
-  match p, q with
-  | a :: p, b :: q => both Z.sub a b :: less p q
-  | _, _ => []
-  end.
-
-Lemma less_correct : forall p q x,
-  shaped p = true -> shaped q = true -> length p = length q ->
-  quadratic (less p q) x = quadratic p x - quadratic q x.
-Proof.
-  induction p as [|a p IH]; intros [|b q] x S T L; simpl in *; try discriminate; [ring|].
-  apply andb_prop in S. destruct S as [S1 S]. apply Nat.eqb_eq in S1.
-  apply andb_prop in T. destruct T as [T1 T]. apply Nat.eqb_eq in T1. injection L as L.
-  destruct a as [|m a]; [discriminate|]. destruct b as [|k b]; [discriminate|].
-  destruct x as [|y x]; simpl; [ring|]. simpl in S1, T1.
-  rewrite IH by assumption. rewrite (inner_both _ 1 (-1)); [|lia|].
-  - rewrite minus_IZR. ring.
-  - intros u v. rewrite minus_IZR. ring.
-Qed.
-
 Definition squares := list (Z * list Z).
 
 Fixpoint remainder (n : nat) (hint : squares) (t : triangle) : option triangle :=
@@ -273,7 +273,7 @@ Fixpoint remainder (n : nat) (hint : squares) (t : triangle) : option triangle :
   | [] => Some t
   | (d, r) :: hint =>
       if ((0 <=? d)%Z && shaped t && (length t =? n)%nat && (length r =? n)%nat)%bool
-      then remainder n hint (less t (outer d r)) else None
+      then remainder n hint (combined Z.sub t (outer d r)) else None
   end.
 
 Lemma outer_shaped : forall d r, shaped (outer d r) = true /\ length (outer d r) = length r.
@@ -292,7 +292,9 @@ Proof.
     repeat (apply andb_prop in B; destruct B as [B ?]). apply Z.leb_le, IZR_le in B.
     repeat match goal with E : (_ =? _)%nat = true |- _ => apply Nat.eqb_eq in E end.
     destruct (outer_shaped d row) as [S L]. apply IH with (x := x) in H.
-    rewrite less_correct in H by congruence. rewrite outer_correct in H.
+    rewrite (combined_correct Z.sub 1 (-1)) in H; try congruence.
+    2:{ intros. rewrite minus_IZR. ring. }
+    rewrite outer_correct in H.
     pose proof (Rle_0_sqr (inner row x)) as Q. unfold Rsqr in Q.
     pose proof (Rmult_le_pos _ _ B Q). lra.
 Qed.
@@ -391,26 +393,6 @@ Proof.
   rewrite times_correct, plus_correct, !times_correct. ring.
 Qed.
 
-Fixpoint sum (p q : triangle) : triangle :=
-  match p, q with
-  | a :: p, b :: q => both Z.add a b :: sum p q
-  | _, _ => []
-  end.
-
-Lemma sum_correct : forall p q x,
-  shaped p = true -> shaped q = true -> length p = length q ->
-  quadratic (sum p q) x = quadratic p x + quadratic q x.
-Proof.
-  induction p as [|a p IH]; intros [|b q] x S T L; simpl in *; try discriminate; [ring|].
-  apply andb_prop in S. destruct S as [S1 S]. apply Nat.eqb_eq in S1.
-  apply andb_prop in T. destruct T as [T1 T]. apply Nat.eqb_eq in T1. injection L as L.
-  destruct a as [|m a]; [discriminate|]. destruct b as [|k b]; [discriminate|].
-  destruct x as [|y x]; simpl; [ring|]. simpl in S1, T1.
-  rewrite IH by assumption. rewrite (inner_both _ 1 1); [|lia|].
-  - rewrite plus_IZR. ring.
-  - intros u v. rewrite plus_IZR. ring.
-Qed.
-
 Fixpoint zeros (n : nat) : triangle :=
   match n with O => [] | S m => repeat 0%Z n :: zeros m end.
 
@@ -431,7 +413,7 @@ Fixpoint matrix (n : nat) (s : Z) (q : list term) : option triangle :=
           let p := product s c l r in
           if (product_fits s c l r && (length l =? n)%nat && (length r =? n)%nat && shaped p
               && shaped t && (length t =? n)%nat && (length p =? n)%nat)%bool
-          then Some (sum p t) else None
+          then Some (combined Z.add p t) else None
       | None => None
       end
   end.
@@ -445,7 +427,8 @@ Proof.
     destruct (_ && _)%bool eqn:B in H; [|discriminate]. injection H as <-.
     repeat (apply andb_prop in B; destruct B as [B ?]).
     repeat match goal with E : (_ =? _)%nat = true |- _ => apply Nat.eqb_eq in E end.
-    rewrite sum_correct by congruence.
+    rewrite (combined_correct Z.add 1 1); try congruence.
+    2:{ intros. rewrite plus_IZR. ring. }
     rewrite product_correct by congruence. rewrite (IH u x eq_refl). ring.
 Qed.
 

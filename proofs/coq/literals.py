@@ -1,9 +1,10 @@
 """Write certificates of gains as Coq literals, for the replay of `make -C proofs/coq`.
 
     python literals.py CERTIFICATE... > Replay.v
+    python literals.py --plain CERTIFICATE... | extracted/decide
 
 Standard library only. What is written is no part of what is believed: Coq decides anew whether the
-numbers are right, and the two hints of each certificate are tested there as well.
+numbers are right, and the hints of each certificate are tested there as well.
 """
 
 import itertools
@@ -11,11 +12,31 @@ import json
 import math
 import re
 import sys
+from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
+from typing import Any, NamedTuple
 
 N = 11
 Forms = list[list[Fraction]]  # three linear forms
+
+
+class Hint(NamedTuple):
+    """What shows that a matrix is positive definite; see `Forms.hint`."""
+
+    scaling: int
+    times_more: int
+    parts: list[tuple[int, list[int]]]
+
+    def literal(self) -> str:
+        """Return it as a term of `Forms.hint`."""
+        parts = "; ".join(f"({d}, [{'; '.join(map(str, row))}])" for d, row in self.parts)
+        return f"(Hint {self.scaling} {self.times_more} [{parts}]%Z)"
+
+    def plain(self) -> str:
+        """Return its numbers."""
+        parts = "\n".join(" ".join(map(str, (d, *row))) for d, row in self.parts)
+        return f"{self.scaling} {self.times_more} {len(self.parts)}\n{parts}"
 
 
 def unit(i: int) -> list[Fraction]:
@@ -41,11 +62,9 @@ def flat(u: Forms) -> Forms:
 class Gains:
     """A certificate of gains, with the numbers of `Gains.certificate` in its order."""
 
-    def __init__(self, path: Path) -> None:
-        c = json.loads(path.read_text(encoding="utf-8"))
-        mission, hints = c["mission"], c["enclosures"]
-        number = Fraction
-        self.name = path.name
+    def __init__(self, c: dict[str, Any], name: str) -> None:
+        mission, hints, number = c["mission"], c["enclosures"], Fraction
+        self.name = name
         self.mass = number(mission["vehicle"]["mass"])
         self.k = [number(mission["gains"][key]) for key in ("k1", "k2", "k3", "k4")]
         self.weights = [number(w) for w in c["weights"]]
@@ -89,34 +108,55 @@ class Gains:
             (loss / tau, pull, pull),
         ]
 
-    def hint(self, f: Fraction, tau: Fraction) -> str:
-        """Return a hint for the matrices at one end of the interval of f."""
+    def hint(self, f: Fraction, tau: Fraction) -> Hint:
+        """Return a hint for the matrices at one end of the interval of f, of all corners alike."""
         corners = itertools.product(*(sorted(set(side)) for side in self.box))
         each = [products(self.terms(f, list(corner), tau)) for corner in corners]
-        scaling = math.lcm(
-            *(x.denominator for m in itertools.chain(*each) for row in m for x in row)
-        )
-        total = [[scaling * sum(m[i][k] for m in each[0]) for k in range(N)] for i in range(N)]
-        return hint(scaling, total)
+        denominators = (x.denominator for m in itertools.chain(*each) for row in m for x in row)
+        return hint(each[0], math.lcm(*denominators))
+
+    def numbers(self) -> tuple[list[Fraction], list[Fraction]]:
+        """Return mass, gains and weights, and all other rational numbers, in their order."""
+        ends = [*self.thrust, *itertools.chain(*self.box), *self.factor]
+        rest = [self.low, self.high, *ends, self.margin, *self.multipliers]
+        return [self.mass, *self.k, *self.weights], rest
+
+    def hints(self) -> list[Hint]:
+        """Return those at either end."""
+        return list(map(self.hint, self.factor, self.multipliers))
 
     def literal(self) -> str:
         """Return the certificate as a term of `Gains.certificate`."""
-        numbers = " ".join(map(q, (self.mass, *self.k, *self.weights)))
-        ends = [*self.thrust, *(x for side in self.box for x in side), *self.factor]
-        rest = " ".join(map(q, (self.low, self.high, *ends, self.margin, *self.multipliers)))
-        hints = "\n  ".join(map(self.hint, self.factor, self.multipliers))
-        return f"Certificate (Numbers {numbers})\n  {rest}\n  {hints}"
+        its, rest = (" ".join(map(q, each)) for each in self.numbers())
+        hints = "\n  ".join(hint.literal() for hint in self.hints())
+        return f"Certificate (Numbers {its})\n  {rest}\n  {hints}"
 
-    def target(self) -> str:
-        """Return the target as a term of `Target.target`."""
+    def roots(self) -> list[tuple[Fraction, Fraction]]:
+        """Enclose the distances of the target's points from the goal, each once."""
         squares: list[Fraction] = []
         for point in reversed(self.points):
             square = sum((a - b) ** 2 for a, b in zip(point, self.goal, strict=True))
             if square not in squares:
                 squares.append(square)
-        roots = "; ".join(f"({q(low)}, {q(high)})" for low, high in map(root, squares))
+        return list(map(root, squares))
+
+    def target(self) -> str:
+        """Return the target as a term of `Target.target`."""
+        roots = "; ".join(f"({q(low)}, {q(high)})" for low, high in self.roots())
         points = "; ".join(map(place, self.points))
         return f"Target [{points}] {place(self.goal)}\n  [{roots}]"
+
+    def plain(self) -> str:
+        """Return the certificate, and its target if any, as `extracted/main.ml` reads it."""
+        its, rest = self.numbers()
+        hints = "\n".join(hint.plain() for hint in self.hints())
+        text = f"{self.name}\n{' '.join(map(str, its + rest))}\n{hints}\n"
+        if not self.of_target:
+            return f"{text}none\n"
+        roots, points = self.roots(), [*itertools.chain(*self.points), *self.goal]
+        ends = " ".join(map(str, itertools.chain(*roots)))
+        where = " ".join(map(str, points))
+        return f"{text}target {len(self.points)} {where} {len(roots)} {ends}\n"
 
 
 def root(square: Fraction) -> tuple[Fraction, Fraction]:
@@ -134,7 +174,10 @@ def place(p: list[Fraction]) -> str:
 def products(terms: list[tuple]) -> list[list[list[Fraction]]]:
     """Return twice the symmetric matrix of each product of two linear forms."""
     return [
-        [[c * (x[i] * y[k] + x[k] * y[i]) for k in range(N)] for i in range(N)]
+        [
+            [c * (x[i] * y[k] + x[k] * y[i]) if y[k] or y[i] else y[k] for k in range(N)]
+            for i in range(N)
+        ]
         for c, u, v in terms
         for x, y in zip(u, v, strict=True)
     ]
@@ -154,29 +197,27 @@ def factors(m: list[list[Fraction]]) -> list[tuple[Fraction, list[Fraction]]] | 
     return found
 
 
-def hint(scaling: int, m: list[list[Fraction]]) -> str:
-    """Return what shows that a matrix is positive definite: nearly all of it as a sum of squares.
+def hint(parts: list[list[list[Fraction]]], scaling: int) -> Hint:
+    """Return what shows that a sum of matrices is positive definite: nearly all of it as squares.
 
     The squares are of M less a small multiple of I, rounded to whole numbers; what is left of M is
-    nearly that multiple of I.
+    nearly that multiple of I. Where M is not positive definite there is none, and an empty one.
     """
+    m = [[scaling * sum(part[i][k] for part in parts) for k in range(N)] for i in range(N)]
+    if factors(m) is None:
+        return Hint(scaling, 1, [])
     size = max(m[i][i] for i in range(N))
-    for bits in range(4, 200, 4):
+    for bits in range(10, 200, 10):
         less = size / 2**bits
         shifted = [
             [x - (less if i == k else 0) for k, x in enumerate(row)] for i, row in enumerate(m)
         ]
         found = factors(shifted)
         if found:
-            break
-    else:
-        raise SystemExit("the matrix is not positive definite")
-    unit = 2 ** (bits + 12)  # of the rows; they are multiplied by it, and M by its square
-    parts = []
-    for d, r in found:
-        whole = "; ".join(str(round(x * unit)) for x in r)
-        parts.append(f"({round(d)}, [{whole}])")
-    return f"(Hint {scaling} {unit**2} [{'; '.join(parts)}]%Z)"
+            unit = 2 ** (bits + 12)  # of the rows; they are multiplied by it, M by its square
+            rows = [(round(d), [round(x * unit) for x in r]) for d, r in found]
+            return Hint(scaling, unit**2, rows)
+    return Hint(scaling, 1, [])
 
 
 def q(x: Fraction) -> str:
@@ -184,26 +225,40 @@ def q(x: Fraction) -> str:
     return f"({x.numerator} # {x.denominator})"
 
 
-def main(paths: list[str]) -> None:
-    """Print theorems for each certificate of gains with an interval of thrust."""
+def certificates(paths: list[str]) -> Iterator[Gains]:
+    """Yield the certificates of gains with an interval of thrust."""
+    for path in map(Path, paths):
+        held = json.loads(path.read_text(encoding="utf-8"))
+        if held["kind"] == "gains" and "thrust" in held["mission"]["bounds"]:
+            yield Gains(held, path.name.removesuffix(".cert.json"))
+
+
+def theorems(c: Gains) -> str:
+    """Return what Coq is to decide of a certificate."""
+    name, decided = re.sub(r"\W", "_", c.name), "Proof. vm_cast_no_check (eq_refl true). Qed."
+    lines = [
+        f"Definition cert_{name} : certificate :=\n  {c.literal()}.",
+        f"Theorem gains_{name} : certificate_ok cert_{name} = true.\n{decided}",
+        f"Definition falls_{name} := gains_sound cert_{name} gains_{name}.",
+    ]
+    if c.of_target:
+        lines += [
+            f"Definition target_{name} : target :=\n  {c.target()}.",
+            f"Theorem seen_{name} : target_ok target_{name} cert_{name} = true.\n{decided}",
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def main(arguments: list[str]) -> None:
+    """Print theorems for certificates, or their numbers."""
+    if arguments[:1] == ["--plain"]:
+        sys.stdout.writelines(c.plain() for c in certificates(arguments[1:]))
+        return
     print("(* Written by literals.py from certificates. *)")
     print("From Hoverproof Require Import Forms Gains Target.")
     print("Require Import QArith List.\nImport ListNotations.\n")
-    for path in map(Path, paths):
-        held = json.loads(path.read_text(encoding="utf-8"))
-        if held["kind"] != "gains" or "thrust" not in held["mission"]["bounds"]:
-            continue
-        c = Gains(path)
-        name = re.sub(r"\W", "_", path.name.removesuffix(".cert.json"))
-        print(f"Definition cert_{name} : certificate :=\n  {c.literal()}.")
-        print(f"Theorem gains_{name} : certificate_ok cert_{name} = true.")
-        print("Proof. vm_cast_no_check (eq_refl true). Qed.")
-        print(f"Definition falls_{name} := gains_sound cert_{name} gains_{name}.")
-        if c.of_target:
-            print(f"Definition target_{name} : target :=\n  {c.target()}.")
-            print(f"Theorem seen_{name} : target_ok target_{name} cert_{name} = true.")
-            print("Proof. vm_cast_no_check (eq_refl true). Qed.")
-        print()
+    for c in certificates(arguments):
+        print(theorems(c))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,5 @@
+(** The decisions as a program in OCaml: extracted/decide.ml, with whole numbers of Zarith. *)
+From Hoverproof Require Import Gains Target.
+Require Import Extraction ExtrOcamlBasic ExtrOcamlNatInt ExtrOcamlZBigInt.
+Extraction Language OCaml.
+Extraction "extracted/decide.ml" certificate_ok target_ok.
