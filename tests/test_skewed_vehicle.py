@@ -9,6 +9,8 @@ import pytest
 
 import hoverproof as hp
 from hoverproof.certification.exponential.proof import converge
+from hoverproof.cli.console import app
+from hoverproof.cli.questions import placed
 from hoverproof.compilers import find_compiler
 from hoverproof.export.binding import Firmware
 from hoverproof.firmware import export_c
@@ -94,3 +96,21 @@ def test_it_is_proved_for_every_vehicle_within_its_tolerances(load):
     verdict = converge(load())
     assert verdict.proved, verdict.reason
     assert "from the centre of mass" in verdict.statement
+
+
+def test_new_takes_its_rotors_over_and_says_what_it_leaves_out(load, tmp_path, monkeypatch):
+    load()
+    monkeypatch.chdir(tmp_path)
+    app(["new", "own.toml", "--vehicle", "skewed.toml", "--yes"], result_action="return_value")
+    text = (tmp_path / "own.toml").read_text()
+    own, given = hp.load(tmp_path / "own.toml").vehicle, load().vehicle
+    assert own.rotors == given.rotors and own.inertia == given.inertia
+    assert own.products is None and "products of inertia [0, 0.0004, 0] kg m²" in text
+
+
+@pytest.mark.parametrize("layout", ["plus", "hex", "octo", "x"])
+def test_new_takes_a_layout_over_with_propellers_that_turn_the_other_way(load, layout):
+    said = f'{{mass = 0.5, inertia = [0.004, 0.004, 0.0075], layout = "{layout}", arm = 0.2, '
+    mission = load({"vehicle": f"{said}reversed = true, drag_ratio = 0.02, gravity = 9.81}}"})
+    assert "reversed = true" in placed(mission.vehicle)
+    assert f'layout = "{layout}"' in placed(mission.vehicle)

@@ -81,15 +81,35 @@ def _products(found: VehicleFile) -> list[str]:
     aside = [found.inertia[i, j] for i, j in ((0, 1), (0, 2), (1, 2))]
     if np.abs(aside).max() <= SMALL * found.inertia.diagonal().max():
         return []
-    return [
-        f"products of inertia {_row(aside)} kg m² (xy, xz, yz) are left out, as a proof with "
+    return [products_left_out(aside)]
+
+
+def products_left_out(products: Iterable[float]) -> str:
+    """Say of products of inertia, kg m², that a mission with tolerances has them not.
+
+    Parameters
+    ----------
+    products : iterable of float
+        I12, I13, I23, (3,), kg m².
+    """
+    return (
+        f"products of inertia {_row(products)} kg m² (xy, xz, yz) are left out, as a proof with "
         "tolerances of torque and lag takes principal moments"
-    ]
+    )
+
+
+def comment(words: str) -> str:
+    """Return the lines of a comment in a mission.
+
+    Parameters
+    ----------
+    words : str
+    """
+    return "".join(f"# {line}\n" for line in textwrap.wrap(words, 96, break_long_words=False))
 
 
 def _comments(found: VehicleFile) -> str:
-    said = "; ".join([f"From a file ({found.kind})", *_products(found), *found.words])
-    return "".join(f"# {line}\n" for line in textwrap.wrap(said, 96, break_long_words=False))
+    return comment("; ".join([f"From a file ({found.kind})", *_products(found), *found.words]))
 
 
 def _placed(found: VehicleFile) -> str:

@@ -10,6 +10,7 @@ import tomllib
 from collections.abc import Callable
 from decimal import Decimal
 
+from hoverproof.cli.described import comment, products_left_out
 from hoverproof.cli.questions import (
     CONTROL_RATES,
     NONE,
@@ -143,10 +144,12 @@ def _known(source: str) -> Answers:
     """Return the answers that the vehicle of a mission gives."""
     mission = load(source)
     vehicle, lag = mission.vehicle, mission.uncertainty.rotor_lag or mission.rotors.time_constant
+    aside = vehicle.products
+    said = comment(f"Of {source} {products_left_out(map(float, aside))}") if aside else ""
     known = {
         "mass": decimal(vehicle.mass),
         "rotor_distance": text(vehicle.distance),
-        "placed": placed(vehicle),
+        "placed": said + placed(vehicle),
         "inertia": f"[{', '.join(map(decimal, vehicle.inertia))}]",
         "drag_ratio": decimal(vehicle.drag_ratio),
         "gravity": decimal(vehicle.gravity),

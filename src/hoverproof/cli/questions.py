@@ -7,7 +7,7 @@ the mass, inertias and drag with what was measured of such vehicles.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, NamedTuple
@@ -17,7 +17,7 @@ from cyclopts import Parameter
 from hoverproof.cli.completion import mission_names
 
 if TYPE_CHECKING:
-    from hoverproof.mission.vehicle import Vehicle
+    from hoverproof.mission.vehicle import Rotor, Vehicle
 
 Answers = dict[str, str]
 OWN, NONE = "own", "none"
@@ -165,15 +165,26 @@ def placed(vehicle: Vehicle) -> str:
 
     if vehicle.lever is not None:
         return f"lever = {decimal(vehicle.lever)}  # m, of each rotor about roll and pitch axis"
+    if vehicle.rotors is not None:
+        rotors = (_rotor([decimal(c) for c in r.position], r) for r in vehicle.rotors)
+        return "\n".join(["rotors = [  # m, body axes; spin seen from above", *rotors, "]"])
     arms = vehicle.arm if isinstance(vehicle.arm, tuple) else (vehicle.arm or Fraction(0),)
     lengths = ", ".join(map(decimal, arms))
-    return in_layout(vehicle.layout or "", f"[{lengths}]" if len(arms) > 1 else lengths)
+    layout = in_layout(vehicle.layout or "", f"[{lengths}]" if len(arms) > 1 else lengths)
+    return layout + ("\nreversed = true  # propellers turn the other way" * vehicle.reversed)
+
+
+def _rotor(position: Sequence[str], rotor: Rotor) -> str:
+    from hoverproof.mission.writing import decimal
+
+    own = f", drag_ratio = {decimal(rotor.drag_ratio)}" if rotor.drag_ratio else ""
+    return f'  {{position = [{", ".join(position)}], spin = "{rotor.spin}"{own}}},'
 
 
 def in_layout(layout: str, arm: str) -> str:
     """Write a layout with its arms, TOML, as lines of a mission file."""
     of = "forward and sideways" if layout == "h" else "from the centre of mass to a rotor"
-    return f'layout = "{layout}"  # of the rotors: x, plus or h\narm = {arm}  # m, {of}'
+    return f'layout = "{layout}"  # of the rotors\narm = {arm}  # m, {of}'
 
 
 def text(value: float) -> str:
