@@ -279,9 +279,9 @@ def shown_exactly(target, box, low, high):
         return largest_below(view, float(high)) & smallest_above(view, float(low))
 
     tree = grow_tree(np.array(box, float), hold, 300)
-    grid = checker.Grid(checker.Pattern(target, [F(1)] * len(target)))
-    holds = checker.Eigenvalues.hold
-    bounds = SimpleNamespace(low=low, high=high, scaled=False)
+    pattern = checker.Pattern(target, [F(1)] * len(target))
+    grid, holds = checker.Grid(pattern), checker.Eigenvalues.hold
+    bounds = SimpleNamespace(target=pattern, low=low, high=high, scaled=False)
     try:
         checker.cover(
             tree or "0",
