@@ -178,9 +178,7 @@ def test_the_torque_turns_a_body_with_products_of_inertia_as_the_law_wants(tmp_p
 
 
 def test_a_proof_that_takes_principal_moments_says_so(tmp_path):
-    path = with_inertia(
-        tmp_path, "inertia = [[0.0049, 0, 1e-4], [0, 0.0049, 0], [1e-4, 0, 0.0069]]", "racer-250"
-    )
+    path = with_inertia(tmp_path, SKEWED)
     assert load(path)
     with pytest.raises(InputError, match="principal moments alone"):
         load(path, {"uncertainty.torque": "0.1"})
