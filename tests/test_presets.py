@@ -22,6 +22,7 @@ from hoverproof.mission.reading import load
 from hoverproof.mission.writing import mission_text
 from hoverproof.simulation.flight import simulate, summary
 from papers_law import PAPERS
+from sampling import mostly_whole
 
 SETTLES = {"crazyflie-2.1": 18, "racer-250": 22, "research-1.5kg": 17, "x4-flyer-tuned": 135}
 """Within a tenth of the distance at the start, for good, s."""
@@ -157,7 +158,7 @@ def test_the_command_that_a_preset_states_gives_its_gains():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", BUILT)
+@pytest.mark.parametrize("name", mostly_whole(BUILT, every=3))
 def test_the_command_that_a_preset_states_gives_gains_as_fast_as_its_own(name):
     """Where the best is flat, others are as good: the last digits are those of one machine."""
     tuned = tune(load(name), **command(name))
