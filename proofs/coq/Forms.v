@@ -151,13 +151,6 @@ Proof.
     + left. exists y. split; [left; reflexivity|exact N].
 Qed.
 
-Lemma inner_zero : forall b x, (forall y, In y x -> y = 0) -> inner b x = 0.
-Proof.
-  induction b as [|a b IH]; intros x H; simpl; [reflexivity|].
-  destruct x as [|y x]; [reflexivity|].
-  rewrite IH, (H y); [ring|left; reflexivity|intros z I; apply H; right; exact I].
-Qed.
-
 (** Σ cᵢ xᵢ². *)
 Fixpoint diagonal (c : list Z) (x : list R) : R :=
   match c, x with
@@ -170,14 +163,6 @@ Lemma diagonal_both : forall c b x, length c = length b ->
 Proof.
   induction c as [|a c IH]; intros [|e b] x L; simpl in *; try discriminate; [ring|].
   destruct x as [|y x]; [ring|]. injection L as L. rewrite IH, plus_IZR by exact L. ring.
-Qed.
-
-Lemma diagonal_pos : forall b x, 0 <= diagonal (map Z.abs b) x.
-Proof.
-  induction b as [|a b IH]; intros [|y x]; simpl; try lra.
-  pose proof (IH x). pose proof (Rle_0_sqr y) as Y. unfold Rsqr in Y.
-  assert (0 <= IZR (Z.abs a)) by (apply IZR_le; lia).
-  pose proof (Rmult_le_pos _ _ H0 Y). lra.
 Qed.
 
 (** 2 y (b·x) >= - (Σ|bᵢ|) y² - Σ|bᵢ| xᵢ². *)

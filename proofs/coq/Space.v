@@ -53,8 +53,6 @@ Proof. number. Qed.
 Lemma dot_turned : forall u w, u · (w × u)%vec = 0.
 Proof. number. Qed.
 
-Lemma cross_plus : forall u v w, (u × (v + w) = u × v + u × w)%vec.
-Proof. vector. Qed.
 Lemma cross_minus : forall u v w, (u × (v - w) = u × v - u × w)%vec.
 Proof. vector. Qed.
 Lemma cross_scale : forall u k v, (u × (k * v) = k * (u × v))%vec.

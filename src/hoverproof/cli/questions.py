@@ -7,7 +7,7 @@ the mass, inertias and drag with what was measured of such vehicles.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, NamedTuple
@@ -166,7 +166,7 @@ def placed(vehicle: Vehicle) -> str:
     if vehicle.lever is not None:
         return f"lever = {decimal(vehicle.lever)}  # m, of each rotor about roll and pitch axis"
     if vehicle.rotors is not None:
-        rotors = (_rotor([decimal(c) for c in r.position], r) for r in vehicle.rotors)
+        rotors = map(_rotor, vehicle.rotors)
         return "\n".join(["rotors = [  # m, body axes; spin seen from above", *rotors, "]"])
     arms = vehicle.arm if isinstance(vehicle.arm, tuple) else (vehicle.arm or Fraction(0),)
     lengths = ", ".join(map(decimal, arms))
@@ -174,11 +174,12 @@ def placed(vehicle: Vehicle) -> str:
     return layout + ("\nreversed = true  # propellers turn the other way" * vehicle.reversed)
 
 
-def _rotor(position: Sequence[str], rotor: Rotor) -> str:
+def _rotor(rotor: Rotor) -> str:
     from hoverproof.mission.writing import decimal
 
+    position = ", ".join(map(decimal, rotor.position))
     own = f", drag_ratio = {decimal(rotor.drag_ratio)}" if rotor.drag_ratio else ""
-    return f'  {{position = [{", ".join(position)}], spin = "{rotor.spin}"{own}}},'
+    return f'  {{position = [{position}], spin = "{rotor.spin}"{own}}},'
 
 
 def in_layout(layout: str, arm: str) -> str:
