@@ -1,7 +1,8 @@
-"""MAVLink as bytes: what is sent and understood, by pymavlink, which is imported when it is used."""
+"""MAVLink as bytes: what is sent and understood, by pymavlink, imported when it is used."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,6 +10,9 @@ from hoverproof.errors import InputError
 
 ATTITUDE_IGNORE = 128
 """The type mask of a setpoint of body rates and thrust: of all fields, the attitude is ignored."""
+
+RATES_IGNORE = 7
+"""The type mask of a setpoint of attitude and thrust: of all fields, the body rates are ignored."""
 
 COMPANION = 191
 """MAV_COMP_ID_ONBOARD_COMPUTER."""
@@ -65,9 +69,7 @@ class Codec:
         """
         return bytes(message.pack(self._own))
 
-    def setpoint(
-        self, time: float, system: int, rates: Sequence[float], throttle: float
-    ) -> bytes:
+    def setpoint(self, time: float, system: int, rates: Sequence[float], throttle: float) -> bytes:
         """Return SET_ATTITUDE_TARGET with body rates and thrust, and no attitude.
 
         Parameters
@@ -81,16 +83,32 @@ class Codec:
         throttle : float
             0 to 1.
         """
-        message = dialect().MAVLink_set_attitude_target_message(
-            int(time * 1000) % 2**32,
-            system,
-            AUTOPILOT,
-            ATTITUDE_IGNORE,
-            [1.0, 0.0, 0.0, 0.0],
-            *rates,
-            throttle,
+        values = ([1.0, 0.0, 0.0, 0.0], *rates, throttle)
+        return self._set_attitude_target(time, system, ATTITUDE_IGNORE, *values)
+
+    def level(self, time: float, system: int, yaw: float, throttle: float) -> bytes:
+        """Return SET_ATTITUDE_TARGET with a level attitude and thrust, and no body rates.
+
+        Parameters
+        ----------
+        time : float
+            s.
+        system : int
+            The vehicle, a bare number.
+        yaw : float
+            rad.
+        throttle : float
+            0 to 1.
+        """
+        values = ([math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)], 0.0, 0.0, 0.0, throttle)
+        return self._set_attitude_target(time, system, RATES_IGNORE, *values)
+
+    def _set_attitude_target(self, time: float, system: int, mask: int, *values: Any) -> bytes:
+        stamp = int(time * 1000) % 2**32
+        known = dialect()
+        return self.packed(
+            known.MAVLink_set_attitude_target_message(stamp, system, AUTOPILOT, mask, *values)
         )
-        return self.packed(message)
 
     def request(self, system: int, message: int, rate: float) -> bytes:
         """Return SET_MESSAGE_INTERVAL: the wish for a message at a rate.

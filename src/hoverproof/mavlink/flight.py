@@ -1,12 +1,15 @@
 """A flight over MAVLink: who has the vehicle, what is sent, and when it is handed back.
 
 One loop in one thread of one process: whatever ends it, nothing is left that sends. A step first
-hears what has come in, then judges, and sends last; a step that finds a fault sends nothing, nor
-does any after it. Nothing is armed and no mode is changed.
+hears what has come in, then judges, and sends last. A step that finds a fault is the last one: if
+the vehicle is still armed and in the mode it sends one setpoint of a level attitude and the thrust
+of hover, since an autopilot holds the last one until it gives up on them. Nothing is armed and no
+mode is changed.
 """
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -14,14 +17,17 @@ from typing import Any
 
 import numpy as np
 
-from hoverproof.mavlink.autopilots import MULTICOPTERS, ON_GROUND
+from hoverproof.mavlink.autopilots import MULTICOPTERS, ON_GROUND, Autopilot
 from hoverproof.mavlink.dialect import AUTOPILOT, COMPANION, Codec, dialect
 from hoverproof.mavlink.guide import TARGET, Guide, Measured, Wanted
 from hoverproof.mavlink.link import Clock, Link
 from hoverproof.mavlink.logbook import Logbook
+from hoverproof.mavlink.report import Report
 from hoverproof.mavlink.sight import Sight
 from hoverproof.mavlink.throttle import HoverThrottle
 from hoverproof.mavlink.told import Reading, Told
+from hoverproof.mission.sections import Mission
+from hoverproof.simulation.record import Record
 
 HEARTBEAT_LOST = 3.0
 """s without a heartbeat, which come once a second at least."""
@@ -49,54 +55,6 @@ HOVER_TOLD = 0.5
 
 REPORT = 0.5
 """s between reports."""
-
-
-@dataclass(frozen=True)
-class Report:
-    """How a flight stands.
-
-    Attributes
-    ----------
-    time : float
-        Since its begin, s.
-    phase : str
-        ``"waiting"``, ``"ready"``, ``"flying"`` or ``"over"``.
-    why : str
-        What it waits for, or why it is over, in words.
-    autopilot, mode : str
-        That of the vehicle, and the mode that takes setpoints; empty before it is heard.
-    armed, in_mode : bool
-    image_age : float or None
-        s.
-    error : float or None
-        Of the image, dimensionless.
-    metres : float or None
-        About what that is, m, if the feature tells.
-    rates : tuple of float or None
-        That are sent, rad/s.
-    throttle, hover_throttle : float or None
-        That is sent, and that hovers, from 0 to 1.
-    watched : tuple of str
-        What the monitor of the package says that ends no flight.
-    sent : int
-        Setpoints so far: a bare number.
-    """
-
-    time: float
-    phase: str
-    why: str
-    autopilot: str = ""
-    mode: str = ""
-    armed: bool = False
-    in_mode: bool = False
-    image_age: float | None = None
-    error: float | None = None
-    metres: float | None = None
-    rates: tuple[float, ...] | None = None
-    throttle: float | None = None
-    hover_throttle: float | None = None
-    watched: tuple[str, ...] = ()
-    sent: int = 0
 
 
 @dataclass
@@ -141,7 +99,7 @@ class Flight:
     sent: int = 0
     _peer: Any = None
     _asked: float = -1e9
-    _took_over: float = 0.0
+    _took_over: float = -math.inf
     _outside: bool = False
     _last: float | None = None
     _wanted: Wanted | None = None
@@ -170,7 +128,7 @@ class Flight:
         except KeyboardInterrupt:
             self._over("interrupted", fault=False)
         except BaseException:
-            self._over("an error of the program", fault=True)
+            self.phase, self.why, self.fault = "over", "an error of the program", True
             raise
         finally:
             self.link.close()
@@ -303,16 +261,23 @@ class Flight:
         if not in_mode:
             self._outside = not why
         elif not why:
-            why = f"the pilot to leave {beat.autopilot.mode} and enter it anew"  # type: ignore
-        self.phase, self.why = ("waiting", why) if why else ("ready", self._next())
-        if self.phase == "ready" and wanted is not None and beat is not None:
-            if beat.autopilot is not None and beat.autopilot.stream_first and beat.armed:
-                self._send(now, wanted, self.weight)
+            why = f"the pilot to leave {self._mode} and enter it anew"
+        self.phase = "waiting" if why else "ready"
+        self.why = why or f"the pilot to enter {self._mode}"
+        if self.phase == "ready" and wanted is not None and self._streams_first():
+            self._send(now, wanted, self.weight)
 
-    def _next(self) -> str:
-        beat = self.told.heartbeat
-        mode = beat.autopilot.mode if beat is not None and beat.autopilot is not None else ""
-        return f"the pilot to enter {mode}"
+    @property
+    def autopilot(self) -> Autopilot | None:
+        """That of the vehicle, if it is heard and known."""
+        return self.told.heartbeat.autopilot if self.told.heartbeat is not None else None
+
+    @property
+    def _mode(self) -> str:
+        return self.autopilot.mode if self.autopilot is not None else ""
+
+    def _streams_first(self) -> bool:
+        return self.autopilot is not None and self.autopilot.stream_first
 
     def _not_ready(self, now: float, missing: str, wanted: Wanted | None) -> str:
         """Return what is missing for the law to take the vehicle over, in words."""
@@ -323,7 +288,7 @@ class Flight:
             return "a heartbeat of ArduPilot or PX4"
         if beat.kind not in MULTICOPTERS:
             return "a multicopter: this vehicle is none"
-        if missing or self.told.thrust_setpoint is None and self.hover.value is None:
+        if missing or (self.told.thrust_setpoint is None and self.hover.value is None):
             self._ask(now)
         if missing:
             return missing
@@ -381,7 +346,36 @@ class Flight:
         self.sent += 1
 
     def _over(self, why: str, *, fault: bool) -> None:
-        self.phase, self.why, self.fault = "over", why, fault
+        flew, self.phase, self.why, self.fault = self.phase == "flying", "over", why, fault
+        beat, hover, rotation = self.told.heartbeat, self.hover.value, self.told.rotation
+        in_mode = beat is not None and beat.armed and beat.in_mode
+        if flew and in_mode and hover is not None and rotation is not None:
+            yaw = math.atan2(rotation.value[1, 0], rotation.value[0, 0])
+            time = self.clock.now() - self._start
+            self.link.send(self._codec.level(time, self._peer[1], yaw, hover), self._peer[0])
+            self.sent += 1
+
+    @property
+    def flown(self) -> bool:
+        """Whether the law has had the vehicle."""
+        return self._took_over > -math.inf
+
+    def recorded(self, mission: Mission) -> Record:
+        """Return the log as a record.
+
+        Parameters
+        ----------
+        mission : Mission
+        """
+        hover, known = self.hover.value, self.autopilot
+        facts = {
+            "autopilot": known.name if known else "not heard",
+            "hover_throttle": math.nan if hover is None else hover,
+            "setpoints": self.sent,
+            "rate": self.rate,
+        }
+        outcome = self.why if self.phase == "over" else "not over"
+        return self.log.record(mission, outcome, **facts)
 
     def told_of(self, now: float) -> Report:
         """Return how it stands.
@@ -392,7 +386,7 @@ class Flight:
             s.
         """
         beat, wanted, sent = self.told.heartbeat, self._wanted, self._last_sent
-        known = beat.autopilot if beat is not None else None
+        known = self.autopilot
         error = metres = None
         if wanted is not None and self.told.rotation is not None:
             error, metres = self.guide.error(wanted.feature, self.told.rotation.value[2])

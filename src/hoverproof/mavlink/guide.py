@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.algebra.buffered import Buffered
 from hoverproof.algebra.derived import kept_graph
 from hoverproof.algebra.linear import solve_affine
 from hoverproof.errors import InputError
@@ -103,8 +105,8 @@ def _angular_acceleration(moments: int) -> ca.Function:
     rate, torque = ca.SX.sym("rate", 3), ca.SX.sym("torque", 3)
     inertia, wanted = ca.SX.sym("inertia", moments), ca.SX.sym("alpha", 3)
     found = solve_affine(torque_balance(rate, wanted, inertia, torque), wanted)
-    names = ["rate", "torque", "inertia"]
-    return ca.Function("angular_acceleration", [rate, torque, inertia], [found], names, ["alpha"])
+    given = [rate, torque, inertia]
+    return ca.Function("angular_acceleration", given, [ca.densify(found)])
 
 
 class Guide:
@@ -132,11 +134,13 @@ class Guide:
         self.law = flown_law(mission)
         _check(mission, firmware)
         self._firmware, self._bandwidth = firmware, bandwidth
+        self.manifest = firmware.manifest
         self._inertia = [float(moment) for moment in mission.vehicle.moments]
-        self._accelerate = _angular_acceleration(len(self._inertia))
-        self._weight = float(mission.vehicle.weight)
+        self._accelerate = Buffered(_angular_acceleration(len(self._inertia)))
+        rotation = ca.SX.sym("R", 3, 3)
+        self._heading = Buffered(ca.Function("heading", [rotation], [heading(rotation)]))
         numbers = LoopNumbers.of(mission)
-        self._error = _image_error(numbers)
+        self._error = Buffered(_image_error(numbers))
         centred = numbers.points - numbers.points.mean(axis=1, keepdims=True)
         self._radius = math.sqrt(float((centred**2).sum(axis=0).mean()))
         self._lens = "lens" in firmware.manifest
@@ -184,14 +188,15 @@ class Guide:
         dt : float
             To the next step, s.
         """
-        down, rate, told = measured.rotation[2], measured.rate, {}
+        down, rate = measured.rotation[2], measured.rate
+        told: dict[str, Any] = {}
         if self.law.sees_north:
-            seen, feature, north = self._firmware.turn_heading(rate, dt, down)
+            seen, feature, north = self._firmware.turn_heading([*rate], dt, [*down])
             told["heading"] = north
         else:
-            seen, feature = self._firmware.turn(rate, dt)
+            seen, feature = self._firmware.turn([*rate], dt)
         if self.law.has_compass:
-            told["heading"] = tuple(ca.DM(heading(ca.DM(measured.rotation))).full().ravel())
+            told["heading"] = self._heading(measured.rotation.T.ravel())[0]
         if self.law.force.sensed is not None:
             told["specific_force"] = measured.specific_force
         out = self._firmware.step(
@@ -203,7 +208,7 @@ class Guide:
             target_seen=seen == 0,
             **told,
         )
-        asked = self._accelerate(rate, out.torque, self._inertia).full().ravel()
+        (asked,) = self._accelerate(rate, out.torque, self._inertia)
         rates = np.clip(rate + asked / self._bandwidth, -FASTEST, FASTEST)
         return Wanted(out.status | seen, rates, out.thrust, np.array(feature))
 
@@ -217,7 +222,7 @@ class Guide:
         down : (3,)
             ρ, body frame.
         """
-        size = float(ca.norm_2(self._error(feature, down)))
+        size = float(np.linalg.norm(self._error(feature, down)[0]))
         return size, size * self._radius if self.law.feature.name == "scaled" else None
 
 
@@ -227,7 +232,7 @@ def _image_error(numbers: LoopNumbers) -> ca.Function:
     z, d = law.measurement.symbols(), law.design.symbols()
     given = [z.centroid, z.gravity_direction]
     error = ca.substitute(law.goal.error(z, d), d.vector(), ca.DM(numbers.design))
-    return ca.Function("image_error", given, [error])
+    return ca.Function("image_error", given, [ca.densify(error)])
 
 
 def _check(mission: Mission, firmware: Firmware) -> None:

@@ -26,13 +26,21 @@ class Rehearsal:
     vehicle : StandIn
     pilot : callable
         Called with the vehicle at each of its steps.
+    blind : bool
+        Whether no images come any more.
+    remark : str
+        See `Sight`.
+    sent : list of float
+        When something was sent to the vehicle, s.
+    closed : bool
+        Whether the flight has let go.
     """
 
     vehicle: StandIn
     pilot: Callable[[StandIn], None]
     blind: bool = False
     remark: str = ""
-    sent: int = 0
+    sent: list[float] = field(default_factory=list)
     closed: bool = False
     _images: list[tuple[float, int, Sighting]] = field(default_factory=list)
 
@@ -87,7 +95,7 @@ class Rehearsal:
         data : bytes
         to : object
         """
-        self.sent += 1
+        self.sent.append(self.now())
         self._up.put(data, self.now())
 
     def newest(self, now: float) -> list[Sighting]:

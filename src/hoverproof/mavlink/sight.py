@@ -1,6 +1,6 @@
 """Where sightings of the target come from: lines of JSON, by a pipe or by UDP, or a camera.
 
-A source is anything with `newest`; `hoverproof.mavlink.flight` asks it at each step and never waits.
+A source is anything with `newest`, which is asked at each step and never waited for.
 """
 
 from __future__ import annotations
@@ -67,10 +67,10 @@ class Sight(Protocol):
 class Lines:
     """Sightings as lines of JSON, of bytes that come in as they do.
 
-    A line is an object with ``"age"`` (s from the exposure to when it was written) or ``"time"`` (of
-    the exposure, s since 1970 by this computer's clock), and ``"image"`` ([[x, y], ...], focal
-    length 1, undistorted) or ``"pixels"`` ([[u, v], ...], through the mission's lens). A line without
-    points says that the target was not seen.
+    A line is an object with ``"age"`` (s from the exposure to when it was written) or ``"time"``
+    (of the exposure, s since 1970 by this computer's clock), and ``"image"`` ([[x, y], ...], focal
+    length 1, undistorted) or ``"pixels"`` ([[u, v], ...], through the mission's lens). A line
+    without points says that the target was not seen.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def lines_from(where: str, points: int, wall: Callable[[], float]) -> Lines:
     Parameters
     ----------
     where : str
-        ``"-"`` or ``"udp:HOST:PORT"``, to listen on.
+        ``"stdin"`` or ``"udp:HOST:PORT"``, to listen on.
     points : int
         Number of target points.
     wall : callable
@@ -181,10 +181,10 @@ def lines_from(where: str, points: int, wall: Callable[[], float]) -> Lines:
     InputError
         If it is neither, or the port cannot be listened on.
     """
-    if where == "-":
+    if where == "stdin":
         return Lines(_from_stdin, points, lambda: None, wall)
     if not where.startswith("udp:"):
-        raise InputError("--features", "", f"must be - or udp:HOST:PORT, not {where!r}")
+        raise InputError("--features", "", f"must be stdin or udp:HOST:PORT, not {where!r}")
     heard = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     heard.setblocking(False)
     try:

@@ -1,7 +1,7 @@
 """A vehicle that is not there: the plant, an autopilot's rate loop and its habits, real MAVLink.
 
-Its autopilot does what a pilot, a link and a setpoint may do to it as ArduPilot and PX4 do: it flies
-itself in a mode of its own, takes setpoints in one mode alone, and gives up on them when they stop.
+Its autopilot has the habits of ArduPilot and PX4: it flies itself in a mode of its own, takes
+setpoints in one mode alone, and gives up on them when they stop.
 """
 
 from __future__ import annotations
@@ -17,11 +17,12 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.algebra.buffered import Buffered
 from hoverproof.algebra.derived import kept_graph
 from hoverproof.algebra.linear import solve_affine
 from hoverproof.export.vehicle import sense_function
 from hoverproof.mavlink.autopilots import ARMED, PX4, Autopilot
-from hoverproof.mavlink.dialect import ATTITUDE_IGNORE, AUTOPILOT, Codec, dialect
+from hoverproof.mavlink.dialect import ATTITUDE_IGNORE, AUTOPILOT, RATES_IGNORE, Codec, dialect
 from hoverproof.mavlink.sight import Sighting
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import (
@@ -83,7 +84,14 @@ def _step_function(moments: int) -> ca.Function:
     )
     felt = specific_force(thrust, mass, kept.rotation.T @ wind)
     given = [x, thrust, wanted, loop, wind, vehicle, dt]
-    return ca.Function("stand_in", given, [ca.cse(kept.vector()[:BODY_SIZE]), felt])
+    results = [ca.densify(ca.cse(kept.vector()[:BODY_SIZE])), ca.densify(felt)]
+    return ca.Function("stand_in", given, results)
+
+
+def _turning_to(up: Array) -> Array:
+    """Return body rates, rad/s, that turn the z axis of the body to an axis, (3,), body frame."""
+    axis = up / math.sqrt(up @ up)
+    return np.array([-6 * axis[1], 6 * axis[0], 0.0])
 
 
 @dataclass
@@ -146,6 +154,14 @@ class StandIn:
         message.
     setpoints : list of (float, int)
         When each came in, s, and its type mask.
+    fell_back : float or None
+        When it gave up on setpoints, s.
+    switched_on : float
+        When its autopilot started last, s.
+    landed : int
+        MAV_LANDED_STATE: 2 is in the air.
+    silent : set of int
+        Numbers of messages that it does not send.
     """
 
     mission: Mission
@@ -157,6 +173,9 @@ class StandIn:
     orders: list[int] = field(default_factory=list)
     setpoints: list[tuple[float, int]] = field(default_factory=list)
     fell_back: float | None = None
+    switched_on: float = 0.0
+    landed: int = 2
+    silent: set[int] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         v = self.mission.vehicle
@@ -166,16 +185,15 @@ class StandIn:
         self._weight, self._mass = float(v.weight), float(v.mass)
         self.thrust, self._lag = self._weight, float(self.mission.rotors.time_constant)
         self._vehicle = [self._mass, float(v.gravity), *map(float, v.moments)]
-        self._step = _step_function(len(v.moments))
+        self._step = Buffered(_step_function(len(v.moments)))
         self._look = sense_function(self._numbers.target_size, "points", self._numbers.law)
         self._codec = Codec(SYSTEM, AUTOPILOT)
         self._rates, self._next = dict(FIRST_RATES), dict.fromkeys(FIRST_RATES, 0.0)
         self._hold = self.state[:3].copy()
         self._wanted, self._throttle = np.zeros(3), self.habits.hover_throttle
-        self._order: tuple[Array, float] = (np.zeros(3), self._throttle)
+        self._order: tuple[Array | None, float] = (np.zeros(3), self._throttle)
         self._felt = np.array([0.0, 0.0, -float(v.gravity)])
         self._shutter, self._frames = 0.0, 0
-        self.landed = 2
 
     @property
     def position(self) -> Array:
@@ -203,6 +221,8 @@ class StandIn:
         if mode == TAKES and self.habits.autopilot.stream_first and not self._streamed():
             return False
         self.mode, self._entered = mode, self.time
+        if mode == TAKES:
+            self.fell_back = None
         if mode == HOLD:
             self._hold = self.state[:3].copy()
         self._order = (np.zeros(3), self.habits.hover_throttle)
@@ -224,8 +244,7 @@ class StandIn:
         self.thrust = aim + (self.thrust - aim) * left
         wind = self._mass * np.array(self.habits.wind)
         given = (self.state, self.thrust, self._wanted, self.habits.loop, wind)
-        after, felt = self._step(*given, self._vehicle, STEP)
-        self.state, self._felt = after.full().ravel(), felt.full().ravel()
+        self.state, self._felt = self._step(*given, self._vehicle, STEP)
         self.time += STEP
 
     @property
@@ -238,9 +257,10 @@ class StandIn:
         if self.mode == TAKES:
             last = max(self.setpoints[-1][0] if self.setpoints else 0.0, self._entered)
             if self.time - last <= GIVES_UP[name]:
-                self._wanted, self._throttle = self._order
+                rates, self._throttle = self._order
+                self._wanted = self._levelling() if rates is None else rates
                 return
-            self.fell_back = self.time
+            self.fell_back = self.time if self.fell_back is None else self.fell_back
             if name == "PX4":
                 self.enter(HOLD)
         level = self.mode == TAKES  # ArduPilot levels and holds its height
@@ -249,11 +269,12 @@ class StandIn:
         velocity = rotation @ self.state[3:6]
         pull = -2.0 * velocity - (0 if level else 1.2) * (self.state[:3] - self._hold)
         pull = np.clip(pull, -3, 3) * ((0, 0, 1) if level else (1, 1, 1))
-        aim = np.array([0, 0, gravity]) - pull - np.array(self.habits.wind) * 0
-        up = rotation.T @ aim
-        axis = up / np.linalg.norm(up)
-        self._wanted = np.array([-6 * axis[1], 6 * axis[0], 0.0])
-        self._throttle = self.habits.hover_throttle * max(0.0, up[2]) / gravity
+        aim = rotation.T @ (np.array([0, 0, gravity]) - pull)
+        self._wanted = _turning_to(aim)
+        self._throttle = self.habits.hover_throttle * max(0.0, aim[2]) / gravity
+
+    def _levelling(self) -> Array:
+        return _turning_to(self.state[[8, 11, 14]])
 
     def hear(self, data: bytes) -> None:
         """Take in what comes over the link.
@@ -267,8 +288,9 @@ class StandIn:
             if message.get_type() == "SET_ATTITUDE_TARGET":
                 self.setpoints.append((self.time, message.type_mask))
                 rates = (message.body_roll_rate, message.body_pitch_rate, message.body_yaw_rate)
-                if self.mode == TAKES and message.type_mask == ATTITUDE_IGNORE:
-                    self._order = (np.array(rates), message.thrust)
+                known_rates = {ATTITUDE_IGNORE: np.array(rates), RATES_IGNORE: None}
+                if self.mode == TAKES and message.type_mask in known_rates:
+                    self._order = (known_rates[message.type_mask], message.thrust)
             elif (
                 message.get_type() == "COMMAND_LONG"
                 and message.command == known.MAV_CMD_SET_MESSAGE_INTERVAL
@@ -282,7 +304,7 @@ class StandIn:
     def tell(self) -> Iterator[bytes]:
         """Yield the messages that are due now."""
         for kind, rate in self._rates.items():
-            if self._next[kind] <= self.time:
+            if kind not in self.silent and self._next[kind] <= self.time:
                 self._next[kind] = max(self._next[kind] + 1 / rate, self.time)
                 message = self._message(kind)
                 if message is not None:
@@ -290,7 +312,7 @@ class StandIn:
 
     def _message(self, kind: int) -> Any:
         known, (x, noise) = dialect(), (self.state, self._draw.standard_normal)
-        boot = int(self.time * 1000)
+        boot = int((self.time - self.switched_on) * 1000)
         if kind == 0:
             autopilot = 12 if self.habits.autopilot is PX4 else 3
             base = 1 | (ARMED if self.armed else 0)
@@ -312,8 +334,8 @@ class StandIn:
             return known.MAVLink_raw_imu_message(boot * 1000, *milli, 0, 0, 0, 0, 2000)
         if kind == known.MAVLINK_MSG_ID_ATTITUDE_TARGET:
             quaternion = [1.0, 0.0, 0.0, 0.0]
-            rates = [*self._wanted, self._throttle]
-            return known.MAVLink_attitude_target_message(boot, 0, quaternion, *rates)
+            order = (*self._wanted, self._throttle)
+            return known.MAVLink_attitude_target_message(boot, 0, quaternion, *order)
         if kind == known.MAVLINK_MSG_ID_EXTENDED_SYS_STATE:
             return known.MAVLink_extended_sys_state_message(0, self.landed)
         return None

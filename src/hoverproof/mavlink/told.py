@@ -43,11 +43,14 @@ class Stamps:
         Our clock less theirs, s.
     restarted : bool
         Whether the stamps began anew.
+    overtaken : int
+        How many came behind a newer one: a bare number.
     """
 
     newest: float = -math.inf
     ahead: float = math.inf
     restarted: bool = False
+    overtaken: int = 0
 
     def read(self, stamp: float, now: float) -> float | None:
         """Return when that was by our clock, s; None of what is no newer than what came before.
@@ -60,6 +63,7 @@ class Stamps:
         if stamp < self.newest - RESTART:
             self.newest, self.ahead, self.restarted = -math.inf, math.inf, True
         if stamp <= self.newest:
+            self.overtaken += 1
             return None
         passed = stamp - self.newest if self.newest > -math.inf else 0.0
         self.newest = stamp
@@ -120,6 +124,11 @@ class Told:
     refused: dict[str, str] = field(default_factory=dict)
     said: deque[str] = field(default_factory=lambda: deque(maxlen=5))
     _clocks: dict[str, Stamps] = field(default_factory=dict)
+
+    @property
+    def overtaken(self) -> int:
+        """How many messages came behind a newer one of their kind, and were left out."""
+        return sum(clock.overtaken for clock in self._clocks.values())
 
     @property
     def restarted(self) -> bool:
