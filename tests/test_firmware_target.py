@@ -276,7 +276,9 @@ def test_fusing_by_clang_that_overrules_the_c_is_found_out(tmp_path):
         assert (subprocess.run([made], check=False).returncode == 0) == holds
 
 
-@pytest.mark.parametrize("kind", [k for k in kinds() if "float64" not in str(k)], ids=str)
+@pytest.mark.parametrize(
+    "kind", mostly_whole([k for k in kinds() if "float64" not in str(k)], every=4), ids=str
+)
 def test_the_budgets_of_the_manifest_are_kept(kind, tmp_path):
     """They are about float32."""
     package = kind.export(tmp_path / "fw")
@@ -291,7 +293,7 @@ def test_the_budgets_of_the_manifest_are_kept(kind, tmp_path):
     assert 0.7 * budgets["flash_bytes"] < text <= budgets["flash_bytes"]
 
 
-@pytest.mark.parametrize("preset", PAPERS.values(), ids=PAPERS)
+@pytest.mark.parametrize("preset", mostly_whole(PAPERS.values(), every=3, first=1), ids=PAPERS)
 def test_a_step_takes_no_more_instructions_than_c_by_hand(preset, tmp_path):
     sys.path.insert(0, str(BENCHMARKS))
     import firmware as benchmark
@@ -457,7 +459,7 @@ def camera_macros(package, calls):
     return [f"-D{key}={value}" for key, value in macros.items()]
 
 
-@pytest.mark.parametrize("kind", WITH_CAMERA, ids=str)
+@pytest.mark.parametrize("kind", mostly_whole(WITH_CAMERA, every=3), ids=str)
 def test_boards_and_host_keep_the_same_frames_bit_for_bit(kind, tmp_path):
     """Under sanitizers too, on two compilers and two boards: broken frames, gaps, large turns."""
     package = kind.export(tmp_path / "fw")
