@@ -100,7 +100,18 @@ def test_simulate_draws_and_answers_machines_in_json(capsys):
 
 @pytest.mark.slow
 def test_simulate_draws_what_is_asked_for_and_a_film(capsys):
-    some = ("--duration", 5, "--figures", "path", "--figures", "features", "--animate", "a.gif")
+    some = (
+        "--duration",
+        20,
+        "--speed-up",
+        20,
+        "--figures",
+        "path",
+        "--figures",
+        "features",
+        "--animate",
+        "a.gif",
+    )
     status, out, err = run(capsys, "simulate", "x4-flyer", *some)
     assert status == 0
     assert "certified: L ≤ L(0) exp(-0.000348 t)" in out
