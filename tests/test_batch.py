@@ -182,7 +182,7 @@ def test_every_number_that_is_missing_is_marked_and_explained():
 
 
 def test_a_seed_that_is_no_key_is_refused(x4):
-    with pytest.raises(InputError, match="--seed: must be from 0"):
+    with pytest.raises(InputError, match="seed: must be from 0"):
         simulate(x4, duration=1, seed=-1)
 
 

@@ -282,7 +282,7 @@ def test_a_target_too_small_for_a_centroid_in_float32_is_refused(tmp_path):
     far = {"goal": {"height": 12}}
     mission = mission_of(("scaled", "inertial", "modelled"), far)
     options = {"sensing": "centroid", "allow_uncertified": True}
-    with pytest.raises(InputError, match=r"target: .* lost in rounding; take --sensing points or"):
+    with pytest.raises(InputError, match=r"target: .* lost in rounding; take sensing points or"):
         hoverproof.export_c(mission, tmp_path / "fw", **options)
     assert not (tmp_path / "fw").exists()
     hoverproof.export_c(mission, tmp_path / "fw", precision="float64", **options)

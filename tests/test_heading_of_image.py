@@ -339,7 +339,7 @@ def test_the_firmware_flies_as_the_simulation_does(choices, overrides):
 @pytest.mark.parametrize("camera", [False, True])
 def test_a_centroid_tells_no_heading(tmp_path, camera):
     mission = mission_of(BEST, overrides=IMAGE)
-    with pytest.raises(InputError, match=r"--sensing: must be points .* a centroid tells no head"):
+    with pytest.raises(InputError, match=r"sensing: must be points .* a centroid tells no head"):
         hoverproof.export_c(
             mission, tmp_path, allow_uncertified=True, sensing="centroid", camera=camera
         )

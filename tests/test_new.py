@@ -1,4 +1,4 @@
-"""`hoverproof new`: questions and options that end in a mission file, or in nothing."""
+"""What a user of Python types: names for missions, other values, pictures, notebooks."""
 
 from __future__ import annotations
 
@@ -135,7 +135,7 @@ def test_a_slip_is_refused_on_the_spot_in_the_words_of_the_mission_file(name, sl
     answers, said = converse({name: [slip]})
     assert reason in said
     assert answers == DEFAULTS
-    with pytest.raises(InputError, match=f"--{name.replace('_', '-')}: "):
+    with pytest.raises(InputError, match=rf"^{name}: "):
         without_asking({name: slip})
 
 

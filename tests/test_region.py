@@ -178,7 +178,7 @@ def test_searched_weights_certify_a_faster_decay(mission):
     "text", ["1,2,3", "a,b,c,d,e,f", "1,0,0,1,0,1", "0,1,0,1,0,1e9", "1/0,1,0,1,0,1"]
 )
 def test_a_box_that_is_none_is_refused(text):
-    with pytest.raises(InputError, match="--box"):
+    with pytest.raises(InputError, match="box"):
         parse_box(text)
 
 

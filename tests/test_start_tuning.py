@@ -195,7 +195,7 @@ def test_wishes_about_other_things_are_refused(small, options, word):
 
 
 def test_a_curve_is_refused(small):
-    with pytest.raises(InputError, match="--pareto"):
+    with pytest.raises(InputError, match="pareto"):
         pareto(small(), 3, Wish())
 
 

@@ -57,7 +57,7 @@ def test_the_fastest_motion_is_that_of_the_attitude(fast):
 
 
 def test_a_step_too_long_for_the_loop_is_refused_with_one_that_will_do(fast):
-    with pytest.raises(InputError, match=r"--step: 0.01 s is too long .* 0.002 s will do"):
+    with pytest.raises(InputError, match=r"step: 0.01 s is too long .* 0.002 s will do"):
         simulate(fast, step=0.01)
     assert simulate(fast, step=0.002, duration=1).attrs["outcome"] == "flown"
 

@@ -18,6 +18,7 @@ from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
 from hoverproof.export.contents import Standing
 from hoverproof.export.package import NotCertified, write_package
+from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import choices_of
@@ -45,8 +46,10 @@ FAULTS = {
 """What ends a flight of firmware, by the bit of its status."""
 
 
+@of_mission
 def export_c(
     mission: Mission,
+    /,
     out: str | Path,
     *,
     allow_uncertified: bool = False,
@@ -57,7 +60,7 @@ def export_c(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
     out : str or Path
         Folder to write to; made if needed.
     allow_uncertified : bool
@@ -96,6 +99,7 @@ def export_c(
     return write_package(mission, out, Standing(verdict.problem.thrust, certificate), **options)
 
 
+@of_mission
 def fly_firmware(
     mission: Mission,
     firmware: Firmware | None = None,
@@ -115,7 +119,7 @@ def fly_firmware(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
     firmware : Firmware, optional
         A package of this mission; by default it is exported in float32 for this flight. With
         sensors and the like it is to be made with ``camera=True``.

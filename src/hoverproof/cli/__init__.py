@@ -74,7 +74,7 @@ def run(arguments: list[str] | None) -> object:
     except CycloptsError as error:
         fail(usage(error))
     except InputError as error:
-        fail(str(error))
+        fail(error.line)
     except BrokenPipeError:
         sys.stderr.close()
         return 0
