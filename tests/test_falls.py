@@ -186,13 +186,13 @@ MOMENTS = [
     *(
         case
         for number, words in enumerate(LONG)
-        for case in mostly_whole([(words, 0.5), (words, 2)], every=2, first=number % 2)
+        for case in mostly_whole([(words, 0.5), (words, 2)], every=4, first=number % 4)
     ),
     *mostly_whole(
-        [(words, 5) for words in LONG if any(step in words for step in IN_STEPS)], every=3
+        [(words, 5) for words in LONG if any(step in words for step in IN_STEPS)], every=4
     ),
 ]
-"""CI interrupts each command once, as it begins or at its work, and some of them later as well."""
+"""CI interrupts every other command once, as it begins or at its work, and some of them later."""
 WHOLE = {"x4-flyer.flights.nc", "crazyflie-2.1.flight.nc"}
 """Files that may be there: whole, made before the interruption, or made to be resumed."""
 

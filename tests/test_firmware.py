@@ -33,6 +33,7 @@ from hoverproof.plant.rotors import wrench
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Design
 from papers_law import CRAZYFLIE, PAPERS
+from sampling import mostly_whole
 
 CALM = {"velocity": [0, 0, 0], "rate": [0, 0, 0], "gravity_direction": [0, 0, 1], "dt": 0.001}
 
@@ -72,8 +73,10 @@ def seen_from_goal(firmware):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("tunable", [False, True])
-@pytest.mark.parametrize("overrides", [{}, OFF_AXIS, LEVEL])
+@pytest.mark.parametrize(
+    ("overrides", "tunable"),
+    mostly_whole([(o, t) for t in (False, True) for o in ({}, OFF_AXIS, LEVEL)], every=4),
+)
 def test_the_law_is_the_derived_controller_exactly(overrides, tunable):
     for preset in PAPERS.values():
         law = flight_law(load(preset, overrides), sensing="centroid", tunable=tunable)

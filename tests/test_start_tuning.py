@@ -27,6 +27,7 @@ from hoverproof.errors import InputError
 from hoverproof.mission.conditions import Rotors
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import slowest_rate
+from sampling import mostly_whole
 from small_kit import small_vehicle
 from start_trials import sooner, vehicle
 
@@ -67,7 +68,7 @@ def resized(mission, times):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("mass_ratio", [0.04, 1, 40])
+@pytest.mark.parametrize("mass_ratio", mostly_whole([0.04, 1, 40], every=3, first=2))
 def test_the_search_sets_out_near_for_vehicles_of_20_g_and_of_20_kg(small, mass_ratio):
     small()
     search = StartSearch.of(resized(small(), mass_ratio), Limits(20.0))
@@ -216,16 +217,15 @@ def test_tune_writes_a_mission_and_a_certificate_that_holds_its_start(small, cap
     assert "the controller may be switched on" in checker.check_file(answer["certificate"])
 
 
-@pytest.mark.slow
-def test_none_of_many_random_gains_settles_two_percent_sooner(whole):
-    better, _ = sooner(vehicle(3), 10_000 if whole else 10)
+@pytest.mark.whole
+def test_none_of_many_random_gains_settles_two_percent_sooner():
+    better, _ = sooner(vehicle(3), 10_000)
     assert better == []
 
 
-@pytest.mark.slow
-def test_nine_in_ten_random_vehicles_get_gains_that_are_proved_for_their_start(whole):
-    numbers = range(50 if whole else 1)
-    held = [tune(vehicle(number)).status == "tuned" for number in numbers]
+@pytest.mark.whole
+def test_nine_in_ten_random_vehicles_get_gains_that_are_proved_for_their_start():
+    held = [tune(vehicle(number)).status == "tuned" for number in range(50)]
     assert sum(held) >= 0.9 * len(held)
 
 
