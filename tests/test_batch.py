@@ -189,11 +189,11 @@ def test_a_seed_that_is_no_key_is_refused(x4):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"runs": 0}, "--runs: must be from 1"),
-        ({"seed": -1}, "--seed: must be from 0"),
-        ({"threads": 0}, "--threads: must be from 1"),
-        ({"precision": "float16"}, "--precision"),
-        ({"duration": -1}, "--duration"),
+        ({"runs": 0}, "runs: must be from 1"),
+        ({"seed": -1}, "seed: must be from 0"),
+        ({"threads": 0}, "threads: must be from 1"),
+        ({"precision": "float16"}, "precision"),
+        ({"duration": -1}, "duration"),
     ],
 )
 def test_impossible_batches_are_refused(x4, options, message):

@@ -413,12 +413,12 @@ def test_the_firmware_of_another_mission_is_refused(both, x4):
     ("overrides", "times", "told"),
     [
         ({"sensors.control_rate": "5"}, {}, "sensors.control_rate"),
-        ({}, {"step": 0.2}, "--step"),
-        ({}, {"step": 0.0}, "--step"),
-        ({}, {"duration": 0.0}, "--duration"),
-        ({}, {"duration": float("inf")}, "--duration"),
-        ({}, {"duration": 1.0, "every": 0}, "--every"),
-        ({}, {"duration": 1.0, "every": 101}, "--every"),
+        ({}, {"step": 0.2}, "step"),
+        ({}, {"step": 0.0}, "step"),
+        ({}, {"duration": 0.0}, "duration"),
+        ({}, {"duration": float("inf")}, "duration"),
+        ({}, {"duration": 1.0, "every": 0}, "every"),
+        ({}, {"duration": 1.0, "every": 101}, "every"),
     ],
 )
 def test_a_flight_of_firmware_that_cannot_be_is_refused(overrides, times, told):
@@ -514,13 +514,13 @@ def test_a_certificate_of_another_mission_or_one_tampered_with_is_refused(x4, tm
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        ({"name": "1abc"}, "--name"),
-        ({"name": "a" * 21}, "--name"),
-        ({"name": "x-y"}, "--name"),
-        ({"precision": "float16"}, "--precision"),
-        ({"sensing": "lidar"}, "--sensing"),
-        ({"rotor_limits": (Fraction(0), Fraction(10))}, "--rotor-limits"),
-        ({"rotor_limits": (Fraction(-1), Fraction(40))}, "--rotor-limits"),
+        ({"name": "1abc"}, "name"),
+        ({"name": "a" * 21}, "name"),
+        ({"name": "x-y"}, "name"),
+        ({"precision": "float16"}, "precision"),
+        ({"sensing": "lidar"}, "sensing"),
+        ({"rotor_limits": (Fraction(0), Fraction(10))}, "rotor_limits"),
+        ({"rotor_limits": (Fraction(-1), Fraction(40))}, "rotor_limits"),
     ],
 )
 def test_options_that_cannot_be_are_refused(x4, tmp_path, options, told):

@@ -106,7 +106,7 @@ def test_a_notebook_is_told_how_to_show_them_without_an_import_of_what_draws():
     code = (
         "from IPython.testing.globalipapp import start_ipython; shell = start_ipython();"
         "shell.display_formatter.active_types = ['text/plain', 'text/html'];"
-        "import sys, json, hoverproof as hp; early = 'matplotlib' in sys.modules;"
+        "import sys, json, hoverproof as hp; early = 'hoverproof.show.drawing' in sys.modules;"
         "shown, _ = shell.display_formatter.format(hp.load('x4-flyer'));"
         "print(json.dumps([early, shown['text/html']]))"
     )
