@@ -241,7 +241,7 @@ def test_slowest_rates_are_those_of_each_set_of_gains(x4):
     assert len(slowest_rates(x4, tuple(k[:0] for k in gains))) == 0
 
 
-@pytest.mark.slow
+@pytest.mark.whole
 def test_a_search_of_weights_certifies_a_faster_decay(fast_over_box):
     weighed = tune(fast_over_box.mission, weights="search")
     assert weighed.verdict.decay_rate > fast_over_box.verdict.decay_rate
