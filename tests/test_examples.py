@@ -25,6 +25,7 @@ each = pytest.mark.parametrize("script", SCRIPTS, ids=lambda p: p.stem)
 LARGE = "machinevisiontoolbox"
 """What an example needs that `make trials` alone installs and runs."""
 LONG = {
+    "flight",
     "from_the_papers_gains_to_gains_that_fly",
     "where_may_i_switch_it_on",
     "why_sampling_is_no_proof",

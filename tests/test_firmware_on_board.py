@@ -48,7 +48,7 @@ def flights(mission, package, board, *flags, duration=10):
     [
         (LAW, "float32", M4F),
         pytest.param(LAW, "float32", M7, marks=pytest.mark.whole),
-        (LAW, "float64", M7),
+        pytest.param(LAW, "float64", M7, marks=pytest.mark.whole),
         pytest.param(IMAGE, "float32", M4F, marks=pytest.mark.whole),
     ],
 )

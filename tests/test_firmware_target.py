@@ -143,13 +143,13 @@ CHOICES = [
 ]
 
 
-def some_choices(first):
-    """Prove one thing of one choice in three, another one of others; all in `make trials`."""
-    choices = mostly_whole(CHOICES, every=3, first=first)
+def some_choices(first, every):
+    """Prove one thing of one choice in so many, another one of others; all in `make trials`."""
+    choices = mostly_whole(CHOICES, every=every, first=first)
     return pytest.mark.parametrize(("overrides", "options"), choices, ids=str)
 
 
-@some_choices(first=1)
+@some_choices(first=1, every=3)
 def test_eva_proves_the_same_of_each_choice_of_a_law(overrides, options, tmp_path):
     package = export(tmp_path / "fw", "x4-flyer", overrides, allow_uncertified=True, **options)
     low, high = (t - load_weight(package) for t in package.manifest["thrust"])
@@ -158,7 +158,7 @@ def test_eva_proves_the_same_of_each_choice_of_a_law(overrides, options, tmp_pat
     assert eva(package, tmp_path, "law_over_box", beyond, *APART) > 0
 
 
-@some_choices(first=3)
+@some_choices(first=3, every=len(CHOICES))
 def test_eva_proves_a_step_of_each_law_on_anything_finite(overrides, options, tmp_path):
     package = export(tmp_path / "fw", "x4-flyer", overrides, allow_uncertified=True, **options)
     assert eva(package, tmp_path, "step_on_anything", (0, 0), *APART) == 0

@@ -26,6 +26,7 @@ from hoverproof.mission.presets import preset_text, with_conditions
 from hoverproof.mission.reading import load
 from hoverproof.mission.uncertainty import Noise, Uncertainty
 from hoverproof.simulation.flight import simulate, summary
+from sampling import mostly_whole
 
 PROGRAM = Path(sys.executable).parent / "hoverproof"
 DEFAULTS = without_asking({})
@@ -247,7 +248,9 @@ def test_leaving_writes_nothing(key):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("option", [["--yes"], ["--from", "x4-flyer"], ["--json"]])
+@pytest.mark.parametrize(
+    "option", mostly_whole([["--yes"], ["--from", "x4-flyer"], ["--json"]], every=3)
+)
 def test_nothing_is_asked_of_those_who_say_so(option):
     terminal = spawn("new", "my-flyer.toml", *option)
     terminal.expect(pexpect.EOF)

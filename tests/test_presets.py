@@ -82,7 +82,8 @@ def test_a_preset_is_proved_from_its_start_and_flies_there_in_a_time_like_the_pr
     assert time / 4 < flown < time
 
 
-@pytest.mark.parametrize("name", BUILT)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", mostly_whole(BUILT, every=3, first=2))
 def test_the_firmware_of_a_preset_flies_as_the_model_with_its_sensors(name):
     tool("cc")
     mission = load(name)

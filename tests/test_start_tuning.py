@@ -199,7 +199,7 @@ def test_a_curve_is_refused(small):
         pareto(small(), 3, Wish())
 
 
-@pytest.mark.slow
+@pytest.mark.whole  # CI tunes the vehicle of the README
 def test_tune_writes_a_mission_and_a_certificate_that_holds_its_start(small, capsys):
     small("[0.2, 0, -1.3]")
     words = [f"--set={key}={value}" for key, value in {**SCALED}.items()]
