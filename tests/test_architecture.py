@@ -22,6 +22,7 @@ FLOORS = [
     {"certification", "simulation", "export", "paper"},
     {"design"},
     {"firmware", "plausibility"},
+    {"eyes"},
     {"show"},
     {"reporting"},
     {"cli"},

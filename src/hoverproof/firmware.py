@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,6 +25,7 @@ from hoverproof.servo.laws.heading import flown_law
 from hoverproof.servo.layout import place
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import flight as simulation
+from hoverproof.simulation import kernel
 from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.plan import Plan, is_ideal
 from hoverproof.simulation.record import Record, flight_record
@@ -156,6 +157,7 @@ def flown_firmware(
     *,
     seed: int = 0,
     law: Law | None = None,
+    eyes: Callable[[], kernel.Eyes] | None = None,
 ) -> Record:
     """Fly a mission with the exported C: `fly_firmware`, without importing xarray.
 
@@ -168,6 +170,8 @@ def flown_firmware(
         A bare number.
     law : Law, optional
         That of the firmware; by default the law of the mission.
+    eyes : callable, optional
+        Makes what is in place of the camera; the mission is not an ideal one then.
     """
     ideal = is_ideal(mission)
     step = flight_step(mission, timing.step, law)
@@ -186,7 +190,7 @@ def flown_firmware(
         raise InputError(mission.source, "law", f"is not the law of the firmware {firmware.name}")
     if not ideal:
         plan = Plan(mission, step, steps.samples, every, seed, scattered=False, law=law)
-        return _fly_as_built(plan, firmware, finer)
+        return _fly_as_built(plan, firmware, finer, eyes)
     vehicle = firmware
 
     def fly(samples: int, every: int) -> tuple[Array, bool]:
@@ -292,7 +296,12 @@ class _Ticks:
         return after
 
 
-def _fly_as_built(plan: Plan, firmware: Firmware, finer: int | None) -> Record:
+def _fly_as_built(
+    plan: Plan,
+    firmware: Firmware,
+    finer: int | None,
+    eyes: Callable[[], kernel.Eyes] | None,
+) -> Record:
     """Fly once with the sensors, rotors, wind and errors that a mission names."""
     mission = plan.mission
     if "camera" not in firmware.manifest:
@@ -311,7 +320,7 @@ def _fly_as_built(plan: Plan, firmware: Firmware, finer: int | None) -> Record:
         made.append(_Ticks(plan, firmware, period))
         return made[-1]
 
-    record = simulation.fly_as_built(plan, None, finer, ticks)
+    record = simulation.fly_as_built(plan, None, finer, ticks, eyes)
     record.attrs["machine"] = f"firmware, {firmware.manifest['precision']}"
     first = made[0]
     if first.status:

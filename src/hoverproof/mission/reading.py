@@ -12,6 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from hoverproof.errors import InputError, suggestion
+from hoverproof.mission.camera import Lens
 from hoverproof.mission.camera_info import lens_of_file
 from hoverproof.mission.fields import shown
 from hoverproof.mission.presets import preset_text, presets
@@ -55,6 +56,24 @@ def load(source: str | Path, overrides: Mapping[str, object] | None = None) -> M
         return Mission(**data, source=where)
     except ValidationError as error:
         raise _input_error(error, where) from None
+
+
+def load_lens(path: str | Path) -> Lens:
+    """Read the lens of a `camera_info` file.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or holds no lens that can be used.
+    """
+    try:
+        return Lens(**lens_of_file(path, "no such file"))
+    except ValidationError as error:
+        raise _input_error(error, str(path)) from None
 
 
 def with_tolerance(mission: Mission, name: str, value: Fraction) -> Mission:
