@@ -75,6 +75,15 @@ class Flight:
         After so long of its own flight it hands back, s.
     report : callable
         Takes a `Report` twice a second.
+    told : Told
+        By the vehicle, so far.
+    log : Logbook
+    phase, why : str
+        See `Report`.
+    fault : bool
+        Whether a fault ended it.
+    sent : int
+        Setpoints so far: a bare number.
     """
 
     guide: Guide
@@ -84,9 +93,9 @@ class Flight:
     clock: Clock
     rate: float
     hover: HoverThrottle
+    report: Callable[[Report], None]
     system: int | None = None
     duration: float | None = None
-    report: Callable[[Report], None] = lambda report: None
     told: Told = field(default_factory=Told)
     log: Logbook = field(default_factory=Logbook)
     phase: str = "waiting"

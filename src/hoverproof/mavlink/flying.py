@@ -34,9 +34,9 @@ class Wish:
     Attributes
     ----------
     rate : float
-        Of steps and setpoints, Hz.
+        Of steps and setpoints, Hz: 1/s.
     hover_throttle : float or None
-        0 to 1; learned if there is none.
+        A number from 0 to 1; learned if there is none.
     system : int or None
         Number of the vehicle; by default the first that is heard.
     duration : float or None

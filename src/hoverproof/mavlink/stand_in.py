@@ -98,11 +98,12 @@ class Habits:
     ----------
     autopilot : Autopilot
     loop : float
-        Bandwidth of its rate loop over that of the mission, a ratio.
+        Bandwidth of its rate loop over that of the mission, dimensionless.
     hover_throttle : float
-        0 to 1.
+        A number from 0 to 1.
     thrust : float
-        What its rotors give over what they gave when the throttle of hover was learned.
+        What its rotors give over what they gave when the throttle of hover was learned,
+        dimensionless.
     wind : (3,)
         Force over its mass, world frame, m/s².
     gyro, velocity, force, image : float
@@ -112,7 +113,7 @@ class Habits:
     jitter : float
         That is added at random, at most, s: messages overtake one another.
     lost : float
-        Share of the messages that are lost, both ways.
+        Share of the messages that are lost, both ways, a number from 0 to 1.
     """
 
     autopilot: Autopilot = PX4
@@ -155,7 +156,7 @@ class StandIn:
     switched_on : float
         When its autopilot started last, s.
     landed : int
-        MAV_LANDED_STATE: 2 is in the air.
+        MAV_LANDED_STATE, a bare number: 2 is in the air.
     silent : set of int
         Numbers of messages that it does not send.
     """

@@ -30,7 +30,7 @@ class HoverThrottle:
     gravity : float
         m/s².
     given : float or None
-        From 0 to 1; learned if there is none.
+        A number from 0 to 1; learned if there is none.
     """
 
     gravity: float
@@ -45,7 +45,7 @@ class HoverThrottle:
         at : float
             s.
         throttle : float
-            That the autopilot asks for, 0 to 1.
+            That the autopilot asks for, a number from 0 to 1.
         felt : float
             Thrust over mass that the accelerometer feels, m/s².
         """
