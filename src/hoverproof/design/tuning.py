@@ -39,6 +39,7 @@ from hoverproof.design.region_tuning import region_pareto, tune_region
 from hoverproof.design.start_trade import start_trade
 from hoverproof.design.start_tuning import tune_start
 from hoverproof.errors import InputError
+from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Gains, Mission
 from hoverproof.servo.loop import slowest_rate
 
@@ -53,6 +54,7 @@ TRIES = 4
 LITTLE, ONE = Fraction("0.000001"), Fraction(1)
 
 
+@of_mission
 def tune(
     mission: Mission,
     *,
@@ -69,7 +71,7 @@ def tune(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
         Its gains are replaced; its bounds, goal, start and limits of the rotors count.
     bandwidth : float
         Largest attitude bandwidth (k1 k2 + k3 + k4)/m, rad/s.
@@ -335,6 +337,7 @@ def _short_of(best: Tuned, limits: Limits, at_least: float, command: FirstComman
     return Infeasible(best.mission, reason, best, needed)
 
 
+@of_mission
 def pareto(
     mission: Mission,
     count: int,
@@ -351,7 +354,7 @@ def pareto(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
     count : int
         Number of bandwidths, at least 2.
     wish : Wish, optional
