@@ -22,7 +22,7 @@ FLOORS = [
     {"certification", "simulation", "export", "paper"},
     {"design"},
     {"firmware", "plausibility"},
-    {"eyes"},
+    {"mavlink", "eyes"},
     {"show"},
     {"reporting"},
     {"cli"},

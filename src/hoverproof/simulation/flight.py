@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.files import write_bytes
+from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import CONDITIONS, Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.plant.rotors import wrench
@@ -44,6 +45,7 @@ Array = NDArray[np.float64]
 SAMPLES = 2000
 
 
+@of_mission
 def simulate(
     mission: Mission,
     *,
@@ -58,7 +60,7 @@ def simulate(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
     duration : float, optional
         s; by default seven time constants of the slowest motion near the goal.
     step : float, optional
