@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import csv
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from hoverproof import cli
+from hoverproof.compilers import find_compiler
 from hoverproof.eyes.renderer import Pose, Renderer
 from hoverproof.eyes.video import video
 from hoverproof.mission.tags import board_of_tag
