@@ -162,6 +162,13 @@ def mistaken(flown):
     flown.flight.guide.step = step
 
 
+def unplugged(flown):
+    def send(*_):
+        raise OSError("no such device")
+
+    flown.ends.send = send
+
+
 def interrupted(flown):
     def wait(_):
         raise KeyboardInterrupt
@@ -186,6 +193,7 @@ FAULTS = {
     "no thrust": (without_thrust, 0.05, "none is felt", True),
     "stopped": (stopped, 0.0, "kept the flight from running", True),
     "mistake": (mistaken, 0.0, "an error of the program", True),
+    "unplugged": (unplugged, 0.0, "failed: no such device", True),
     "Ctrl-C": (interrupted, 0.0, "interrupted", False),
 }
 
@@ -213,7 +221,9 @@ def test_nothing_is_sent_after_a_fault_and_the_vehicle_looks_after_itself(name, 
     flown.ends.wait(over + 2.5)
     assert len(sent) == before
     last = sorted(mask for _, mask in vehicle.setpoints[-2:])
-    assert last == ([128, 128] if name in ("mode", "disarmed", "mistake") else [7, 128])
+    assert last == (
+        [128, 128] if name in ("mode", "disarmed", "mistake", "unplugged") else [7, 128]
+    )
     if name != "mode":
         assert vehicle.fell_back == pytest.approx(vehicle.setpoints[-1][0] + 1.0, abs=0.01)
     assert vehicle.mode == HOLD

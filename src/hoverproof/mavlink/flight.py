@@ -132,6 +132,8 @@ class Flight:
                 self.clock.wait(next_step)
         except KeyboardInterrupt:
             self._over("interrupted", fault=False)
+        except OSError as error:  # as of a cable that is pulled out
+            self.phase, self.why, self.fault = "over", f"input or output failed: {error}", True
         except BaseException:
             self.phase, self.why, self.fault = "over", "an error of the program", True
             raise
