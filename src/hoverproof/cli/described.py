@@ -9,10 +9,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from hoverproof.cli.questions import Answers
-from hoverproof.mission.described import VehicleFile
+from hoverproof.mission.described import RotorSaid, VehicleFile
 
 DIGITS = 6
-SMALL = 1e-9
+SMALL = 1e-6
 """Of the largest moment: a product of inertia below it is rounding."""
 
 
@@ -53,6 +53,9 @@ def said_of_vehicle(found: VehicleFile) -> list[str]:
         said.append(f"inertia {_row(found.inertia.diagonal().tolist())} kg m² about the body axes")
     if found.rotors:
         said.append(f"{len(found.rotors)} rotors, positions in m")
+        if all(r.thrust_max for r in found.rotors):
+            most = sorted({_text(r.thrust_max or 0) for r in found.rotors})
+            said.append(f"highest thrust of a rotor {' to '.join([most[0], *most[1:][-1:]])} N")
     if found.drag_ratio:
         said.append(f"drag torque over thrust {_text(found.drag_ratio)} m")
     if found.rotor_lag:
@@ -114,11 +117,15 @@ def _comments(found: VehicleFile) -> str:
 
 def _placed(found: VehicleFile) -> str:
     lines = [
-        f'  {{position = {_row(r.position)}, spin = "{"ccw" if r.spin > 0 else "cw"}"}},'
+        f'  {{position = {_row(r.position)}, spin = "{"ccw" if r.spin > 0 else "cw"}"{_most(r)}}},'
         for r in found.rotors
     ]
     said = "# Body axes x forward, y right, z down, m; spin seen from above."
     return "\n".join([said, "rotors = [", *lines, "]"])
+
+
+def _most(rotor: RotorSaid) -> str:
+    return f", thrust_max = {_text(rotor.thrust_max)}" if rotor.thrust_max else ""
 
 
 def _text(value: float) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from fractions import Fraction
+from typing import Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 from pydantic_core import PydanticCustomError
@@ -153,3 +154,17 @@ class Section(BaseModel):
     """A section of a mission file: frozen, and no key but those it names."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+
+def as_text(value: Any) -> Any:
+    """Write all numbers of nested dicts and lists as strings.
+
+    Parameters
+    ----------
+    value : object
+    """
+    if isinstance(value, dict):
+        return {key: as_text(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [as_text(entry) for entry in value]
+    return str(value).lower() if isinstance(value, bool) else str(value)
