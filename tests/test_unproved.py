@@ -73,10 +73,10 @@ def claim(refusal, w, limits):
     thrust = Variables.place("thrust").start
     made.lag = vector("torque", 2)
     made.lift = checker.Vector([checker.Form(), checker.Form(), checker.Form({(thrust,): F(1)})])
-    made.may, made.noise, made.late_axes = limits, F(0), False
+    made.may, made.late, made.noise, made.late_axes = limits, limits.latency, F(0), False
     made.wobble = made.twist = made.stray = F(0)
-    made.C = made.G = checker.Vector([checker.Form()] * 3)
-    for name in ("quick", "missed", "cross", "sinking", "spread", "sink", "gyroscopic"):
+    made.C = made.G = made.H = checker.Vector([checker.Form()] * 3)
+    for name in ("quick", "sunk", "cross", "sinking", "spread", "sink", "gyroscopic"):
         setattr(made, name, F(1))  # for radii, of which those of the file are taken
     return made
 

@@ -33,6 +33,13 @@ def export(
         bool,
         Parameter(negative="", help="Let the adapters take raw pixels, by the mission's lens."),
     ] = False,
+    interface: Annotated[
+        Literal["torques", "rates"] | None,
+        Parameter(
+            help="What is commanded: torques, or body rates and thrust to an autopilot's own loop; "
+            "by default rates where the mission has interface.rate_bandwidth (rad/s)."
+        ),
+    ] = None,
     tunable: Annotated[
         bool, Parameter(negative="", help="Keep the gains as parameters that may be set.")
     ] = False,
@@ -87,6 +94,7 @@ def export(
                 sensing=sensing,
                 camera=camera,
                 pixels=pixels,
+                interface=interface,
                 tunable=tunable,
                 name=name,
                 rotor_limits=None if rotor_limits is None else _limits(rotor_limits),

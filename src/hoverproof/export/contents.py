@@ -67,6 +67,8 @@ class Design:
         Names of the rotors and where they are, (x, y) in arms, in their order.
     hover : tuple of Fraction
         What each gives in hover, N.
+    throttle_per_newton : Fraction
+        The throttle, 0 to 1, over the thrust of all rotors that give their highest at 1, 1/N.
     allocation : tuple of (4,) Fractions
         What share of T, Γ1, Γ2 and Γ3 each takes over, 1, 1/m, 1/m and 1/m.
     """
@@ -77,6 +79,7 @@ class Design:
     goal_centroid: Sequence[Fraction]
     rotors: tuple[tuple[str, Place], ...]
     hover: tuple[Fraction, ...]
+    throttle_per_newton: Fraction
     allocation: tuple[tuple[Fraction, ...], ...]
 
 
@@ -160,6 +163,11 @@ class Contents:
     vectors: Sequence[Vector]
 
     @property
+    def rate_bandwidth(self) -> str:
+        """Of the rate loop that is commanded, rad/s, an exact number; empty without."""
+        return str(self.mission.interface.rate_bandwidth) if self.options.rates else ""
+
+    @property
     def points(self) -> int:
         """Number of target points."""
         return len(self.mission.target.points)
@@ -210,7 +218,7 @@ def contents(
     sized = law.spread is not None or (camera is not None and bool(camera.spread))
     spread = _spread(mission, options) if sized else None
     proved, limits = evidence(standing, mission), _limits(mission, standing, law, spread)
-    text, design = law_text(mission, options, law), _design(mission, law.source)
+    text, design = law_text(mission, options, law), _design(mission, options, law.source)
     return Contents(
         name=name,
         NAME=name.upper(),
@@ -251,7 +259,7 @@ def _origin(mission: Mission, proved: Evidence, text: LawText, law: Law) -> Orig
     )
 
 
-def _design(mission: Mission, law: Law) -> Design:
+def _design(mission: Mission, options: Options, law: Law) -> Design:
     v, frame = mission.vehicle, mission.vehicle.frame
     units, numbers = law.design.gains(), law.design.numbers(mission)
     words = ", ".join(f"{gain} {unit}" for gain, unit in units.items())
@@ -263,6 +271,7 @@ def _design(mission: Mission, law: Law) -> Design:
         goal_centroid=law.goal_feature(mission),
         rotors=tuple(zip(frame.names, frame.places, strict=True)),
         hover=v.hover_thrusts,
+        throttle_per_newton=options.throttle_per_newton(len(frame.names)),
         allocation=tuple(
             tuple(share / length for share, length in zip(row, lengths, strict=True))
             for row in shares(frame)

@@ -90,6 +90,7 @@ def write_package(
     rotor_limits: tuple[Fraction, Fraction] | None = None,
     camera: bool = False,
     pixels: bool = False,
+    interface: str | None = None,
     law: Law | None = None,
 ) -> dict[str, Any]:
     """Write the package and return its manifest.
@@ -116,6 +117,9 @@ def write_package(
         Keep the newest frame of a slow camera, and turn it with the gyroscope from step to step.
     pixels : bool
         Let the glue for autopilots take raw pixels, seen through the mission's lens.
+    interface : {"torques", "rates"}, optional
+        What is commanded; by default body rates and thrust where the mission has the bandwidth of a
+        rate loop, `interface.rate_bandwidth`.
     law : Law, optional
         What the firmware computes; by default the law of the mission.
 
@@ -135,11 +139,13 @@ def write_package(
         rotor_limits=rotor_limits,
         camera=camera,
         pixels=pixels,
+        interface=interface,
     )
     law = (law or flown_law(mission)).flying(mission)
     check_sees_points(law, options)
     standing = checked(standing, mission, law)
-    flown = flight_law(mission, sensing=options.sensing, tunable=tunable, law=law)
+    sensing, rates = options.sensing, options.rates
+    flown = flight_law(mission, sensing=sensing, tunable=tunable, law=law, rates=rates)
     filled = contents(mission, standing, flown, package_name(name, mission.name), options)
     texts = _rendered(filled)
     texts |= standing.texts(filled.name)
@@ -181,7 +187,8 @@ def _templates() -> Any:
 def _rendered(filled: Contents) -> dict[str, str]:
     """Fill the templates; return the texts by their paths, without those that come out empty."""
     files = FILES | (CAMERA_FILES if filled.camera else {}) | (LENS_FILES if filled.lens else {})
-    for target in TARGETS:
+    targets = () if filled.options.rates else TARGETS
+    for target in targets:
         files |= target.files()
     named = {
         **vars(filled),
@@ -192,8 +199,8 @@ def _rendered(filled: Contents) -> dict[str, str]:
         "keeps_rotor_limits": filled.keeps_rotor_limits,
         "lit": filled.options.precision.lit,
         "braces": filled.options.precision.braces,
-        "targets": TARGETS,
-        "target_titles": titles(),
+        "targets": targets,
+        "target_titles": titles(targets),
     }
     texts = {
         path.format(name=filled.name): _templates().get_template(template).render(named)
@@ -227,6 +234,7 @@ def _manifest(filled: Contents, texts: Mapping[str, str], law: Law) -> dict[str,
         **({"camera": options.camera} if options.camera else {}),
         **({"lens": filled.lens.model} if filled.lens else {}),
         **({"pixels": True} if options.pixels else {}),
+        **({"rate_bandwidth": filled.rate_bandwidth} if filled.rate_bandwidth else {}),
         "tunable": options.tunable,
         "tools": {"hoverproof": __version__, "casadi": version("casadi")},
         "thrust": [float(t) for t in limits.thrust],
@@ -256,8 +264,8 @@ def _instruction_budget(filled: Contents) -> int:
     """Most instructions of a step: a part for each point, one for each number, and the rest."""
     points = 12 * filled.points if filled.options.of_points else 0
     felt, sized = 50 if filled.law.lift else 0, 24 + points if filled.law.spread else 0
-    headed = 16 if filled.law.heading else 0
-    return points + 4 * filled.law.numbers + 175 + felt + sized + headed
+    headed, rates = 16 if filled.law.heading else 0, 20 if filled.options.rates else 0
+    return points + 4 * filled.law.numbers + 175 + felt + sized + headed + rates
 
 
 def _flash_budget(filled: Contents) -> int:
@@ -267,4 +275,5 @@ def _flash_budget(filled: Contents) -> int:
     felt, sized = 100 if filled.law.lift else 0, 60 + points if filled.law.spread else 0
     headed = 60 if filled.law.heading else 0
     seen = 120 * filled.points + 200 if filled.law.seen_heading else 0
+    seen += 500 if filled.options.rates else 0
     return points + 25 * filled.law.numbers + 1400 + tuning + felt + sized + headed + seen

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +47,9 @@ class ExportAnswer(Answer):
         yield f"  rotors  {', '.join(map(interval, each)) + ' N' if each else limits}"
         kept = ", proved to be kept" if manifest["rotor_limits_kept"] else ""
         yield f"          {manifest['rotor_limits_from']}{kept}"
+        if "rate_bandwidth" in manifest:
+            bandwidth = float(Fraction(manifest["rate_bandwidth"]))
+            yield f"  rates   and throttle are commanded, to a rate loop of {bandwidth:g} rad/s"
         yield "SHA-256 of the law, and of the certificates if there are any:"
         yield f"  {manifest['law_sha256']}"
         for sha256 in manifest["theorems"].values():
