@@ -15,15 +15,17 @@ import hoverproof as hp
 from hoverproof import firmware
 from hoverproof.certification.exponential.proof import converge
 from hoverproof.certification.verdict import Undecided
-from hoverproof.checker import Rejected, claim_of
+from hoverproof.checker import Rejected, check, claim_of
 from hoverproof.cli import main
 from hoverproof.cli.answers.exponential import beyond
 from hoverproof.cli.console import app
 from hoverproof.cli.questions import placed
 from hoverproof.compilers import find_compiler
+from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
 from hoverproof.export.package import NotCertified
 from hoverproof.firmware import export_c
+from test_on_the_way import forged
 
 SKEWED = """
 name = "skewed"
@@ -110,6 +112,14 @@ def test_each_rotor_has_bounds_of_its_own(proved, load):
     made = claim_of(content).rotors()
     assert all(a <= c < d <= b for (a, b), (c, d) in zip(ends, made, strict=True))
 
+    for wrong in (
+        [*content["claim"]["rotors"][:3], ["-1/2", "2"]],  # one of a rotor does not follow
+        content["claim"]["rotors"][:3],
+        [],
+    ):
+        with pytest.raises(Rejected, match="the thrust of a rotor does not follow"):
+            check(forged(content, ("claim", "rotors"), wrong))
+
     def told(*cut):
         held = [(a, b - c) for (a, b), c in zip(ends, cut, strict=True)]
         limits = [f", thrust_min = {float(a)}, thrust_max = {float(b)}" for a, b in held]
@@ -176,6 +186,8 @@ def test_the_command_proves_it_where_the_gains_alone_are_not_and_takes_a_file(
     monkeypatch.setattr(firmware, "attraction", lambda mission, progress: open_)
     with pytest.raises(NotCertified, match="from its start it is undecided too: no proof"):
         export_c(mission, "c")
+    with pytest.raises(InputError, match="needs camera"):  # before anything is searched
+        export_c(mission, "c", pixels=True)
     changed = ["export", "skewed.toml", "--out", "c", "--certificate", "changed.json"]
     text = Path("held.json").read_text().replace('"level"', '"lever"')
     Path("changed.json").write_text(text)

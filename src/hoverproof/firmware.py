@@ -18,7 +18,7 @@ from hoverproof.certification.gains import certify
 from hoverproof.certification.problem import pose
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware, Output
-from hoverproof.export.package import NotCertified, write_package
+from hoverproof.export.package import NotCertified, check_options, write_package
 from hoverproof.export.standing import Standing
 from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
@@ -109,6 +109,7 @@ def export_c(
     verdict = certify(mission)
     gains = verdict.proved.certificate.content if verdict.proved else None
     if gains is None and certificate is None and not allow_uncertified:
+        check_options(mission, **options)  # before what may take a while
         certificate = _converges(mission, verdict.status, progress)
     standing = Standing(verdict.problem.thrust, gains, certificate)
     return write_package(mission, out, standing, **options)

@@ -155,6 +155,33 @@ def write_package(
     return manifest
 
 
+def check_options(
+    mission: Mission,
+    *,
+    precision: str = "float32",
+    sensing: str = "points",
+    tunable: bool = False,
+    name: str | None = None,
+    **more: Any,
+) -> None:
+    """Refuse what `write_package` would.
+
+    Parameters
+    ----------
+    mission : Mission
+    precision, sensing, tunable, name, **more
+        As there.
+
+    Raises
+    ------
+    InputError
+        If one of them cannot be used.
+    """
+    given: dict[str, Any] = {"rotor_limits": None, **more}
+    Options.of(mission, precision=precision, sensing=sensing, tunable=tunable, **given)
+    package_name(name, mission.name)
+
+
 def _write(out: str | Path, texts: Mapping[str, str]) -> None:
     """Write the files of a package; the manifest comes last, as it stands for the whole."""
     folder = Path(out)

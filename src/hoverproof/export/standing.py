@@ -34,7 +34,8 @@ class Standing:
         Content of a certificate of from where the vehicle converges; without either, every file
         says that nothing is proved.
     tilt_cosine : Fraction, optional
-        Bound from below of the cosine of the tilt on the way, where that certificate has it.
+        Bound from below of the cosine of the tilt on the way, where that certificate has it;
+        dimensionless.
     """
 
     thrust: tuple[Fraction, Fraction]

@@ -41,6 +41,10 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
         angle = f"{number(verdict.field_of_view)} rad ({math.degrees(verdict.field_of_view):.3g}°)"
         yield f"  target points           within {angle} of the {verdict.mission.camera.axis_seen}"
     yield f"  thrust of each rotor    in {interval(verdict.rotor_thrust)} N"
+    if verdict.mission.vehicle.own_limits:
+        names = verdict.mission.vehicle.frame.names
+        for name, ends in zip(names, verdict.rotor_thrusts, strict=True):
+            yield f"    {name:20}  in {interval(ends)} N"
     yield from map("  {}".format, beyond(verdict))
     symbol = "J" if verdict.mission.law.feature == "scaled" else "Q"
     ball = f"j = {number((low + high) / 2)}, ϱ = {number((high - low) / 2)} 1/m"
