@@ -153,7 +153,10 @@ def test_a_start_beyond_the_bounds_of_J_is_said_to_be(small):
         ("[0.9, 0, -2.2]", ("no gains were searched", "the most of which the search knows")),
     ],
 )
-def test_whoever_follows_the_advice_gets_the_gains_that_were_proved(small, capsys, start, said):
+def test_whoever_follows_the_advice_gets_the_gains_that_were_proved(
+    small, capsys, start, said, whole
+):
+    """Of one piece of advice, and with `make trials` of each."""
     small(start)
     options = [f"--set={key}={value}" for key, value in LATE.items()]
     with pytest.raises(SystemExit) as exit_:
@@ -162,7 +165,7 @@ def test_whoever_follows_the_advice_gets_the_gains_that_were_proved(small, capsy
     answer = json.loads(capsys.readouterr().out)
     assert all(words in answer["reason"] for words in said), answer["reason"]
     assert answer["advice"]
-    for advice in answer["advice"]:
+    for advice in answer["advice"] if whole else answer["advice"][:1]:
         followed = [f"--set={setting}" for setting in advice["set"]]
         with pytest.raises(SystemExit) as exit_:
             cli.main(["tune", "small.toml", "--json", *options, *followed])

@@ -2074,8 +2074,8 @@ class Tolerant(Claim):
         )
         self.lag, self.lift = flat(lag), upright(lag)  # μ and μT
         self.A = Vector(self.N + self.B + self.E)  # what is used less what is now
-        count = len(self.terms(Fraction(0), Fraction(0)))
-        require(len(c.multipliers.terms) == count, "a multiplier a term")
+        terms = len(self.terms(Fraction(0), Fraction(0)))
+        require(len(c.multipliers.terms) == terms, "a multiplier a term")
 
     def disturb(self, noise: Object, gust: Fraction) -> None:
         """Bound b, of the image error; the error of the force; that of Ω; and a gust, over k1/m."""
