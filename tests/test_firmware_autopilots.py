@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import struct
 from fractions import Fraction
 from functools import partial
@@ -12,11 +13,12 @@ import pytest
 from firmware_kit import TARGET, export, run, tool
 from hoverproof.export.adapter import oldest_image
 from hoverproof.mission.reading import load
+from sampling import mostly_whole
 from test_firmware_target import STUBS, image_topic
 
 BEST = {"law": {"feature": "scaled", "goal": "inertial", "force": "measured"}}
 CRAZYFLIE = "crazyflie-2.1"
-PRECISIONS = pytest.mark.parametrize("precision", ["float32", "float64"])
+EITHER = [("float32", False), ("float32", True), ("float64", True), ("float64", False)]
 pytestmark = pytest.mark.slow
 
 best = partial(export, mission=CRAZYFLIE, overrides=BEST, allow_uncertified=True)
@@ -69,8 +71,7 @@ def fail_selftest(package):
     source.write_text(text.replace("  return failed;", "  return failed + 1U;"))
 
 
-@PRECISIONS
-@pytest.mark.parametrize("tunable", [False, True])
+@pytest.mark.parametrize(("precision", "tunable"), mostly_whole(EITHER, every=2, first=0))
 def test_the_crazyflie_flies_by_pid_unless_all_is_well_and_cuts_power_in_one_step(
     precision, tunable, tmp_path
 ):
@@ -148,7 +149,12 @@ def test_a_packet_of_a_centroid_is_exact(tmp_path):
     assert np.float32(seen).tolist() == np.float32([0.1, -0.2, 3.7]).tolist()
 
 
-HOLDING = pytest.mark.parametrize("share", [0.85, 1, 1.15])
+def holding(first):
+    """Hold the height with one share of thrust and one precision in three; all in `make trials`."""
+    cases = itertools.product(("float32", "float64"), (0.85, 1, 1.15))
+    return pytest.mark.parametrize(
+        ("precision", "share"), mostly_whole(cases, every=3, first=first)
+    )
 
 
 def holds_its_height(program, share, late):
@@ -159,8 +165,7 @@ def holds_its_height(program, share, late):
     assert max(abs(x), abs(y)) < 0.01
 
 
-@PRECISIONS
-@HOLDING
+@holding(first=0)
 def test_the_crazyflie_holds_its_height_by_its_mixer_with_less_and_more_thrust(
     precision, share, tmp_path
 ):
@@ -213,8 +218,7 @@ def px4(package, folder, plain=None):
     return folder / "px4"
 
 
-@PRECISIONS
-@pytest.mark.parametrize("tunable", [False, True])
+@pytest.mark.parametrize(("precision", "tunable"), mostly_whole(EITHER, every=2, first=1))
 def test_the_mode_of_px4_levels_on_faults_and_says_nothing_in_other_modes(
     precision, tunable, tmp_path
 ):
@@ -236,8 +240,7 @@ def test_px4_makes_the_thrust_and_the_torque_that_are_asked_for(tmp_path):
     assert made == pytest.approx(asked, rel=1e-6)
 
 
-@PRECISIONS
-@HOLDING
+@holding(first=2)
 def test_px4_holds_its_height_by_its_allocation_with_less_and_more_thrust(
     precision, share, tmp_path
 ):
@@ -270,8 +273,7 @@ def ardupilot(package, folder, plain=None):
     return folder / "ardupilot"
 
 
-@PRECISIONS
-@pytest.mark.parametrize("camera", [False, True])
+@pytest.mark.parametrize(("precision", "camera"), mostly_whole(EITHER, every=2, first=0))
 def test_ardupilot_gives_the_motors_back_in_the_loop_in_which_they_are_not_the_laws(
     precision, camera, tmp_path
 ):
@@ -287,8 +289,7 @@ def test_without_its_self_test_the_law_never_has_ardupilot(tmp_path):
     assert run(ardupilot(package, tmp_path), "sick").stdout == "sick\n"
 
 
-@PRECISIONS
-@HOLDING
+@holding(first=1)
 def test_ardupilot_holds_its_height_by_its_mixer_with_less_and_more_thrust(
     precision, share, tmp_path
 ):

@@ -150,8 +150,10 @@ def test_the_certified_rate_of_a_random_mission_is_one_that_its_loop_has(whole):
 @pytest.mark.parametrize(
     ("objective", "change"),
     [
-        *[("decay", {}), ("decay", AUTO), ("settling", AUTO), ("region", AUTO)],
+        *[("decay", {}), ("decay", AUTO)],
+        pytest.param("settling", AUTO, marks=pytest.mark.whole),
         pytest.param("settling", {}, marks=pytest.mark.whole),
+        pytest.param("region", AUTO, marks=pytest.mark.whole),
     ],
 )
 def test_tuned_gains_settle(objective, change):

@@ -167,7 +167,7 @@ def test_a_camera_that_sees_enough_is_claimed_and_one_that_does_not_is_said(path
                 checker.check(made)
 
 
-@pytest.mark.slow
+@pytest.mark.whole  # CI proves a preset with its camera
 def test_a_narrow_camera_gets_a_smaller_set_and_a_narrower_one_none(path, proved):
     narrow = proved.field_of_view - F(1, 100)
     verdict = converge(load(path, {"camera.half_angle": str(float(narrow))}))

@@ -19,6 +19,7 @@ from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware, Output
 from hoverproof.export.contents import Standing
 from hoverproof.export.package import NotCertified, write_package
+from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import choices_of
@@ -26,6 +27,7 @@ from hoverproof.servo.laws.heading import flown_law
 from hoverproof.servo.layout import place
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import flight as simulation
+from hoverproof.simulation import kernel
 from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.inner_loop import inner_loop
 from hoverproof.simulation.plan import Plan, is_ideal
@@ -47,8 +49,10 @@ FAULTS = {
 """What ends a flight of firmware, by the bit of its status."""
 
 
+@of_mission
 def export_c(
     mission: Mission,
+    /,
     out: str | Path,
     *,
     allow_uncertified: bool = False,
@@ -59,7 +63,7 @@ def export_c(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
     out : str or Path
         Folder to write to; made if needed.
     allow_uncertified : bool
@@ -98,6 +102,7 @@ def export_c(
     return write_package(mission, out, Standing(verdict.problem.thrust, certificate), **options)
 
 
+@of_mission
 def fly_firmware(
     mission: Mission,
     firmware: Firmware | None = None,
@@ -118,7 +123,7 @@ def fly_firmware(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
     firmware : Firmware, optional
         A package of this mission; by default it is exported in float32 for this flight. With
         sensors and the like it is to be made with ``camera=True``.
@@ -159,6 +164,7 @@ def flown_firmware(
     *,
     seed: int = 0,
     law: Law | None = None,
+    eyes: Callable[[], kernel.Eyes] | None = None,
 ) -> Record:
     """Fly a mission with the exported C: `fly_firmware`, without importing xarray.
 
@@ -171,6 +177,8 @@ def flown_firmware(
         A bare number.
     law : Law, optional
         That of the firmware; by default the law of the mission.
+    eyes : callable, optional
+        Makes what is in place of the camera; the mission is not an ideal one then.
     """
     ideal = is_ideal(mission)
     step = flight_step(mission, timing.step, law)
@@ -196,7 +204,7 @@ def flown_firmware(
         )
     if not ideal:
         plan = Plan(mission, step, steps.samples, every, seed, scattered=False, law=law)
-        return _fly_as_built(plan, firmware, finer)
+        return _fly_as_built(plan, firmware, finer, eyes)
     vehicle = firmware
 
     def fly(samples: int, every: int) -> tuple[Array, bool]:
@@ -318,7 +326,12 @@ class _Ticks:
         return step * num // den != (step - 1) * num // den
 
 
-def _fly_as_built(plan: Plan, firmware: Firmware, finer: int | None) -> Record:
+def _fly_as_built(
+    plan: Plan,
+    firmware: Firmware,
+    finer: int | None,
+    eyes: Callable[[], kernel.Eyes] | None,
+) -> Record:
     """Fly once with the sensors, rotors, wind and errors that a mission names."""
     mission = plan.mission
     if "camera" not in firmware.manifest:
@@ -342,7 +355,7 @@ def _fly_as_built(plan: Plan, firmware: Firmware, finer: int | None) -> Record:
         made.append(_Ticks(plan, firmware, period, inner, (num, den)))
         return made[-1]
 
-    record = simulation.fly_as_built(plan, None, finer, ticks)
+    record = simulation.fly_as_built(plan, None, finer, ticks, eyes)
     record.attrs["conditions"] = json.dumps(mission.conditions())
     record.attrs["machine"] = f"firmware, {firmware.manifest['precision']}"
     first = made[0]

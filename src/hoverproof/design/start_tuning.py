@@ -28,7 +28,8 @@ from hoverproof.design.start_rounding import rounded
 from hoverproof.design.start_search import SPARED, Point, StartSearch
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
-from hoverproof.simulation.flight import simulate
+from hoverproof.simulation.flight import flown
+from hoverproof.simulation.timing import Timing
 
 Progress = Callable[[str], None]
 OF_CELLS = 1.0
@@ -225,12 +226,12 @@ def settled_in_flight(mission: Mission, radius: float, time: float) -> float | N
     time : float
         How long it is flown, s.
     """
-    flight = simulate(mission, duration=time)
+    flight = flown(mission, Timing(duration=time))
     goal = np.array([float(c) for c in hover_goal(mission).position])
-    far = np.linalg.norm(flight.position.values - goal, axis=1) > radius
+    far = np.linalg.norm(flight["position"].values - goal, axis=1) > radius
     if flight.attrs["outcome"] != "flown" or far[-1]:
         return None
-    return float(flight.time.values[np.flatnonzero(far)[-1] + 1]) if far.any() else 0.0
+    return float(flight["time"].values[np.flatnonzero(far)[-1] + 1]) if far.any() else 0.0
 
 
 def why_not(search: StartSearch, point: Point | None) -> str:

@@ -149,7 +149,14 @@ def true_or_false() -> BeforeValidator:
     return BeforeValidator(check)
 
 
+_OF_THE_LIBRARY = {name for name in dir(BaseModel) if not name.startswith("__")}
+
+
 class Section(BaseModel):
     """A section of a mission file: frozen, and no key but those it names."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+    def __dir__(self) -> list[str]:
+        """Return what a section is for, without what its making takes."""
+        return [name for name in super().__dir__() if name not in _OF_THE_LIBRARY]

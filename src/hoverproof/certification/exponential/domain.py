@@ -180,7 +180,7 @@ class Domain:
     @cached_property
     def _scale(self) -> tuple[float, ...]:
         """What sides count for when the longest is halved."""
-        return 1.0, 1.0, 0.6 / float(self.wedge[2][0] * self.wedge[2][1]) ** 0.5
+        return 1.0, 1.0, 0.4 / float(self.wedge[2][0] * self.wedge[2][1]) ** 0.5
 
     def tree(self, cosine: float | None = None) -> str | None:
         """Halve the wedge until each cell is beyond the domain, or J is in its bounds over it.

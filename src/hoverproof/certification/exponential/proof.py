@@ -111,7 +111,9 @@ def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> 
     require_question(mission, starts)
     whole = Search.of(Vehicles.of(mission), Scene.of(mission), tuple(starts))
     wider, highest = ROOMS[0]
-    search = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
+    settled = SETTLED[-1 if whole.vehicles.is_shaken else 0]
+    search = replace(whole, wider=wider, highest=highest, settled=settled)
+    search = replace(search, half_angle=_half_angle(mission))
     found = search.deepest(search.terms(), near)
     return found if found is not None and search.sees(found) else None
 
