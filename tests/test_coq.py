@@ -6,6 +6,7 @@ import contextlib
 import copy
 import importlib.util
 import json
+import os
 import random
 import re
 import shutil
@@ -18,6 +19,7 @@ import pytest
 
 from firmware_kit import tool
 from hoverproof import checker
+from hoverproof.certification import replay
 from sampling import share_of
 
 PROOFS = Path(__file__).parents[1] / "proofs"
@@ -62,6 +64,67 @@ def make(folder, *targets):
     made = subprocess.run(command, capture_output=True, text=True, check=False)
     assert made.returncode == 0, made.stdout + made.stderr
     return made.stdout
+
+
+@pytest.fixture(scope="module")
+def kept(library, tmp_path_factory):
+    """A cache folder that holds the library as `check --coq` would have built it."""
+    cache = tmp_path_factory.mktemp("cache")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(cache))
+        folder = replay.library_folder(PROOFS / "coq")
+    folder.parent.mkdir(parents=True)
+    folder.symlink_to(library[0], target_is_directory=True)
+    return cache
+
+
+def checked(certificate, cache, *options):
+    """Return the status of `check --coq`, and what it says."""
+    command = [sys.executable, "-m", "hoverproof", "check", str(certificate), "--coq", *options]
+    env = {**os.environ, "XDG_CACHE_HOME": str(cache)}
+    done = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_check_has_coq_decide_a_certificate_and_says_what_it_covers(kept):
+    status, out, err = checked(PROOFS / "x4-flyer.over-box.cert.json", kept, "--json")
+    coq = json.loads(out)["coq"]
+    assert status == 0, err
+    assert coq["refused"] is None
+    assert [words.split(":")[0] for words in coq["shown"]] == [
+        "gains_sound",
+        "lyapunov_decays",
+        "target_sound",
+    ]
+    assert "over the box is left to checker.py" in coq["left"]
+    for name in ("gains_sound", "lyapunov_decays", "target_sound"):
+        assert any(f"Theorem {name} " in path.read_text() for path in PROOFS.glob("coq/*.v"))
+
+
+def test_check_says_of_a_kind_that_coq_does_not_know_it(kept):
+    status, out, err = checked(PROOFS / "x4-flyer.region.cert.json", kept)
+    assert status == 3, err
+    assert "Coq: not covered" in out
+    assert "Not by Coq: " in out
+
+
+def test_check_says_what_coq_does_not_find_true(kept, monkeypatch):
+    """Had the checker a mistake, and let a margin pass that is not proved."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(kept))
+    content = json.loads((PROOFS / "x4-flyer.cert.json").read_text())
+    content["claim"]["margin"] = str(2 * Fraction(content["claim"]["margin"]))
+    said = []
+    found = replay.replay(content, said.append)
+    assert (found.shown, found.refused) == ((), "gains")
+    assert said == ["Coq decides the certificate"]
+
+
+def test_check_says_where_coq_is_missing(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    status, out, err = checked(PROOFS / "x4-flyer.cert.json", tmp_path)
+    assert (status, out) == (2, "")
+    assert err.count("\n") == 1
+    assert "--coq: needs the proof assistant Coq" in err
 
 
 def gains_of(literals, name):

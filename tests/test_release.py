@@ -135,7 +135,11 @@ def test_the_wheel_holds_every_file_of_the_package_and_nothing_else(built):
         metadata = wheel.read(f"hoverproof-{hoverproof.__version__}.dist-info/METADATA").decode()
         licences = [n for n in wheel.namelist() if n.endswith("licenses/LICENSE")]
     files = [p for p in PACKAGE.rglob("*") if p.is_file() and "__pycache__" not in p.parts]
-    assert names == {p.relative_to(PACKAGE.parent).as_posix() for p in files}
+    coq = {name for name in names if name.startswith("hoverproof/coq/")}
+    listed = (ROOT / "proofs" / "coq" / "_CoqProject").read_text().split()[3:]
+    assert {f"hoverproof/coq/{name}" for name in ("_CoqProject", "literals.py", *listed)} <= coq
+    assert not {name for name in coq if Path(name).suffix in (".vo", ".glob")}
+    assert names - coq == {p.relative_to(PACKAGE.parent).as_posix() for p in files}
     assert {"hoverproof/py.typed", "hoverproof/checker.py"} <= names
     assert f"Version: {hoverproof.__version__}\n" in metadata
     assert licences

@@ -2,6 +2,7 @@
 
     python literals.py CERTIFICATE... > Replay.v
     python literals.py --plain CERTIFICATE... | extracted/decide
+    python literals.py --about CERTIFICATE   what Coq shows of it and what not, in words, as JSON
 
 Standard library only. What is written is no part of what is believed: Coq decides anew whether the
 numbers are right, and the hints of each certificate are tested there as well.
@@ -77,10 +78,12 @@ class Gains:
         self.goal = c["goal_position"] and [number(x) for x in c["goal_position"]]
         self.points = [[number(x) for x in point] for point in mission["target"]["points"]]
         law = mission.get("law", {})
+        choices = law.get("feature"), law.get("goal"), law.get("force")
+        self.papers = choices in ((None, None, None), ("centroid", "image", "modelled"))
         self.of_target = (
             self.goal is not None
             and "weights" not in mission["target"]
-            and (law.get("feature"), law.get("goal")) in ((None, None), ("centroid", "image"))
+            and choices[:2] in ((None, None), ("centroid", "image"))
         )
 
     def terms(self, f: Fraction, q: list[Fraction], tau: Fraction) -> list[tuple]:
@@ -225,12 +228,51 @@ def q(x: Fraction) -> str:
     return f"({x.numerator} # {x.denominator})"
 
 
+def gains_of(held: dict[str, Any], name: str) -> Iterator[Gains]:
+    """Yield what is held, if it is a certificate of gains with an interval of thrust."""
+    if held["kind"] == "gains" and "thrust" in held["mission"]["bounds"]:
+        yield Gains(held, name)
+
+
 def certificates(paths: list[str]) -> Iterator[Gains]:
-    """Yield the certificates of gains with an interval of thrust."""
+    """Yield the certificates that Coq can decide."""
     for path in map(Path, paths):
         held = json.loads(path.read_text(encoding="utf-8"))
-        if held["kind"] == "gains" and "thrust" in held["mission"]["bounds"]:
-            yield Gains(held, path.name.removesuffix(".cert.json"))
+        yield from gains_of(held, path.name.removesuffix(".cert.json"))
+
+
+PAPER = "theorems 2 to 6 are on paper, and checker.py alone checks their certificates"
+UNTIED = "that the loop of another law than the paper's obeys the error dynamics is on paper"
+ENCLOSED = "that the wanted feature is in its box is left to checker.py"
+BOX = "that Q stays within its bounds over the box is left to checker.py"
+LEVEL = "the bounds of the thrust that follow from a level are left to checker.py"
+
+
+def about(held: dict[str, Any]) -> dict[str, Any]:
+    """Return what Coq shows of a certificate, and what is left, in words."""
+    found = list(gains_of(held, ""))
+    if not found:
+        return {"shown": [], "left": LEVEL if held["kind"] == "gains" else PAPER}
+    (c,) = found
+    shown = [
+        "gains_sound: XᵀΣX > margin Σ wi|δi|² for every X ≠ 0, every J or Q and every thrust "
+        "within the bounds, every q* in the box of the certificate, whatever Ω is"
+    ]
+    left = []
+    if c.papers:
+        shown.append(
+            "lyapunov_decays: L falls at its rate along every motion of rigid body, camera and law "
+            "while Q and T are within their bounds, if Ω3 is 0 at the start"
+        )
+    else:
+        left.append(UNTIED)
+    if c.of_target:
+        shown.append("target_sound: what a level camera sees from the goal is in that box")
+    else:
+        left.append(ENCLOSED)
+    if held["region"]["box"] is not None:
+        left.append(BOX)
+    return {"shown": shown, "left": "; ".join(left)}
 
 
 def theorems(c: Gains) -> str:
@@ -251,6 +293,10 @@ def theorems(c: Gains) -> str:
 
 def main(arguments: list[str]) -> None:
     """Print theorems for certificates, or their numbers."""
+    if arguments[:1] == ["--about"]:
+        held = json.loads(Path(arguments[1]).read_text(encoding="utf-8"))
+        sys.stdout.buffer.write(json.dumps(about(held)).encode())
+        return
     if arguments[:1] == ["--plain"]:
         sys.stdout.writelines(c.plain() for c in certificates(arguments[1:]))
         return

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import tempfile
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from hoverproof.certification.gains import certify
 from hoverproof.certification.problem import pose
 from hoverproof.errors import InputError
-from hoverproof.export.binding import Firmware
+from hoverproof.export.binding import Firmware, Output
 from hoverproof.export.contents import Standing
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.mission.reading import of_mission
@@ -26,7 +27,9 @@ from hoverproof.servo.laws.heading import flown_law
 from hoverproof.servo.layout import place
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import flight as simulation
+from hoverproof.simulation import kernel
 from hoverproof.simulation.cut_short import last_good_step, up_to
+from hoverproof.simulation.inner_loop import inner_loop
 from hoverproof.simulation.plan import Plan, is_ideal
 from hoverproof.simulation.record import Record, flight_record
 from hoverproof.simulation.timing import Timing, flight_step
@@ -69,7 +72,7 @@ def export_c(
         What the firmware computes; by default the law of the mission, which alone a certificate of
         the mission is about.
     **options
-        precision, sensing, camera, tunable, name, rotor_limits: see
+        precision, sensing, camera, interface, tunable, name, rotor_limits: see
         `hoverproof.export.package.write_package`.
 
     Returns
@@ -114,8 +117,9 @@ def fly_firmware(
 
     The controller runs once a step, or at the control rate of the mission's sensors, and its output
     is held in between. With sensors, rotors, wind or errors of the model it is given what they make
-    of a flight, and the package is one that takes the feature; see `hoverproof.simulate`. Gains
-    need not be proved for a simulated flight.
+    of a flight, and the package is one that takes the feature; see `hoverproof.simulate`. A package
+    that commands body rates flies by a rate loop of first order, which runs at each step of the
+    flight with the inertia that the mission has. Gains need not be proved for a simulated flight.
 
     Parameters
     ----------
@@ -160,6 +164,7 @@ def flown_firmware(
     *,
     seed: int = 0,
     law: Law | None = None,
+    eyes: Callable[[], kernel.Eyes] | None = None,
 ) -> Record:
     """Fly a mission with the exported C: `fly_firmware`, without importing xarray.
 
@@ -172,6 +177,8 @@ def flown_firmware(
         A bare number.
     law : Law, optional
         That of the firmware; by default the law of the mission.
+    eyes : callable, optional
+        Makes what is in place of the camera; the mission is not an ideal one then.
     """
     ideal = is_ideal(mission)
     step = flight_step(mission, timing.step, law)
@@ -188,9 +195,16 @@ def flown_firmware(
         raise InputError(mission.source, "", f"is not the mission of the firmware {firmware.name}")
     elif firmware.manifest["law"] != choices_of(law or flown_law(mission)):
         raise InputError(mission.source, "law", f"is not the law of the firmware {firmware.name}")
+    told = str(mission.interface.rate_bandwidth)
+    if firmware.manifest.get("rate_bandwidth", told) != told:
+        raise InputError(
+            mission.source,
+            "interface.rate_bandwidth",
+            f"is not that of the firmware {firmware.name}, {firmware.manifest['rate_bandwidth']}",
+        )
     if not ideal:
         plan = Plan(mission, step, steps.samples, every, seed, scattered=False, law=law)
-        return _fly_as_built(plan, firmware, finer)
+        return _fly_as_built(plan, firmware, finer, eyes)
     vehicle = firmware
 
     def fly(samples: int, every: int) -> tuple[Array, bool]:
@@ -252,6 +266,10 @@ class _Ticks:
     vehicle : Firmware
     period : float
         From tick to tick, s.
+    inner : callable, optional
+        A rate loop, which runs at each step; see `inner_loop`.
+    schedule : (int, int)
+        Ticks in a step, with a rate loop, a fraction.
     status, step : int
         Of the fault that ended the flight, bare numbers; 0 if there was none.
     """
@@ -259,8 +277,11 @@ class _Ticks:
     plan: Plan
     vehicle: Firmware
     period: float
+    inner: Callable[[Array, Array, float], Array] | None = None
+    schedule: tuple[int, int] = (1, 1)
     status: int = 0
     step: int = 0
+    held: Output | None = None
 
     def __call__(self, step: int, memory: Array, parameters: Array, noise: Array) -> Array:
         """Return the memory after a tick, of one vehicle.
@@ -282,21 +303,35 @@ class _Ticks:
         feature, thrust = told.pop("centroid"), float(told.pop("thrust")[0])
         if step == 0:
             self.vehicle.reset(thrust)
-        out = self.vehicle.step(feature, **told, dt=self.period)
+        out = self.held if self.held and not self._due(step) else None
+        out = out or self.vehicle.step(feature, **told, dt=self.period)
         after = memory.copy()
         if out.status & sum(FAULTS):
             self.status, self.step = out.status, step
             after[place(layout, "thrust_margin")] = -1.0  # ends the flight
             return after
         after[place(layout, "command")] = out.thrust
-        after[place(layout, "rotor_commands"), 0] = out.rotor
+        rotor: Any = out.rotor
+        if self.inner is not None:
+            self.held = out
+            rotor = self.inner(np.array(out.rate_command), told["rate"], out.thrust)
+        after[place(layout, "rotor_commands"), 0] = rotor
         if "gyro_error" in layout:
             true_rate = memory[place(layout, "state"), 0][15:18]
             after[place(layout, "gyro_error"), 0] = told["rate"] - true_rate
         return after
 
+    def _due(self, step: int) -> bool:
+        num, den = self.schedule
+        return step * num // den != (step - 1) * num // den
 
-def _fly_as_built(plan: Plan, firmware: Firmware, finer: int | None) -> Record:
+
+def _fly_as_built(
+    plan: Plan,
+    firmware: Firmware,
+    finer: int | None,
+    eyes: Callable[[], kernel.Eyes] | None,
+) -> Record:
     """Fly once with the sensors, rotors, wind and errors that a mission names."""
     mission = plan.mission
     if "camera" not in firmware.manifest:
@@ -311,11 +346,17 @@ def _fly_as_built(plan: Plan, firmware: Firmware, finer: int | None) -> Record:
         fastest = f"must be at least {1 / LONGEST_STEP:g} Hz for the firmware"
         raise InputError(mission.source, "sensors.control_rate", f"{fastest}, not {1 / period:g}")
 
+    inner = inner_loop(mission) if "rate_bandwidth" in firmware.manifest else None
+    if inner is not None:  # the rate loop runs at each step
+        at_each_step = {"sensors": mission.sensors.model_copy(update={"control_rate": None})}
+        plan = replace(plan, mission=mission.model_copy(update=at_each_step))
+
     def ticks() -> _Ticks:
-        made.append(_Ticks(plan, firmware, period))
+        made.append(_Ticks(plan, firmware, period, inner, (num, den)))
         return made[-1]
 
-    record = simulation.fly_as_built(plan, None, finer, ticks)
+    record = simulation.fly_as_built(plan, None, finer, ticks, eyes)
+    record.attrs["conditions"] = json.dumps(mission.conditions())
     record.attrs["machine"] = f"firmware, {firmware.manifest['precision']}"
     first = made[0]
     if first.status:

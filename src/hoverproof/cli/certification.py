@@ -16,6 +16,7 @@ from hoverproof.cli.console import (
     Json,
     MissionName,
     Set,
+    at_work,
     load_mission,
     warn_of,
 )
@@ -174,6 +175,10 @@ def check(
         ),
     ] = None,
     set_: Set = None,
+    coq: Annotated[
+        bool,
+        Parameter(negative="", help="Have the proof assistant Coq decide it, too (Debian: coq)."),
+    ] = False,
     json_: Json = False,
 ) -> int:
     """Verify a certificate in exact arithmetic, with the standard library alone.
@@ -185,9 +190,14 @@ def check(
     The theorem names the target points and the SHA-256 of the mission's numbers. With --mission,
     status 1 also if the certificate is about another mission, with what differs.
 
+    With --coq, what is accepted is decided anew by a program that Coq has proved right, and it is
+    said what that covers; status 3 if Coq does not know the kind. The first time takes a minute.
+
     Example: `hoverproof check x4-flyer.cert.json`
 
     Example: `hoverproof check x4-flyer.cert.json --mission x4-flyer`
+
+    Example: `hoverproof check x4-flyer.cert.json --coq`
 
     Example: `hoverproof check x4-flyer.cert.json --json`
     """
@@ -210,4 +220,10 @@ def check(
         from hoverproof.certification.certificate import differences
 
         differing = differences(content, wanted)
-    return tell(CheckAnswer(certificate, statement, reason, mission, differing), json_)
+    decided = None
+    if coq and statement is not None:
+        from hoverproof.certification.replay import replay
+
+        with at_work() as doing:
+            decided = replay(content, doing)
+    return tell(CheckAnswer(certificate, statement, reason, mission, differing, decided), json_)

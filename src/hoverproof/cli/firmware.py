@@ -28,6 +28,13 @@ def export(
         bool,
         Parameter(negative="", help="Keep the newest frame, and turn it with the gyroscope."),
     ] = False,
+    interface: Annotated[
+        Literal["torques", "rates"] | None,
+        Parameter(
+            help="What is commanded: torques, or body rates and thrust to an autopilot's own loop; "
+            "by default rates where the mission has interface.rate_bandwidth (rad/s)."
+        ),
+    ] = None,
     tunable: Annotated[
         bool, Parameter(negative="", help="Keep the gains as parameters that may be set.")
     ] = False,
@@ -69,6 +76,7 @@ def export(
             precision=precision,
             sensing=sensing,
             camera=camera,
+            interface=interface,
             tunable=tunable,
             name=name,
             rotor_limits=None if rotor_limits is None else _limits(rotor_limits),

@@ -36,6 +36,7 @@ from hoverproof.design.limits import (
 from hoverproof.design.margins import Questions, margins
 from hoverproof.design.outcome import Infeasible, RegionTuned, StartTuned, Tuned
 from hoverproof.design.region_tuning import region_pareto, tune_region
+from hoverproof.design.start_trade import start_trade
 from hoverproof.design.start_tuning import tune_start
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import of_mission
@@ -120,6 +121,8 @@ class Wish:
     weights : (4,) Fractions, or "search"
     at_least, minimum_decay : float or None
         1/s.
+    trade : str or None
+        One of `start_trade.TRADED`: what varies along a curve for a start.
     """
 
     bandwidth: float = 20.0
@@ -130,6 +133,7 @@ class Wish:
     weights: Weights = ONES
     at_least: float | None = None
     minimum_decay: float | None = None
+    trade: str | None = None
 
     def __post_init__(self) -> None:
         """Refuse what is out of range, or does not go together."""
@@ -143,6 +147,8 @@ class Wish:
             other = "name --objective decay or settling"
             reason = f"is about L, so not for --objective {self.objective}: {other}"
             raise InputError(option, "", reason)
+        if self.objective != "start" and self.trade is not None:
+            raise InputError("--trade", "", f"is for --objective start, not {self.objective}")
         if self.objective != "region" and self.minimum_decay is not None:
             reason = f"is for --objective region, not {self.objective}"
             raise InputError("--minimum-decay", "", reason)
@@ -340,10 +346,11 @@ def pareto(
     bandwidth: float | None = None,
     lowest: float | None = None,
     report: Report = lambda done, total: None,
-) -> list[tuple[float, Tuned | RegionTuned | Infeasible]]:
+) -> list[tuple[float, Found]]:
     """Return the best certified gains for bandwidths in equal ratios, lowest first.
 
-    With the objective "region", for rates of the slowest motion at the goal instead.
+    With the objective "region", for rates of the slowest motion at the goal instead; with "start",
+    for values of what the wish trades, by default bandwidths from a fifth of the highest.
 
     Parameters
     ----------
@@ -362,11 +369,10 @@ def pareto(
     if not 2 <= count <= 1000:
         raise InputError("--pareto", "", f"must be from 2 to 1000 bandwidths, not {count}")
     wish = wish or Wish(objective="decay")
-    if wish.objective == "start":
-        raise InputError(
-            "--pareto", "", "is not for --objective start: name --objective decay or region"
-        )
     highest = wish.bandwidth if bandwidth is None else bandwidth
+    if wish.objective == "start":
+        limits = replace(wish, bandwidth=highest).limits(mission)
+        return list(start_trade(mission, wish.trade or "bandwidth", count, limits, report))
     if wish.objective == "region":
         limits = replace(wish, bandwidth=highest).limits(mission)
         return list(region_pareto(mission, count, limits, wish.minimum_decay, report))
@@ -375,7 +381,6 @@ def pareto(
     for i, b in enumerate(np.geomspace(first, highest, count)):
         b = float(f"{b:.4g}") if i < count - 1 else highest
         found = gains_for(mission, replace(wish, bandwidth=b))
-        assert not isinstance(found, StartTuned)
         points.append((b, found))
         report(i + 1, count)
     return points

@@ -108,6 +108,8 @@ class Design:
         Names of the rotors and where they are, (x, y) in arms, in their order.
     hover : tuple of Fraction
         What each gives in hover, N.
+    throttle_per_newton : Fraction
+        The throttle, 0 to 1, over the thrust of all rotors that give their highest at 1, 1/N.
     allocation : tuple of (4,) Fractions
         What share of T, Γ1, Γ2 and Γ3 each takes over, 1, 1/m, 1/m and 1/m.
     """
@@ -118,6 +120,7 @@ class Design:
     goal_centroid: Sequence[Fraction]
     rotors: tuple[tuple[str, Place], ...]
     hover: tuple[Fraction, ...]
+    throttle_per_newton: Fraction
     allocation: tuple[tuple[Fraction, ...], ...]
 
 
@@ -201,6 +204,11 @@ class Contents:
     vectors: Sequence[Vector]
 
     @property
+    def rate_bandwidth(self) -> str:
+        """Of the rate loop that is commanded, rad/s, an exact number; empty without."""
+        return str(self.mission.interface.rate_bandwidth) if self.options.rates else ""
+
+    @property
     def points(self) -> int:
         """Number of target points."""
         return len(self.mission.target.points)
@@ -241,7 +249,7 @@ def contents(
     sized = law.spread is not None or (camera is not None and bool(camera.spread))
     spread = _spread(mission, options) if sized else None
     evidence, limits = _evidence(standing), _limits(mission, standing, law, spread)
-    text, design = law_text(mission, options, law), _design(mission, law.source)
+    text, design = law_text(mission, options, law), _design(mission, options, law.source)
     return Contents(
         name=name,
         NAME=name.upper(),
@@ -296,7 +304,7 @@ def _origin(mission: Mission, evidence: Evidence, text: LawText, law: Law) -> Or
     )
 
 
-def _design(mission: Mission, law: Law) -> Design:
+def _design(mission: Mission, options: Options, law: Law) -> Design:
     v, frame = mission.vehicle, mission.vehicle.frame
     units, numbers = law.design.gains(), law.design.numbers(mission)
     words = ", ".join(f"{gain} {unit}" for gain, unit in units.items())
@@ -308,6 +316,7 @@ def _design(mission: Mission, law: Law) -> Design:
         goal_centroid=law.goal_feature(mission),
         rotors=tuple(zip(frame.names, frame.places, strict=True)),
         hover=v.hover_thrusts,
+        throttle_per_newton=options.throttle_per_newton(len(frame.names)),
         allocation=tuple(
             tuple(share / length for share, length in zip(row, lengths, strict=True))
             for row in shares(frame)

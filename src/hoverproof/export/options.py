@@ -29,6 +29,8 @@ class Options:
         Where these limits come from, in words.
     camera : str or None
         What a frame that is kept holds, ``"points"`` or ``"centroid"``; None without.
+    rates : bool
+        Whether body rates and thrust are commanded, to an autopilot's own rate loop.
     """
 
     precision: Precision
@@ -37,6 +39,7 @@ class Options:
     rotor_limits: tuple[Fraction, Fraction]
     rotor_limits_from: str
     camera: str | None = None
+    rates: bool = False
 
     @classmethod
     def of(
@@ -48,6 +51,7 @@ class Options:
         tunable: bool,
         rotor_limits: tuple[Fraction, Fraction] | None,
         camera: bool = False,
+        interface: str | None = None,
     ) -> Options:
         """Take the options of a user.
 
@@ -62,6 +66,9 @@ class Options:
             N.
         camera : bool
             Whether frames are kept and turned between steps.
+        interface : str, optional
+            What is commanded, ``"torques"`` or ``"rates"``; by default rates where the mission has
+            the bandwidth of a rate loop.
 
         Raises
         ------
@@ -76,7 +83,8 @@ class Options:
         origin = _origin_of_limits(mission, given=rotor_limits is not None)
         kept = sensing if camera else None
         taken = "feature" if camera else sensing
-        return cls(PRECISIONS[precision], taken, tunable, limits, origin, kept)
+        rates = _commands_rates(mission, interface)
+        return cls(PRECISIONS[precision], taken, tunable, limits, origin, kept, rates)
 
     @property
     def of_points(self) -> bool:
@@ -87,6 +95,16 @@ class Options:
     def field(self) -> str:
         """The field of the input that holds what the camera saw."""
         return "image" if self.of_points else self.sensing
+
+    def throttle_per_newton(self, rotors: int) -> Fraction:
+        """Return the throttle, 0 to 1, over the thrust of rotors that give their highest at 1, 1/N.
+
+        Parameters
+        ----------
+        rotors : int
+            Their number.
+        """
+        return 1 / (rotors * self.rotor_limits[1])
 
     def seen(self, points: int) -> list[str]:
         """Return the fields of the input that hold what the camera saw.
@@ -99,6 +117,29 @@ class Options:
         if self.of_points:
             return [f"in->image[{i}][{k}]" for i in range(points) for k in range(2)]
         return [f"in->{self.field}[{k}]" for k in range(3)]
+
+
+def _commands_rates(mission: Mission, interface: str | None) -> bool:
+    """Tell whether rates are commanded, and refuse a mission of which they cannot be."""
+    if interface not in (None, "torques", "rates"):
+        raise InputError("--interface", "", f"must be torques or rates, not {interface!r}")
+    known = mission.interface.rate_bandwidth is not None
+    if interface == "torques" or not (known or interface):
+        return False
+    if not known:
+        raise InputError(
+            mission.source,
+            "interface.rate_bandwidth",
+            "is missing (rad/s): rates are commanded to a rate loop of known bandwidth",
+        )
+    if mission.law.force != "measured":
+        raise InputError(
+            mission.source,
+            "law.force",
+            "must be 'measured' to command rates and thrust: what an autopilot makes of a thrust "
+            "is not known in N, and a law that takes that for its force hovers elsewhere",
+        )
+    return True
 
 
 def _rotor_limits(

@@ -89,6 +89,7 @@ def write_package(
     name: str | None = None,
     rotor_limits: tuple[Fraction, Fraction] | None = None,
     camera: bool = False,
+    interface: str | None = None,
     law: Law | None = None,
 ) -> dict[str, Any]:
     """Write the package and return its manifest.
@@ -113,6 +114,9 @@ def write_package(
         weight.
     camera : bool
         Keep the newest frame of a slow camera, and turn it with the gyroscope from step to step.
+    interface : {"torques", "rates"}, optional
+        What is commanded; by default body rates and thrust where the mission has the bandwidth of a
+        rate loop, `interface.rate_bandwidth`.
     law : Law, optional
         What the firmware computes; by default the law of the mission.
 
@@ -131,6 +135,7 @@ def write_package(
         tunable=tunable,
         rotor_limits=rotor_limits,
         camera=camera,
+        interface=interface,
     )
     law = (law or flown_law(mission)).flying(mission)
     check_sees_points(law, options)
@@ -139,7 +144,8 @@ def write_package(
         about = f"a certificate of {mission.name} is about {own.name}, not about {law.name}"
         checker.require(law == own, about)
         standing = replace(standing, thrust=_check(standing.certificate, mission))
-    flown = flight_law(mission, sensing=options.sensing, tunable=tunable, law=law)
+    sensing, rates = options.sensing, options.rates
+    flown = flight_law(mission, sensing=sensing, tunable=tunable, law=law, rates=rates)
     filled = contents(mission, standing, flown, package_name(name, mission.name), options)
     texts = _rendered(filled)
     if standing.certificate is not None:
@@ -196,7 +202,8 @@ def _templates() -> Any:
 def _rendered(filled: Contents) -> dict[str, str]:
     """Fill the templates; return the texts by their paths, without those that come out empty."""
     files = FILES | (CAMERA_FILES if filled.camera else {}) | (LENS_FILES if filled.lens else {})
-    for target in TARGETS:
+    targets = () if filled.options.rates else TARGETS
+    for target in targets:
         files |= target.files()
     named = {
         **vars(filled),
@@ -206,8 +213,8 @@ def _rendered(filled: Contents) -> dict[str, str]:
         "tells_gains": filled.tells_gains,
         "lit": filled.options.precision.lit,
         "braces": filled.options.precision.braces,
-        "targets": TARGETS,
-        "target_titles": titles(),
+        "targets": targets,
+        "target_titles": titles(targets),
     }
     texts = {
         path.format(name=filled.name): _templates().get_template(template).render(named)
@@ -238,6 +245,7 @@ def _manifest(filled: Contents, texts: Mapping[str, str], law: Law) -> dict[str,
         "sensing": options.sensing,
         **({"camera": options.camera} if options.camera else {}),
         **({"lens": filled.lens.model} if filled.lens else {}),
+        **({"rate_bandwidth": filled.rate_bandwidth} if filled.rate_bandwidth else {}),
         "tunable": options.tunable,
         "tools": {"hoverproof": __version__, "casadi": version("casadi")},
         "thrust": [float(t) for t in limits.thrust],
@@ -261,8 +269,8 @@ def _instruction_budget(filled: Contents) -> int:
     """Most instructions of a step: a part for each point, one for each number, and the rest."""
     points = 12 * filled.points if filled.options.of_points else 0
     felt, sized = 50 if filled.law.lift else 0, 24 + points if filled.law.spread else 0
-    headed = 16 if filled.law.heading else 0
-    return points + 4 * filled.law.numbers + 175 + felt + sized + headed
+    headed, rates = 16 if filled.law.heading else 0, 20 if filled.options.rates else 0
+    return points + 4 * filled.law.numbers + 175 + felt + sized + headed + rates
 
 
 def _flash_budget(filled: Contents) -> int:
@@ -272,4 +280,5 @@ def _flash_budget(filled: Contents) -> int:
     felt, sized = 100 if filled.law.lift else 0, 60 + points if filled.law.spread else 0
     headed = 60 if filled.law.heading else 0
     seen = 120 * filled.points + 200 if filled.law.seen_heading else 0
+    seen += 500 if filled.options.rates else 0
     return points + 25 * filled.law.numbers + 1400 + tuning + felt + sized + headed + seen

@@ -14,6 +14,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 from pydantic import ValidationError
 
 from hoverproof.errors import InputError, suggestion
+from hoverproof.mission.camera import Lens
 from hoverproof.mission.camera_info import lens_of_file
 from hoverproof.mission.fields import Section, shown
 from hoverproof.mission.presets import preset_text, presets
@@ -91,6 +92,24 @@ def of_mission(
         return verb(read, *args, **kwargs)
 
     return of  # type: ignore[return-value]  # the mission may be given by keyword as well
+
+
+def load_lens(path: str | Path) -> Lens:
+    """Read the lens of a `camera_info` file.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or holds no lens that can be used.
+    """
+    try:
+        return Lens(**lens_of_file(path, "no such file"))
+    except ValidationError as error:
+        raise _input_error(error, str(path)) from None
 
 
 def with_tolerance(mission: Mission, name: str, value: Fraction) -> Mission:

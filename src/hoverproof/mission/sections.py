@@ -19,6 +19,7 @@ from hoverproof.mission.fields import one_of as _one_of
 from hoverproof.mission.fields import quantity as _quantity
 from hoverproof.mission.fields import reject as _reject
 from hoverproof.mission.fields import shown as _shown
+from hoverproof.mission.interface import Interface
 from hoverproof.mission.target import Point, Target, on_one_line
 from hoverproof.mission.uncertainty import Uncertainty
 from hoverproof.mission.vehicle import Vehicle
@@ -198,8 +199,8 @@ class Mission(_Section):
 
     All numbers are `fractions.Fraction`. Made by `load`; `source` says from where. The name is also
     that of the files that commands write. The sections `sensors`, `rotors`, `wind`, `model_error`
-    and `scatter` say what a real flight adds to the model; `uncertainty` and `camera` say what a
-    proof is asked to cover.
+    and `scatter` say what a real flight adds to the model, `interface` what exported firmware
+    commands; `uncertainty` and `camera` say what a proof is asked to cover.
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
@@ -214,6 +215,7 @@ class Mission(_Section):
     camera: Camera = Camera()
     sensors: Annotated[Sensors, Field(exclude=True)] = Sensors()
     rotors: Annotated[Rotors, Field(exclude=True)] = Rotors()
+    interface: Annotated[Interface, Field(exclude=True)] = Interface()
     wind: Annotated[Wind, Field(exclude=True)] = Wind()
     model_error: Annotated[ModelError, Field(exclude=True)] = ModelError()
     scatter: Annotated[Scatter, Field(exclude=True)] = Scatter()
@@ -329,6 +331,7 @@ class Mission(_Section):
                 key="uncertainty.wind",
             )
         self._covers_its_inertia()
+        self.interface.check_covered(self.uncertainty)
         for key in ("thrust", "wind", "rotor_lag"):
             if self.law.force == "modelled" and getattr(self.uncertainty, key):
                 raise _reject(
@@ -405,8 +408,8 @@ class Mission(_Section):
         """Return the mission as nested dicts and lists, each number an exact string.
 
         The vehicle is what counts of it, `Vehicle.as_flown`, however a file says it. Sensors,
-        rotors, wind, model_error and scatter are not in it: see `conditions`; but for whether a
-        late feature is turned, which stands under `uncertainty` if it is not.
+        rotors, wind, model_error and scatter are not in it: see `conditions`; nor interface; but
+        for whether a late feature is turned, which stands under `uncertainty` if it is not.
 
         Parameters
         ----------

@@ -6,16 +6,19 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from hoverproof.cli.answers.answer import Answer
+from hoverproof.cli.answers.answer import EXIT, Answer
+
+if TYPE_CHECKING:
+    from hoverproof.certification.replay import Replay
 
 
 @dataclass(frozen=True)
 class CheckAnswer(Answer):
     """What the checker said: a statement, or the reason of a rejection.
 
-    With a ``mission``, where the certificate's differs from it.
+    With a ``mission``, where the certificate's differs from it; what Coq ``decided``, if asked.
     """
 
     certificate: Path
@@ -23,11 +26,15 @@ class CheckAnswer(Answer):
     reason: str | None
     mission: str | None
     differing: Sequence[str]
+    decided: Replay | None = None
 
     @property
     def status(self) -> int:
         """The exit status."""
-        return int(self.statement is None or bool(self.differing))
+        decided = self.decided
+        if self.statement is None or self.differing or (decided and decided.refused):
+            return EXIT["refuted"]
+        return EXIT["undecided"] if decided and not decided.shown else EXIT["proved"]
 
     def text(self) -> Iterator[str]:
         """Yield the lines for people: those of the checker, and if it is about the mission."""
@@ -43,6 +50,21 @@ class CheckAnswer(Answer):
         yield f"{self.certificate}: accepted{about}"
         words = f"Proved: {self.statement}"
         yield textwrap.fill(words, width=80, initial_indent="  ", subsequent_indent="  ")
+        if self.decided is not None:
+            yield from self.coq(self.decided)
+
+    @staticmethod
+    def coq(decided: Replay) -> Iterator[str]:
+        """Yield the lines about what Coq decided."""
+        if decided.refused:
+            yield f"Coq: not accepted: {decided.refused} is not found true"
+        elif not decided.shown:
+            yield "Coq: not covered"
+        else:
+            yield "Coq: accepted"
+        left = [f"Not by Coq: {decided.left}."] if decided.left else []
+        for words in (*decided.shown, *left):
+            yield textwrap.fill(words, width=80, initial_indent="  ", subsequent_indent="    ")
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""
@@ -51,7 +73,10 @@ class CheckAnswer(Answer):
             answer |= {"accepted": False, "reason": self.reason}
         else:
             answer |= {"accepted": True, "statement": self.statement}
+        if self.decided is not None:
+            shown, refused = list(self.decided.shown), self.decided.refused or None
+            answer["coq"] = {"shown": shown, "left": self.decided.left, "refused": refused}
         if self.mission is not None:
-            about = {"mission": self.mission, "about_mission": self.status == 0}
+            about = {"mission": self.mission, "about_mission": not self.differing}
             answer |= {**about, "differences": list(self.differing)}
         return answer

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,9 @@ class ExportAnswer(Answer):
         option = "" if self.limits_given else " (--rotor-limits)"
         yield f"  rotors  {interval(manifest['rotor_limits'])} N each{option}"
         yield f"          {manifest['rotor_limits_from']}"
+        if "rate_bandwidth" in manifest:
+            bandwidth = float(Fraction(manifest["rate_bandwidth"]))
+            yield f"  rates   and throttle are commanded, to a rate loop of {bandwidth:g} rad/s"
         yield "SHA-256 of the law, and of the certificate if there is one:"
         yield f"  {manifest['law_sha256']}"
         if manifest["certified"]:
