@@ -125,7 +125,7 @@ def rotor_lag(v: Vehicle) -> Finding:
     resolution = float(np.median(np.diff(v.log.times)))
     if not spread <= max(resolution, 0.01):
         return untold(name, "roll and pitch were asked for too little to tell it")
-    broken = lag > bound + SURE * spread + resolution / 10
+    broken = lag > bound + SURE * spread + resolution / 4
     return Finding(
         name,
         "rotor_lag",
@@ -237,26 +237,27 @@ def images(log: FlightLog, mission: Mission) -> Iterator[Finding]:
         return
     _, exposed = seen.exposures
     base, slack = max(seen.latency, 0.0), log_step(log)
+    period = seen.period if seen.period > 1.5 * slack else 0.0  # else an image at every row
     if log.image_age is None:
         yield untold("latency", "the log has time stamps of images, not of their use")
     else:
-        words = f"{base:.4g} ± {seen.jitter:.1g} s to use, {seen.period:.4g} s to the next"
-        late = base + seen.jitter + seen.period > bound + slack
+        words = f"{base:.4g} ± {seen.jitter:.1g} s to use, {period:.4g} s to the next"
+        late = base + seen.jitter + period > bound + slack
         old = log.image_age > bound + slack
         yield Finding(
-            *("latency", "latency", not late, base + seen.period, bound, "s", seen.jitter),
+            *("latency", "latency", not late, base + period, bound, "s", seen.jitter),
             float(log.times[old.argmax()]) if late and old.any() else None,
             *(words, log.times, log.image_age),
         )
     short = [gap for gap in seen.gaps if gap[1] < LOST]
-    worst = max(short, default=(0.0, seen.period, 0), key=lambda gap: gap[1])
+    worst = max(short, default=(0.0, period, 0), key=lambda gap: gap[1])
     broken = [gap for gap in short if base + gap[1] > bound + slack]
     words = f"{sum(gap[2] for gap in short)} images missed"
     if short:
         words += f", at most {worst[2]} at once: {worst[1]:.4g} s from {worst[0]:.4g} s on"
     yield Finding(
         *("frame gaps", "latency", not broken, base + worst[1], bound, "s", seen.jitter),
-        broken[0][0] + base + seen.period if broken else None,
+        broken[0][0] + base + period if broken else None,
         *(words, exposed, np.r_[np.diff(exposed), np.nan] + base),
     )
     lost = [gap for gap in seen.gaps if gap[1] >= LOST]
@@ -265,7 +266,7 @@ def images(log: FlightLog, mission: Mission) -> Iterator[Finding]:
     words += f", from {lost[0][0]:.4g} s on" if lost else ""
     yield Finding(
         *("target seen", "", not lost, most, LOST, "s", seen.jitter),
-        lost[0][0] + base + seen.period if lost else None,
+        lost[0][0] + base + period if lost else None,
         words,
     )
 

@@ -35,7 +35,7 @@ class FlightLog:
     thrust_command : (n,)
         N.
     rotor_command : (n, r)
-        What each rotor is asked for up to this time, N.
+        What each rotor is asked for, N.
     rate_command : (n, 3)
         Body frame, rad/s, of an autopilot that is given rates.
     throttle : (n,)
@@ -52,6 +52,10 @@ class FlightLog:
         Whether all of the target was found in each.
     step : float
         From one step of the integrator to the next, s; NaN if not told.
+    ahead : int
+        How many rows before a command stands what it was made of, a bare number.
+    continuous : bool
+        Whether commands are those at each time, and not held from one row to the next.
     outcome : str
         How the flight ended, if it is told.
     mission : mapping, optional
@@ -79,6 +83,8 @@ class FlightLog:
     frames: Array | None = None
     frames_whole: NDArray[np.bool_] | None = None
     step: float = float("nan")
+    ahead: int = 0
+    continuous: bool = False
     outcome: str = ""
     mission: dict[str, Any] | None = None
     notes: tuple[str, ...] = field(default=())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -90,13 +91,28 @@ def _read(file: Any, source: str) -> FlightLog:
     if "phase" in file:
         return _flown(held, column("phase"), column("gravity_direction"))
     held["step"] = float(np.ravel(attrs["step"])[0])
+    held["ahead"] = 1
+    if held["feature"] is not None and not held["feature"][0].any():
+        held["feature"][0] = held["feature"][1]  # the first image is in use from the start on
     if "thrust_command" not in file:  # what is asked for is made, at once
         held |= {"thrust_command": column("thrust"), "rotor_command": column("rotor_thrust")}
         held |= {"feature": column("centroid"), "image_age": np.zeros(len(times))}
+        held |= {"ahead": 0, "continuous": True}
     if "frame" in file:
         held["frames"] = np.asarray(file["frame"], np.float64)
         held["frames_whole"] = ~np.isnan(np.asarray(file["pixel_found"])).any(axis=(1, 2))
+    if held["specific_force"] is None:
+        held["specific_force"] = _felt(held)
+        held["notes"] += ("the specific force is made of the velocity, which is not noisy here",)
     return FlightLog(kind="flight, by simulate", **held)
+
+
+def _felt(held: dict[str, Any]) -> Array:
+    """Return V' + Ω × V - g ρ of a flight, (n, 3), body frame, m/s²."""
+    gravity = float(Fraction(held["mission"]["vehicle"]["gravity"]))
+    velocity, down = held["velocity"], held["rotation"][:, 2]
+    change = np.gradient(velocity, held["times"], axis=0)
+    return np.asarray(change + np.cross(held["rate"], velocity) - gravity * down)
 
 
 def _flown(held: dict[str, Any], phase: Array | None, down: Array | None) -> FlightLog:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +46,8 @@ def read(path: Path) -> FlightLog:
         reason = "needs pyulog to be read: pip install 'hoverproof[logs]'"
         raise InputError(str(path), "", reason) from None
     try:
-        read = ULog(str(path), list(TOPICS))
+        with contextlib.redirect_stdout(io.StringIO()):  # it prints what is damaged
+            read = ULog(str(path), list(TOPICS))
     except Exception as error:  # pyulog raises what struct, numpy and its own parser do
         reason = f"is damaged: {' '.join(str(error).split())[:80] or type(error).__name__}"
         raise InputError(str(path), "", reason) from None

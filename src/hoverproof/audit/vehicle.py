@@ -81,6 +81,19 @@ class Vehicle:
         """Of roll and pitch, without the gyroscopic part, (n - 1, 2), rad/s²."""
         return np.asarray(np.linalg.solve(self.inertia, self.torque.T).T[:, :2])
 
+    def held(self, commands: Array) -> Array:
+        """Return commands so that a row has what was asked for since the row before, (n, k).
+
+        Parameters
+        ----------
+        commands : (n, k)
+            As in the log, any unit.
+        """
+        if self.log.ahead:
+            return commands
+        before = np.concatenate([commands[:1], commands[:-1]])
+        return (commands + before) / 2 if self.log.continuous else before
+
     def asked(self, lag: float) -> Array:
         """Return what was asked for with a lag, (n - 1, 2), rad/s².
 
@@ -91,7 +104,7 @@ class Vehicle:
         """
         command = self.log.rotor_command
         assert command is not None
-        torque = followed(self.log.times, command, lag) @ self.mixing[1:].T
+        torque = followed(self.log.times, self.held(command), lag) @ self.mixing[1:].T
         return np.asarray(np.linalg.solve(self.inertia, torque.T).T[:, :2])
 
     @cached_property
@@ -179,7 +192,7 @@ class Vehicle:
         command = self.log.thrust_command
         assert command is not None
         lag = float(self.lag.value[0]) if self.log.rotor_command is not None else 0.0
-        asked = followed(self.log.times, command[:, None], lag)[:, 0]
+        asked = followed(self.log.times, self.held(command[:, None]), lag)[:, 0]
         known = np.isfinite(asked) & np.isfinite(self.felt)
         whole = least_squares(asked[known, None], self.felt[known])
         ratio = self.felt / asked
@@ -194,7 +207,7 @@ class Vehicle:
         """
         command = self.log.rotor_command
         assert command is not None
-        made = followed(self.log.times, command, float(self.lag.value[0]))
+        made = followed(self.log.times, self.held(command), float(self.lag.value[0]))
         acted = np.column_stack([self.felt, self.torque])
         weights = 1 / np.r_[1.0, np.abs(self.mixing[1:]).max(axis=1)]
         times, found = [], []
@@ -237,7 +250,7 @@ class Vehicle:
         rate, command = self.log.rate, self.log.rate_command
         assert rate is not None and command is not None
         slope = np.diff(rate, axis=0) / np.diff(self.log.times)[:, None]
-        behind = command[1:] - (rate[1:] + rate[:-1]) / 2
+        behind = self.held(command)[1:] - (rate[1:] + rate[:-1]) / 2
         fits = []
         for i in range(2):
             known = np.isfinite(slope[:, i]) & np.isfinite(behind[:, i])

@@ -79,6 +79,57 @@ def audit(
     return tell(answer, json_)
 
 
+def replay(
+    log: LogFile,
+    *,
+    mission: Annotated[
+        str,
+        Parameter(help="Whose controller it is: preset or file.", completer=mission_names),
+    ],
+    package: Annotated[
+        Path | None,
+        Parameter(help="Package to run, exported with --camera; by default exported now."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        Parameter(help="netCDF to write; by default LOG.replay.nc, here.", validator=NO_FOLDER),
+    ] = None,
+    figure: Annotated[bool, Parameter(help="Draw the commands beside the file.")] = True,
+    set_: Set = None,
+    json_: Json = False,
+) -> int:
+    """Run the exported C over the features and inertial data of a log.
+
+    Says what it would have commanded at each step, how long the steps were and took, when a limit
+    was reached, and how far that is from what was commanded. Its thrust starts as that of the log
+    and goes on by its own commands, so that what differs adds up.
+
+    Example: `hoverproof replay flight.nc --mission research-1.5kg`
+
+    Example: `hoverproof replay flight.nc --mission my-flyer.toml --package firmware --json`
+    """
+    from hoverproof.audit.reading import read_log
+    from hoverproof.audit.replaying import replayed
+    from hoverproof.cli.answers.replay import ReplayAnswer
+    from hoverproof.export.binding import Firmware
+    from hoverproof.files import write_bytes
+    from hoverproof.firmware import exported
+
+    loaded = load_mission(mission, set_)
+    flight = read_log(log)
+    firmware = exported(loaded, camera=True) if package is None else Firmware(package)
+    found = replayed(flight, loaded, firmware)
+    path = out or Path(f"{log.stem}.replay.nc")
+    write_bytes(path, found.record().netcdf())
+    picture = path.with_suffix(".png") if figure else None
+    if picture is not None:
+        from hoverproof.show.replay import replay_figure
+        from hoverproof.show.style import save_figure
+
+        save_figure(replay_figure(found), picture)
+    return tell(ReplayAnswer(found.facts(), path, picture), json_)
+
+
 def _claim(mission: Mission, path: Path | None) -> tuple[Claim | None, str]:
     """Return what is proved of a mission, or None and why not."""
     from hoverproof import checker

@@ -183,7 +183,7 @@ class Eyes:
             record.add(name, axes, np.array(values), units="px", long_name=words)
         feature = look_at(self.plan)
         whole = ~np.isnan(np.array(self.found)).any(axis=(1, 2))
-        used = whole | (np.arange(len(whole)) == 0)  # at first there is nothing to hold
+        used = whole | (np.arange(len(times)) == 0)  # at first there is nothing to hold
         taken = np.array(self.steps)[used], np.array(self.late)[used]
         ages = age_in_use(self.plan, record["time"].values, *taken)
         words = "since the exposure of the frame that the controller uses"
