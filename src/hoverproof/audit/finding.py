@@ -35,6 +35,9 @@ class Finding:
         What was found, for people; or why it is not told.
     times, values : (k,)
         Over time, s and any unit; for a picture.
+    needed : float
+        What the tolerance would have to be, dimensionless or as `unit` says, s for one; not a
+        number if that is the value.
     follows : bool
         Whether it is what is proved, which breaks only if something that is assumed does.
     """
@@ -50,6 +53,7 @@ class Finding:
     words: str = ""
     times: Array | None = None
     values: Array | None = None
+    needed: float = float("nan")
     follows: bool = False
 
     @property

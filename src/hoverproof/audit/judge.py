@@ -248,17 +248,20 @@ def images(log: FlightLog, mission: Mission) -> Iterator[Finding]:
             *("latency", "latency", not late, base + period, bound, "s", seen.jitter),
             float(log.times[old.argmax()]) if late and old.any() else None,
             *(words, log.times, log.image_age),
+            needed=base + period + log_step(log),
         )
     short = [gap for gap in seen.gaps if gap[1] < LOST]
     worst = max(short, default=(0.0, period, 0), key=lambda gap: gap[1])
-    broken = [gap for gap in short if base + gap[1] > bound + slack]
+    left = max(bound - base, 1.5 * period)  # of the tolerance, for the time to the next image
+    broken = [gap for gap in short if gap[1] > left + slack]
     words = f"{sum(gap[2] for gap in short)} images missed"
     if short:
         words += f", at most {worst[2]} at once: {worst[1]:.4g} s from {worst[0]:.4g} s on"
     yield Finding(
-        *("frame gaps", "latency", not broken, base + worst[1], bound, "s", seen.jitter),
+        *("frame gaps", "latency", not broken, worst[1], left, "s", seen.jitter),
         broken[0][0] + base + period if broken else None,
-        *(words, exposed, np.r_[np.diff(exposed), np.nan] + base),
+        *(words, exposed, np.r_[np.diff(exposed), np.nan]),
+        needed=base + worst[1],
     )
     lost = [gap for gap in seen.gaps if gap[1] >= LOST]
     most = max((gap[1] for gap in lost), default=seen.period)

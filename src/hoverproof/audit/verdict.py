@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
+from hoverproof.audit.camera import scale
 from hoverproof.audit.claim import Claim, Poses, falls, in_view
 from hoverproof.audit.finding import Finding
 from hoverproof.audit.judge import judged
@@ -55,7 +57,8 @@ class Audit:
         for f in self.broken:
             if f.key:
                 sure = 0.0 if math.isnan(f.deviation) else 3 * f.deviation
-                needed[f.key] = max(needed.get(f.key, 0.0), (f.value + sure) * (1 + ROOM))
+                most = f.value if math.isnan(f.needed) else f.needed
+                needed[f.key] = max(needed.get(f.key, 0.0), (most + sure) * (1 + ROOM))
         shares = {key: min(v, MOST_SHARE) for key, v in needed.items() if key in _SHARES}
         return {key: _upward(value) for key, value in (needed | shares).items()}
 
@@ -74,6 +77,23 @@ def _upward(value: float) -> str:
     return f"{math.ceil(value / unit - 1e-9) * unit:.6g}"
 
 
+def flown_otherwise(numbers: Mapping[str, Any], mission: Mission) -> list[str]:
+    """Say where what a log was flown with differs from a mission; tolerances and starts may.
+
+    Parameters
+    ----------
+    numbers : mapping
+        Exact numbers of the mission in the log.
+    mission : Mission
+    """
+    ours = mission.exact()
+    return [
+        f"its {key} is not that of {mission.name}"
+        for key in ("law", "vehicle", "target", "goal", "gains")
+        if numbers.get(key) != ours.get(key)
+    ]
+
+
 def audit(log: FlightLog, mission: Mission, claim: Claim | None) -> Audit:
     """Hold a flight against the assumptions of theorem 5.
 
@@ -84,6 +104,13 @@ def audit(log: FlightLog, mission: Mission, claim: Claim | None) -> Audit:
     claim : Claim, optional
         That of its certificate.
     """
+    if log.mission is not None and (other := flown_otherwise(log.mission, mission)):
+        log = replace(log, notes=(*log.notes, f"flown with another mission: {other[0]}"))
     poses = Poses(log, mission)
-    findings: Sequence[Finding] = [*judged(log, mission), in_view(poses), falls(poses, claim)]
+    findings: Sequence[Finding] = [
+        *judged(log, mission),
+        scale(poses),
+        in_view(poses),
+        falls(poses, claim),
+    ]
     return Audit(log, mission, list(findings), claim)
