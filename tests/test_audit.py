@@ -11,6 +11,7 @@ import casadi as ca
 import h5py
 import numpy as np
 import pytest
+from rich.cells import cell_len
 
 from hoverproof import cli
 from hoverproof.audit.claim import Claim, Poses
@@ -238,6 +239,7 @@ def test_the_command_that_would_cover_runs_as_written(tmp_path, capsys, monkeypa
         capsys, "audit", path, "--mission", "research-1.5kg", "--certificate", PROOF, "--no-page"
     )
     assert status == 1
+    assert max(map(cell_len, out.splitlines())) <= 80
     command = shlex.split(out.splitlines()[-1].removeprefix("Next: hoverproof "))
     assert command[:2] == ["attraction", "research-1.5kg"]
     wider = load("research-1.5kg", dict(w.split("=") for w in command if "=" in w))

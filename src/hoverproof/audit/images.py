@@ -41,15 +41,16 @@ class Images:
 
     @cached_property
     def period(self) -> float:
-        """From image to image as a rule, s."""
+        """From image to image where none is missing, the mean, s."""
         gaps = np.diff(self.exposures[1])
-        return float(np.median(gaps)) if len(gaps) else float("nan")
+        return float(gaps[gaps <= 1.5 * np.median(gaps)].mean()) if len(gaps) else float("nan")
 
     @cached_property
     def fresh(self) -> Array:
         """Age of each image when it came into use, (m,), s, and so, as a rule, the latency."""
         arrived, exposed = self.exposures
-        return np.asarray(arrived - exposed)
+        used = self.log.ahead * float(np.median(np.diff(self.log.times)))  # from that row on
+        return np.asarray(arrived - exposed - used)
 
     @property
     def latency(self) -> float:
