@@ -9,10 +9,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from hoverproof.cli.questions import Answers, in_layout, in_rotor, in_rotors
-from hoverproof.mission.described import VehicleFile
+from hoverproof.mission.described import RotorSaid, VehicleFile
 
 DIGITS = 6
-SMALL = 1e-9
+SMALL = 1e-6
 """Of the largest moment: a product of inertia below it is rounding."""
 
 
@@ -36,7 +36,8 @@ def answers_of_vehicle(found: VehicleFile) -> Answers:
         squares = [x * x + y * y for x, y, _ in (r.position for r in found.rotors)]
         known["rotor_distance"] = f"{math.sqrt(sum(squares) / len(squares)):.4g}"
         known["placed"] = _comments(found) + in_rotors(
-            in_rotor(_row(r.position), "ccw" if r.spin > 0 else "cw") for r in found.rotors
+            in_rotor(_row(r.position), "ccw" if r.spin > 0 else "cw", _most(r))
+            for r in found.rotors
         )
     return known
 
@@ -55,6 +56,9 @@ def said_of_vehicle(found: VehicleFile) -> list[str]:
         said.append(f"inertia {_row(found.inertia.diagonal().tolist())} kg m² about the body axes")
     if found.rotors:
         said.append(f"{len(found.rotors)} rotors, positions in m")
+        if all(r.thrust_max for r in found.rotors):
+            most = sorted({_text(r.thrust_max or 0) for r in found.rotors})
+            said.append(f"highest thrust of a rotor {' to '.join([most[0], *most[1:][-1:]])} N")
     if found.drag_ratio:
         said.append(f"drag torque over thrust {_text(found.drag_ratio)} m")
     if found.rotor_lag:
@@ -111,6 +115,10 @@ def comment(words: str) -> str:
 
 def _comments(found: VehicleFile) -> str:
     return comment("; ".join([f"From a file ({found.kind})", *_products(found), *found.words]))
+
+
+def _most(rotor: RotorSaid) -> str:
+    return f", thrust_max = {_text(rotor.thrust_max)}" if rotor.thrust_max else ""
 
 
 def _text(value: float) -> str:

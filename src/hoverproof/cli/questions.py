@@ -177,7 +177,9 @@ def _rotor(rotor: Rotor) -> str:
     from hoverproof.mission.writing import decimal
 
     position = ", ".join(map(decimal, rotor.position))
-    own = f", drag_ratio = {decimal(rotor.drag_ratio)}" if rotor.drag_ratio else ""
+    keys = ("drag_ratio", "thrust_min", "thrust_max")
+    said = ((key, getattr(rotor, key)) for key in keys)
+    own = "".join(f", {key} = {decimal(value)}" for key, value in said if value is not None)
     return in_rotor(f"[{position}]", f"{rotor.spin}", own)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.algebra.surd import sqrt_enclosure
+from hoverproof.certification.attraction.at_goal import no_weights
 from hoverproof.certification.attraction.draft import NotShown, draft, force_within
 from hoverproof.certification.attraction.form import derive_form
 from hoverproof.certification.attraction.inequality import Loop
@@ -42,6 +43,7 @@ from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import law_of
 
 Progress = Callable[[str], None]
+NO_WEIGHTS = "no weights were found that satisfy the inequality"
 
 
 def attraction(
@@ -152,6 +154,9 @@ def _search_and_prove(
         if not isinstance(verdict, str):
             return verdict
         reasons.append(("with" if with_barrier else "without") + f" a barrier: {verdict}")
+    nowhere = no_weights(mission) if all(NO_WEIGHTS in reason for reason in reasons) else None
+    if nowhere is not None:
+        return Undecided(mission=mission, reason=nowhere[0], advice=nowhere[1])
     advice = _advice(mission, bool(asked.starts))
     return Undecided(mission=mission, reason="; ".join(reasons), advice=advice)
 
@@ -280,7 +285,7 @@ def _attempt(
         found = find(asked.search(slack, barrier), objective, terms)
         if found is None:
             below = ", with a barrier below the starts" if barrier and starts else ""
-            return reason or f"no weights were found that satisfy the inequality{below}"
+            return reason or f"{NO_WEIGHTS}{below}"
         if starts and found.fill > 1:
             return (
                 f"Λ at the start is {found.fill:.3g} times the highest level found "
