@@ -161,13 +161,17 @@ def _search_and_prove(
     return Undecided(mission=mission, reason="; ".join(reasons), advice=advice)
 
 
+INSTEAD = "theorem 5 covers it: law.feature = 'scaled' has it at its best"
+
+
 def _why_noisy(mission: Mission) -> str:
     """Return why a mission with bounded noise is not covered; empty if it has none."""
     may = mission.uncertainty
     if may.is_shaken:
         return (
             "bounded noise and gusts are not covered by a region of attraction: the motion ends "
-            "near the goal"
+            "near the goal, and the potential falls by |q - q3* ρ|², not by a share of itself, so "
+            f"nothing bounds what is left of it; {INSTEAD}"
         )
     if may.control_period or may.force_lag:
         return (
@@ -202,7 +206,8 @@ def why_not_covered(mission: Mission) -> str:
     if mission.uncertainty.wind and mission.law.goal == "image":
         return (
             "wind moves the hover of a goal that is fixed in the image, and the natural potential "
-            "with it, which is not covered; law.goal = 'inertial' is"
+            "with it, another one for each wind, which is not covered; law.goal = 'inertial' is, "
+            f"or {INSTEAD}"
         )
     return ""
 
