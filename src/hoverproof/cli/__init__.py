@@ -30,7 +30,7 @@ os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 COMMANDS = (
     *("certification:certify", "certification:region", "certification:check"),
     *("tuning:tune", "atlas:atlas", "attraction:attraction"),
-    *("firmware:export", "flight:simulate", "flying:fly"),
+    *("firmware:export", "flight:simulate", "flying:fly", "see:see"),
     *("missions:presets", "missions:new", "paper:derive", "report:report"),
 )
 """Module and function of each command; imported when it is run, or when help tells of it."""

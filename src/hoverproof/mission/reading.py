@@ -14,6 +14,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 from pydantic import ValidationError
 
 from hoverproof.errors import InputError, suggestion
+from hoverproof.mission.camera import Lens
 from hoverproof.mission.camera_info import lens_of_file
 from hoverproof.mission.fields import Section, shown
 from hoverproof.mission.presets import preset_text, presets
@@ -93,6 +94,24 @@ def of_mission(
     return of  # type: ignore[return-value]  # the mission may be given by keyword as well
 
 
+def load_lens(path: str | Path) -> Lens:
+    """Read the lens of a `camera_info` file.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or holds no lens that can be used.
+    """
+    try:
+        return Lens(**lens_of_file(path, "no such file"))
+    except ValidationError as error:
+        raise _input_error(error, str(path)) from None
+
+
 def with_tolerance(mission: Mission, name: str, value: Fraction) -> Mission:
     """Return a mission with another value in `[uncertainty]`.
 
@@ -100,16 +119,17 @@ def with_tolerance(mission: Mission, name: str, value: Fraction) -> Mission:
     ----------
     mission : Mission
     name : str
-        Such as ``"latency"``.
+        Such as ``"latency"``, or ``"noise.rate"``.
     value : Fraction
-        In its unit, s, m/s², rad/s or a share, dimensionless.
+        In its unit, as in a mission file; a share is dimensionless.
 
     Raises
     ------
     InputError
         If a mission cannot have it.
     """
-    section = dict(mission.uncertainty) | {name: value}
+    section, (group, _, key) = dict(mission.uncertainty), name.partition(".")
+    section[group] = dict(section[group]) | {key: value} if key else value
     try:
         return Mission(**(dict(mission) | {"uncertainty": section}))
     except ValidationError as error:
