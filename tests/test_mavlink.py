@@ -320,7 +320,7 @@ def test_a_mission_without_a_rate_loop_is_refused(package):
     plain = load(MISSION, {})
     with pytest.raises(ValueError, match=r"interface\.rate_bandwidth: is missing"):
         package_of(plain)
-    with pytest.raises(ValueError, match="--interface rates"):
+    with pytest.raises(ValueError, match="interface rates"):
         Guide(plain, Firmware(package), oldest=OLDEST)
 
 

@@ -8,15 +8,8 @@
 #include <time.h>
 
 #include CONTROLLER
+#include "check.h"
 #include "vehicle.h"
-
-#define CHECK(held)                                         \
-  do {                                                      \
-    if (!(held)) {                                          \
-      (void)printf("line %d: not %s\n", __LINE__, #held);   \
-      exit(1);                                              \
-    }                                                       \
-  } while (0)
 
 static bool armed = true, can_fly = true;
 static float actuator_thrust;
