@@ -18,6 +18,7 @@ import casadi as ca
 from hoverproof.algebra.identity import prove_equal, prove_zero
 from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant import rigid_body
+from hoverproof.plant.rate_loop import loop_torque, rate_command
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.laws.hamel_mahony import LAWS
 from hoverproof.servo.uncertain import derive_uncertain_loop
@@ -278,6 +279,33 @@ assert prove_equal((quarter @ Omega_dot)[:2], claimed)
 print("γ and G of wrong moments of inertia: proved")
 
 # %% [markdown]
+# ## An autopilot's rate loop
+#
+# Most autopilots take body rates in place of torques, and answer about as
+#
+# $$\dot\Omega = \omega\,(\Omega_c - \Omega)$$
+#
+# with $\omega$ a diagonal matrix of bandwidths, whatever the inertia. Let the law command
+# $\Omega_c = \Omega + \alpha/\omega_r$, of a bandwidth $\omega_r$ that it believes. Then
+# $\dot\Omega = \omega\alpha/\omega_r$: this is
+#
+# $$\gamma = \begin{pmatrix}\omega_2/\omega_r - 1 & 0\\ 0 & \omega_1/\omega_r - 1\end{pmatrix},
+# \qquad G = 0 .$$
+#
+# So a loop whose bandwidths are within a share $x$ of $\omega_r$ is covered by torques within $x$.
+# That law and loop have the same $\Omega$, at the same time, is assumed.
+
+# %%
+omega, omega_r = ca.SX.sym("omega", 3), ca.SX.sym("omega_r")
+commanded = rate_command(Omega, alpha, omega_r)
+torque = loop_torque(commanded, Omega, omega, true)
+Omega_dot = rigid_body.state_rate(state, torque=torque, inertia=true, **none).rate
+gamma = ca.diag(ca.vertcat(omega[1], omega[0]) / omega_r - 1)
+assert prove_equal((quarter @ Omega_dot)[:2], turned + gamma @ turned)
+assert prove_equal(Omega_dot, omega * alpha / omega_r)
+print("γ and G of a rate loop: proved")
+
+# %% [markdown]
 # ## What to remember
 #
 # Errors of mass, thrust and inertia multiply errors of the chain. With the measured force, so does
@@ -289,3 +317,4 @@ print("γ and G of wrong moments of inertia: proved")
 # * That the motion converges: this is for a Lyapunov function to show, over bounds of the unknowns.
 # * A thrust that drifts by itself, as with a battery, or a torque that is not zero when none is
 #   commanded: these move the hover as $b$ does.
+# * A rate loop of higher order, or one that takes its commands late or in steps.

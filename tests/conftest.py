@@ -10,9 +10,10 @@ from hoverproof.mission.sections import Mission
 from sharing import share
 
 BUSY = [HealthCheck.too_slow]  # a busy machine is no failure
-settings.register_profile("desk", suppress_health_check=BUSY)
-settings.register_profile("ci", derandomize=True, suppress_health_check=BUSY)  # the same each time
-settings.load_profile("ci" if os.environ.get("CI") else "desk")
+FEW = {"max_examples": 25, "suppress_health_check": BUSY}
+settings.register_profile("desk", **FEW)
+settings.register_profile("ci", derandomize=True, **FEW)  # the same each time
+settings.register_profile("trials", max_examples=400, suppress_health_check=BUSY)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -29,6 +30,8 @@ def whole(request: pytest.FixtureRequest) -> bool:
 
 def pytest_configure(config: pytest.Config) -> None:
     share()  # before pytest-xdist starts its processes
+    usual = "ci" if os.environ.get("CI") else "desk"
+    settings.load_profile("trials" if config.getoption("whole") else usual)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

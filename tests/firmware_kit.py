@@ -125,7 +125,7 @@ def other_laws():
     seen = (("goal.heading", "0.5"), ("goal.heading_from", "'image'"))
     return [
         Kind(CRAZYFLIE, felt, (uncertified, ("tunable", True))),
-        Kind(CRAZYFLIE, best, (uncertified,)),
+        Kind(CRAZYFLIE, (*best, ("interface.rate_bandwidth", "25")), (uncertified,)),
         Kind("x4-flyer", best, (uncertified, ("precision", "float64"), ("sensing", "centroid"))),
         Kind("x4-flyer", best, (uncertified, ("sensing", "centroid"))),
         Kind("x4-flyer", best, (uncertified, ("camera", True))),
@@ -135,6 +135,13 @@ def other_laws():
         Kind("x4-flyer", (*best, *seen), (uncertified, ("camera", True))),
         Kind(options=(("camera", True), ("sensing", "centroid"), ("precision", "float64"))),
     ]
+
+
+LENS = (
+    "{width = 1280, height = 960, fx = 620, fy = 618, cx = 650, cy = 470, distortion_model = "
+    '"plumb_bob", distortion = [-0.28, 0.07, 0.0005, -0.0003, 0.01]}'
+)
+"""Of a camera, as a mission has it."""
 
 
 def names_header(package, steps=30_000):
@@ -148,10 +155,12 @@ def names_header(package, steps=30_000):
         **{v: f"{name}_{v}" for v in ("init", "step", "selftest")},
         "reset_state": f"{name}_reset",
         "set_rotor_limits": f"{name}_set_rotor_limits",
+        "take_over": f"{name}_take_over",
         "HOVER": repr(weight),
         "STEPS": str(steps),
         "FELT": str(int("specific_force_length_m_per_s2" in package.manifest["input_box"])),
         "SIZED": str(int(sized)),
+        "RATES": str(int("rate_bandwidth" in package.manifest)),
         "SENSED_POINTS": str(int(package.manifest["sensing"] == "points")),
         "PARAMS_HEADER": f'"{name}_params.h"',
     }

@@ -281,7 +281,7 @@ def contradictions(
         mission = load(file)
     except InputError as error:
         for command, answer in answers.items():
-            if answer.status != 2 or str(error) not in answer.err:
+            if answer.status != 2 or error.line not in answer.err:
                 yield fault(command, "does not refuse what cannot be loaded, or in other words")
         return
     except Exception:

@@ -52,6 +52,8 @@ def vehicle(number):
             f"latency = {min(0.08, 0.15 * pace):.2g}, rotor_lag = {min(0.05, 0.08 * pace):.2g}, "
             "wind = 0.2, yaw_rate = 0.5}"
         ),
+        "rotors": f"{{max_thrust = {mass * 9.81 / 4 * rng.uniform(1.7, 3):.4g}}}",
+        "camera": f"{{half_angle = {rng.uniform(0.75, 1.1):.2g}}}",
     }
     return load("crazyflie-2.1", LAW | numbers)
 

@@ -22,6 +22,7 @@ FLOORS = [
     {"certification", "simulation", "export", "paper"},
     {"design"},
     {"firmware", "plausibility"},
+    {"mavlink", "eyes"},
     {"show"},
     {"reporting"},
     {"cli"},

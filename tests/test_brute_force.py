@@ -198,7 +198,7 @@ def test_the_two_models_of_this_file_agree():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", mostly_whole(range(BLOCKS), every=2))
+@pytest.mark.parametrize("block", mostly_whole(range(BLOCKS), every=4))
 def test_brute_force_agrees_with_every_verdict_on_random_missions(block, whole):
     missions = MISSIONS if whole else FIRST
     rng = np.random.default_rng([20260101, block])

@@ -18,6 +18,7 @@ from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.laws.hamel_mahony import LAWS
 from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, slowest_rate
 from laws_kit import depth_matrix, numbers_of, seen, slope
+from sampling import mostly_whole
 
 CORNERS = np.array([[1, 1, 0], [1, -1, 0], [-1, -1, 0], [-1, 1, 0]], float)
 
@@ -144,9 +145,9 @@ def against_brute_force(seed, laws, count, starts=4):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("laws", [SCALED, INERTIAL], ids=["scaled", "inertial"])
-@pytest.mark.parametrize("block", range(4))
+@pytest.mark.parametrize("block", mostly_whole(range(4), every=2))
 def test_brute_force_agrees_with_verdicts_on_random_missions(laws, block, whole):
-    """Of each kind of law 500 missions in `make trials`, and 24 of them by default."""
+    """Of each kind of law 500 missions in `make trials`, and 12 of them by default."""
     against_brute_force([20261128, block], laws, 125 if whole else 6)
 
 
@@ -178,7 +179,7 @@ def test_the_model_of_these_tests_moves_as_the_vehicle_does(law):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", LAWS, ids="/".join)
+@pytest.mark.parametrize("law", mostly_whole([(law,) for law in LAWS], every=3))
 def test_a_certified_rate_is_one_that_the_linearised_loop_has(law, whole):
     rng, proved = np.random.default_rng(20261129), 0
     for _ in range(13 if whole else 7):

@@ -100,7 +100,18 @@ def test_simulate_draws_and_answers_machines_in_json(capsys):
 
 @pytest.mark.slow
 def test_simulate_draws_what_is_asked_for_and_a_film(capsys):
-    some = ("--duration", 20, "--figures", "path", "--figures", "features", "--animate", "a.gif")
+    some = (
+        "--duration",
+        20,
+        "--speed-up",
+        20,
+        "--figures",
+        "path",
+        "--figures",
+        "features",
+        "--animate",
+        "a.gif",
+    )
     status, out, err = run(capsys, "simulate", "x4-flyer", *some)
     assert status == 0
     assert "certified: L ≤ L(0) exp(-0.000348 t)" in out
@@ -205,9 +216,8 @@ LEAN = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("words", "needless"), LEAN, ids=[words for words, _ in LEAN])
-def test_a_command_imports_what_it_needs_alone(words, needless, tmp_path, monkeypatch):
-    """When what it derives has been derived before, that is."""
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+def test_a_command_imports_what_it_needs_alone(words, needless):
+    """When what it derives has been derived before, that is: by itself, if by no other test."""
     probe = (
         "import atexit, sys; from hoverproof.cli import main\n"
         "atexit.register(lambda: print(*sys.modules, file=sys.stderr))\n"
@@ -215,6 +225,8 @@ def test_a_command_imports_what_it_needs_alone(words, needless, tmp_path, monkey
     )
     for _ in range(2):
         done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True)
+        if not needless & set(done.stderr.split()):
+            break
     assert done.returncode == 0, done.stderr
     assert not needless & set(done.stderr.split())
 

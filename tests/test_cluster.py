@@ -115,5 +115,5 @@ def test_without_a_scheduler_there_is_one_clear_message(monkeypatch):
         port = free.getsockname()[1]
     monkeypatch.setattr("hoverproof.spread.CONNECT_SECONDS", 1)
     for address in (f"tcp://127.0.0.1:{port}", "nonsense://x"):
-        with pytest.raises(InputError, match="--scheduler: no Dask scheduler answers at"):
+        with pytest.raises(InputError, match="scheduler: no Dask scheduler answers at"):
             list(spread(abs, [1], scheduler=address))

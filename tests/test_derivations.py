@@ -12,6 +12,8 @@ import jupytext
 import nbformat
 import pytest
 
+from sampling import mostly_whole
+
 ROOT = Path(__file__).parents[1]
 SCRIPTS = sorted((ROOT / "derivations").glob("*.py"))
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
@@ -40,7 +42,7 @@ def test_every_script_has_its_notebook_and_the_other_way_round():
 
 
 @pytest.mark.slow
-@each
+@pytest.mark.parametrize("script", mostly_whole(SCRIPTS, every=2), ids=lambda p: p.stem)
 def test_a_script_runs_alone_and_prints_what_its_notebook_shows(script):
     done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

@@ -24,8 +24,20 @@ NEARLY = 0.05
 each = pytest.mark.parametrize("script", SCRIPTS, ids=lambda p: p.stem)
 LARGE = "machinevisiontoolbox"
 """What an example needs that `make trials` alone installs and runs."""
+LONG = {
+    "flight",
+    "from_the_papers_gains_to_gains_that_fly",
+    "where_may_i_switch_it_on",
+    "why_sampling_is_no_proof",
+}
+"""What `make trials` alone runs for its time."""
 RUN = [
-    pytest.param(p, marks=(pytest.mark.whole,) if LARGE in p.read_text(encoding="utf-8") else ())
+    pytest.param(
+        p,
+        marks=(pytest.mark.whole,)
+        if p.stem in LONG or LARGE in p.read_text(encoding="utf-8")
+        else (),
+    )
     for p in SCRIPTS
 ]
 

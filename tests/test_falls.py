@@ -51,11 +51,14 @@ def small_files():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "name"),
-    [
-        (["simulate", "x4-flyer", "--no-figures"], "x4-flyer.flight.nc"),
-        (["simulate", "x4-flyer", "--no-figures", *MANY], "x4-flyer.flights.nc"),
-        (["atlas", "x4-flyer", "--cells", "100"], "x4-flyer.atlas.nc"),
-    ],
+    mostly_whole(
+        [
+            (["simulate", "x4-flyer", "--no-figures"], "x4-flyer.flight.nc"),
+            (["simulate", "x4-flyer", "--no-figures", *MANY], "x4-flyer.flights.nc"),
+            (["atlas", "x4-flyer", "--cells", "100"], "x4-flyer.atlas.nc"),
+        ],
+        every=2,
+    ),
 )
 def test_a_full_disk_is_one_line_and_the_old_file_stays(words, name):
     Path(name).write_text("old")
@@ -152,7 +155,7 @@ def test_a_cache_on_a_file_system_without_execution_is_gone_around(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("cc", [" ", "'gcc", "for another machine"])
+@pytest.mark.parametrize("cc", mostly_whole(["'gcc", " ", "for another machine"], every=3))
 def test_firmware_without_a_compiler_that_works_is_one_line(cc, tmp_path):
     env = {**os.environ, "CC": for_another_machine(tmp_path) if cc.startswith("for") else cc}
     done = command("simulate", "x4-flyer", "--controller", "firmware", "--duration", "1", env=env)
@@ -186,13 +189,13 @@ MOMENTS = [
     *(
         case
         for number, words in enumerate(LONG)
-        for case in mostly_whole([(words, 0.5), (words, 2)], every=2, first=number % 2)
+        for case in mostly_whole([(words, 0.5), (words, 2)], every=4, first=number % 4)
     ),
     *mostly_whole(
-        [(words, 5) for words in LONG if any(step in words for step in IN_STEPS)], every=3
+        [(words, 5) for words in LONG if any(step in words for step in IN_STEPS)], every=4
     ),
 ]
-"""CI interrupts each command once, as it begins or at its work, and some of them later as well."""
+"""CI interrupts every other command once, as it begins or at its work, and some of them later."""
 WHOLE = {"x4-flyer.flights.nc", "crazyflie-2.1.flight.nc"}
 """Files that may be there: whole, made before the interruption, or made to be resumed."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import struct
 from fractions import Fraction
 from functools import partial
@@ -9,14 +10,16 @@ from functools import partial
 import numpy as np
 import pytest
 
-from firmware_kit import TARGET, export, run, tool
+from firmware_kit import LENS, TARGET, export, run, tool
 from hoverproof.export.adapter import oldest_image
+from hoverproof.export.binding import Firmware
 from hoverproof.mission.reading import load
+from sampling import mostly_whole
 from test_firmware_target import STUBS, image_topic
 
 BEST = {"law": {"feature": "scaled", "goal": "inertial", "force": "measured"}}
 CRAZYFLIE = "crazyflie-2.1"
-PRECISIONS = pytest.mark.parametrize("precision", ["float32", "float64"])
+EITHER = [("float32", False), ("float32", True), ("float64", True), ("float64", False)]
 pytestmark = pytest.mark.slow
 
 best = partial(export, mission=CRAZYFLIE, overrides=BEST, allow_uncertified=True)
@@ -69,8 +72,7 @@ def fail_selftest(package):
     source.write_text(text.replace("  return failed;", "  return failed + 1U;"))
 
 
-@PRECISIONS
-@pytest.mark.parametrize("tunable", [False, True])
+@pytest.mark.parametrize(("precision", "tunable"), mostly_whole(EITHER, every=2, first=0))
 def test_the_crazyflie_flies_by_pid_unless_all_is_well_and_cuts_power_in_one_step(
     precision, tunable, tmp_path
 ):
@@ -126,6 +128,20 @@ def test_a_packet_of_the_app_channel_holds_an_image_and_its_age(tmp_path):
         assert run(program, "packets", broken).stdout == "0\n"
 
 
+def test_a_packet_of_raw_pixels_is_seen_through_the_lens(tmp_path):
+    package = best(tmp_path / "fw", overrides={**BEST, "camera.lens": LENS}, pixels=True)
+    program = crazyflie(package, tmp_path, package.folder / f"{package.name}_lens.c")
+    pixels = [[700.125, 480], [100, 400.5], [640, 90], [1200.25, 800]]
+    scaled = [round(8 * c) for point in pixels for c in point]
+    taken, _, *seen = run(program, "packets", packed(package, 7, 0, 45, scaled)).stdout.split()
+    assert taken == "1"
+    status, points = Firmware(package.folder).lens(pixels)
+    assert status == 0
+    assert [float(c) for c in seen] == pytest.approx(points.ravel().tolist(), rel=1e-6)
+    past = [*scaled[:-2], 8 * 4000, 8 * 4000]  # no point: the image is left out
+    assert run(program, "packets", packed(package, 8, 0, 45, past)).stdout == "1\n"
+
+
 def test_an_image_of_many_points_comes_in_parts_in_any_order(tmp_path):
     points = [[x / 5, y / 5, 0] for x in range(-1, 2) for y in range(-1, 2)]
     wider = {"target": {"points": points}, "bounds.eigenvalues": "[0.1, 8.0]"}
@@ -148,7 +164,12 @@ def test_a_packet_of_a_centroid_is_exact(tmp_path):
     assert np.float32(seen).tolist() == np.float32([0.1, -0.2, 3.7]).tolist()
 
 
-HOLDING = pytest.mark.parametrize("share", [0.85, 1, 1.15])
+def holding(first):
+    """Hold the height with one share of thrust and one precision in three; all in `make trials`."""
+    cases = itertools.product(("float32", "float64"), (0.85, 1, 1.15))
+    return pytest.mark.parametrize(
+        ("precision", "share"), mostly_whole(cases, every=3, first=first)
+    )
 
 
 def holds_its_height(program, share, late):
@@ -159,8 +180,7 @@ def holds_its_height(program, share, late):
     assert max(abs(x), abs(y)) < 0.01
 
 
-@PRECISIONS
-@HOLDING
+@holding(first=0)
 def test_the_crazyflie_holds_its_height_by_its_mixer_with_less_and_more_thrust(
     precision, share, tmp_path
 ):
@@ -213,8 +233,7 @@ def px4(package, folder, plain=None):
     return folder / "px4"
 
 
-@PRECISIONS
-@pytest.mark.parametrize("tunable", [False, True])
+@pytest.mark.parametrize(("precision", "tunable"), mostly_whole(EITHER, every=2, first=1))
 def test_the_mode_of_px4_levels_on_faults_and_says_nothing_in_other_modes(
     precision, tunable, tmp_path
 ):
@@ -236,8 +255,7 @@ def test_px4_makes_the_thrust_and_the_torque_that_are_asked_for(tmp_path):
     assert made == pytest.approx(asked, rel=1e-6)
 
 
-@PRECISIONS
-@HOLDING
+@holding(first=2)
 def test_px4_holds_its_height_by_its_allocation_with_less_and_more_thrust(
     precision, share, tmp_path
 ):
@@ -270,8 +288,7 @@ def ardupilot(package, folder, plain=None):
     return folder / "ardupilot"
 
 
-@PRECISIONS
-@pytest.mark.parametrize("camera", [False, True])
+@pytest.mark.parametrize(("precision", "camera"), mostly_whole(EITHER, every=2, first=0))
 def test_ardupilot_gives_the_motors_back_in_the_loop_in_which_they_are_not_the_laws(
     precision, camera, tmp_path
 ):
@@ -287,8 +304,7 @@ def test_without_its_self_test_the_law_never_has_ardupilot(tmp_path):
     assert run(ardupilot(package, tmp_path), "sick").stdout == "sick\n"
 
 
-@PRECISIONS
-@HOLDING
+@holding(first=1)
 def test_ardupilot_holds_its_height_by_its_mixer_with_less_and_more_thrust(
     precision, share, tmp_path
 ):

@@ -48,8 +48,8 @@ def flights(mission, package, board, *flags, duration=10):
     [
         (LAW, "float32", M4F),
         pytest.param(LAW, "float32", M7, marks=pytest.mark.whole),
-        (LAW, "float64", M7),
-        (IMAGE, "float32", M4F),
+        pytest.param(LAW, "float64", M7, marks=pytest.mark.whole),
+        pytest.param(IMAGE, "float32", M4F, marks=pytest.mark.whole),
     ],
 )
 def test_on_a_board_it_flies_the_very_flight_that_it_flies_here(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 import re
 import subprocess
@@ -15,6 +16,7 @@ from firmware_kit import (
     BOARDS,
     C_WARNINGS,
     FLAGS,
+    LENS,
     OFF_AXIS,
     TARGET,
     WARNINGS,
@@ -28,13 +30,19 @@ from firmware_kit import (
     tool,
 )
 from papers_law import PAPERS
+from sampling import mostly_whole
 
 STUBS = Path(__file__).parent / "stubs"
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 pytestmark = pytest.mark.slow
 
 M4F = BOARDS["Cortex-M4F"]
-EACH_KIND = pytest.mark.parametrize("kind", kinds(), ids=str)
+
+
+def some_kinds(first, of=None):
+    """Try a check on one kind of package in five, another one on others; all in `make trials`."""
+    some = mostly_whole(kinds() if of is None else of, every=5, first=first)
+    return pytest.mark.parametrize("kind", some, ids=str)
 
 
 def all_c(package):
@@ -54,7 +62,7 @@ def misra(folder, *sources):
 # --- compilers ----------------------------------------------------------------------------------
 
 
-@EACH_KIND
+@some_kinds(first=3)
 def test_no_compiler_warns(kind, tmp_path):
     """GCC has warnings that come of optimising; the others read the text alone."""
     package = kind.export(tmp_path / "fw")
@@ -69,7 +77,7 @@ def test_no_compiler_warns(kind, tmp_path):
 # --- static analysis ----------------------------------------------------------------------------
 
 
-@EACH_KIND
+@some_kinds(first=3)
 def test_cppcheck_finds_no_breach_of_misra(kind, tmp_path):
     package = kind.export(tmp_path / "fw")
     assert misra(package.folder, *(s.name for s in package.sources)) == []
@@ -106,8 +114,10 @@ def eva(package, folder, entry, excess, *options):
     return int(re.search(r"(\d+) alarms? generated", done.stdout)[1])
 
 
-@pytest.mark.parametrize("precision", ["float32", "float64"])
-@pytest.mark.parametrize("preset", PAPERS.values(), ids=PAPERS)
+@pytest.mark.parametrize(
+    ("preset", "precision"),
+    mostly_whole(itertools.product(PAPERS.values(), ["float32", "float64"]), every=3),
+)
 def test_eva_proves_finite_outputs_over_the_certified_box_and_alarms_beyond(
     preset, precision, tmp_path
 ):
@@ -124,22 +134,25 @@ APART = ("-eva-precision", "3", "-eva-slevel", "1000", "-eva-split-return", "ful
 """Options that keep the cases of the harness apart."""
 
 BEST = {"law": {"feature": "scaled", "goal": "inertial", "force": "measured"}}
-EVERY_CHOICE = pytest.mark.parametrize(
-    ("overrides", "options"),
-    [
-        ({"law": {"feature": "scaled"}}, {}),
-        ({"law": {"goal": "inertial"}}, {}),
-        ({"law": {"force": "measured"}}, {}),
-        (BEST, {}),
-        (BEST, {"precision": "float64"}),
-        (BEST, {"sensing": "centroid"}),
-        (BEST, {"camera": True}),
-    ],
-    ids=str,
-)
+CHOICES = [
+    (BEST, {}),
+    ({"law": {"feature": "scaled"}}, {}),
+    (BEST, {"precision": "float64"}),
+    (BEST, {"camera": True}),
+    ({"law": {"goal": "inertial"}}, {}),
+    (BEST, {"sensing": "centroid"}),
+    ({"law": {"force": "measured"}}, {}),
+    ({**BEST, "interface": {"rate_bandwidth": 20}}, {}),
+]
 
 
-@EVERY_CHOICE
+def some_choices(first, every):
+    """Prove one thing of one choice in so many, another one of others; all in `make trials`."""
+    choices = mostly_whole(CHOICES, every=every, first=first)
+    return pytest.mark.parametrize(("overrides", "options"), choices, ids=str)
+
+
+@some_choices(first=1, every=3)
 def test_eva_proves_the_same_of_each_choice_of_a_law(overrides, options, tmp_path):
     package = export(tmp_path / "fw", "x4-flyer", overrides, allow_uncertified=True, **options)
     low, high = (t - load_weight(package) for t in package.manifest["thrust"])
@@ -148,7 +161,7 @@ def test_eva_proves_the_same_of_each_choice_of_a_law(overrides, options, tmp_pat
     assert eva(package, tmp_path, "law_over_box", beyond, *APART) > 0
 
 
-@EVERY_CHOICE
+@some_choices(first=3, every=len(CHOICES))
 def test_eva_proves_a_step_of_each_law_on_anything_finite(overrides, options, tmp_path):
     package = export(tmp_path / "fw", "x4-flyer", overrides, allow_uncertified=True, **options)
     assert eva(package, tmp_path, "step_on_anything", (0, 0), *APART) == 0
@@ -160,7 +173,10 @@ def test_eva_proves_a_step_on_anything_finite_free_of_run_time_errors(tmp_path):
     assert eva(package, tmp_path, "step_on_anything", (0, 0), *APART) == 0
 
 
-@pytest.mark.parametrize("check", ["spread >= X4_FLYER_SPREAD_LOW", "lift > X4_FLYER_EXCESS_FLOOR"])
+@pytest.mark.parametrize(
+    "check",
+    mostly_whole(["spread >= X4_FLYER_SPREAD_LOW", "lift > X4_FLYER_EXCESS_FLOOR"], every=2),
+)
 def test_eva_finds_a_check_left_out(check, tmp_path):
     package = export(tmp_path / "fw", "x4-flyer", BEST, allow_uncertified=True)
     source = package.sources[0]
@@ -173,7 +189,7 @@ def test_eva_finds_a_check_left_out(check, tmp_path):
 # --- boards -------------------------------------------------------------------------------------
 
 
-@EACH_KIND
+@some_kinds(first=0)
 def test_the_object_has_no_soft_double_no_library_and_no_variables(kind, tmp_path):
     package = kind.export(tmp_path / "fw")
     single = package.manifest["precision"] == "float32"
@@ -191,7 +207,7 @@ def test_the_object_has_no_soft_double_no_library_and_no_variables(kind, tmp_pat
             assert (data, bss) == ("0", "0")
 
 
-@EACH_KIND
+@some_kinds(first=1)
 def test_boards_and_host_compute_the_same_bits(kind, tmp_path, whole):
     """Self-test, 10,000 random inputs and a flight at 1 kHz; the vehicle is simulated on the board.
 
@@ -263,7 +279,9 @@ def test_fusing_by_clang_that_overrules_the_c_is_found_out(tmp_path):
         assert (subprocess.run([made], check=False).returncode == 0) == holds
 
 
-@pytest.mark.parametrize("kind", [k for k in kinds() if "float64" not in str(k)], ids=str)
+@pytest.mark.parametrize(
+    "kind", mostly_whole([k for k in kinds() if "float64" not in str(k)], every=4), ids=str
+)
 def test_the_budgets_of_the_manifest_are_kept(kind, tmp_path):
     """They are about float32."""
     package = kind.export(tmp_path / "fw")
@@ -278,7 +296,7 @@ def test_the_budgets_of_the_manifest_are_kept(kind, tmp_path):
     assert 0.7 * budgets["flash_bytes"] < text <= budgets["flash_bytes"]
 
 
-@pytest.mark.parametrize("preset", PAPERS.values(), ids=PAPERS)
+@pytest.mark.parametrize("preset", mostly_whole(PAPERS.values(), every=3, first=1), ids=PAPERS)
 def test_a_step_takes_no_more_instructions_than_c_by_hand(preset, tmp_path):
     sys.path.insert(0, str(BENCHMARKS))
     import firmware as benchmark
@@ -339,7 +357,7 @@ def fuzz_guided(program, calls):
     return total
 
 
-@EACH_KIND
+@some_kinds(first=2)
 def test_fuzzing_finds_no_trap_no_nan_and_no_wrong_status(kind, tmp_path, whole):
     """The first of the ten million calls of `make fuzz`; in `make trials` five times as many."""
     program = fuzzer(kind.export(tmp_path / "fw"), tmp_path)
@@ -378,10 +396,23 @@ def image_topic(package, folder):
     )
 
 
-@EACH_KIND
+@some_kinds(first=4, of=[k for k in kinds() if "rate_bandwidth" not in str(k)])
 def test_adapters_compile_against_the_headers_of_their_trees(kind, tmp_path):
-    """By the flags of each tree."""
-    package = kind.export(tmp_path / "fw")
+    compile_adapters(kind.export(tmp_path / "fw"), tmp_path)
+
+
+@pytest.mark.parametrize("camera", [False, True])
+def test_adapters_that_take_raw_pixels_compile_too(camera, tmp_path):
+    options = {"camera": camera, "pixels": True, "allow_uncertified": True}
+    package = export(tmp_path / "fw", "x4-flyer", {"camera.lens": LENS}, **options)
+    for source in package.folder.glob("adapters/*/*"):
+        text = source.read_text()
+        assert ("lens_seen(" in text) == source.name.endswith(("module.cpp", "x4_flyer.c", "r.cpp"))
+    compile_adapters(package, tmp_path)
+
+
+def compile_adapters(package, tmp_path):
+    """Compile the adapters of a package by the flags of each tree."""
     name, adapters = package.name, package.folder / "adapters"
     image_topic(package, tmp_path)
     warn = ("-Wall", "-Wextra", "-Werror", "-c", "-o", "made.o")
@@ -444,7 +475,7 @@ def camera_macros(package, calls):
     return [f"-D{key}={value}" for key, value in macros.items()]
 
 
-@pytest.mark.parametrize("kind", WITH_CAMERA, ids=str)
+@pytest.mark.parametrize("kind", mostly_whole(WITH_CAMERA, every=3), ids=str)
 def test_boards_and_host_keep_the_same_frames_bit_for_bit(kind, tmp_path):
     """Under sanitizers too, on two compilers and two boards: broken frames, gaps, large turns."""
     package = kind.export(tmp_path / "fw")

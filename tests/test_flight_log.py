@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -15,14 +17,16 @@ from hoverproof.simulation.flight import simulate, summary
 from hoverproof.simulation.flight_log import OUTCOMES
 from hoverproof.simulation.runs import simulate_batch
 from papers_law import CRAZYFLIE
+from sampling import mostly_whole
 
 SOON = {"start.position": "[0.3, 0.2, -1.2]"}
 CONDITIONS = [{}, {"sensors.latency": "0.02"}]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("conditions", CONDITIONS, ids=["ideal", "late frames"])
-@pytest.mark.parametrize("every", [None, 1, 300])
+@pytest.mark.parametrize(
+    ("every", "conditions"), mostly_whole(itertools.product([None, 1, 300], CONDITIONS), every=2)
+)
 def test_one_flight_and_many_settle_at_the_same_time_whatever_is_kept(conditions, every):
     mission = load(CRAZYFLIE, SOON | conditions)
     one = simulate(mission, duration=30, every=every)
@@ -54,7 +58,7 @@ def test_one_flight_and_many_settle_at_the_same_time_whatever_is_kept(conditions
         ({"gains.k1": "200", "gains.k2": "300"}, "thrust fell to the singularity"),
     ],
 )
-@pytest.mark.parametrize("conditions", CONDITIONS, ids=["ideal", "late frames"])
+@pytest.mark.parametrize("conditions", mostly_whole(CONDITIONS, every=2, first=1))
 def test_what_ended_a_flight_is_said_with_its_time_whatever_is_kept(change, outcome, conditions):
     mission = load("x4-flyer", change | conditions)
     told = {simulate(mission, duration=50, every=e).attrs["outcome"] for e in (1, 40, 1000)}

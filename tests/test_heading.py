@@ -286,7 +286,7 @@ def test_without_a_heading_the_step_flies_on_and_damps_yaw_alone(headed, heading
 
 
 @pytest.mark.slow
-@BOTH
+@pytest.mark.parametrize("choices", mostly_whole([(BEST,), (PAPERS,)], every=2))
 def test_the_firmware_flies_as_the_simulation_does(choices):
     tool("cc")
     for overrides in ({}, REAL):

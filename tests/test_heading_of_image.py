@@ -20,7 +20,8 @@ from hoverproof.plant import camera
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.servo.laws.heading import flown_law
 from hoverproof.simulation.plan import check_runs_differ
-from test_heading import BEST, BOTH, REAL, mission_of, yaw_of
+from sampling import mostly_whole
+from test_heading import BEST, BOTH, PAPERS, REAL, mission_of, yaw_of
 
 IMAGE = {"goal.heading_from": "image"}
 LATE = {"frame_rate": 10, "latency": Fraction("0.1"), "control_rate": 250}
@@ -321,8 +322,10 @@ def test_a_frame_without_a_direction_of_gravity_is_refused(tmp_path, down):
 
 
 @pytest.mark.slow
-@BOTH
-@pytest.mark.parametrize("overrides", [{}, REAL], ids=["ideal", "real"])
+@pytest.mark.parametrize(
+    ("choices", "overrides"),
+    mostly_whole([(PAPERS, {}), (BEST, {}), (BEST, REAL), (PAPERS, REAL)], every=2),
+)
 def test_the_firmware_flies_as_the_simulation_does(choices, overrides):
     tool("cc")
     mission = mission_of(choices, overrides=overrides | IMAGE)
@@ -339,7 +342,7 @@ def test_the_firmware_flies_as_the_simulation_does(choices, overrides):
 @pytest.mark.parametrize("camera", [False, True])
 def test_a_centroid_tells_no_heading(tmp_path, camera):
     mission = mission_of(BEST, overrides=IMAGE)
-    with pytest.raises(InputError, match=r"--sensing: must be points .* a centroid tells no head"):
+    with pytest.raises(InputError, match=r"sensing: must be points .* a centroid tells no head"):
         hoverproof.export_c(
             mission, tmp_path, allow_uncertified=True, sensing="centroid", camera=camera
         )

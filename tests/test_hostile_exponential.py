@@ -19,7 +19,7 @@ CASES = {
     **{name: (small, name, Truth) for name in ("late", "lagged", "image")},
     "potential": (potential, "late", OfPotential),
 }
-STRIDE = 197
+STRIDE = 397
 """Of so many mutants one is tried in a part."""
 ENOUGH = 8.0  # s; 3 s on a machine with nothing else to do
 
@@ -66,7 +66,7 @@ def test_no_mutant_is_accepted_unless_true(name, whole):
             tried(mutant, tally, truth)
     print(f"{name}:", dict(tally))
     assert tally["accepted"] > (100 if whole else 1)
-    assert tally["mutants"] > (2000 if whole else 10)  # 8,000 whole with all names
+    assert tally["mutants"] > (2000 if whole else 5)  # 8,000 whole with all names
 
 
 # --- more than is proved, each with all hashes and the statement made anew ------------------------
@@ -171,9 +171,9 @@ FORGED = ["late", "lagged", "image"]
 def test_what_claims_more_is_rejected(name, whole):
     """A wider tolerance may be within what is proved; then it must be true."""
     (content, truth), tally = made(name), Counter()
-    for what, (path, new) in MORE.items():
-        if name != "late" and not whole and "uncertainty" not in path:
-            continue  # the others are alike for all
+    for number, (what, (path, new)) in enumerate(MORE.items()):
+        if not whole and ("uncertainty" not in path if name != "late" else number % 2):
+            continue  # the others are alike for all, and half of them are tried
         forged = changed(content, path, new)
         if forged == content:
             continue  # a tolerance that it has not

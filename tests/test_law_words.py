@@ -19,8 +19,8 @@ from hoverproof.certification import robust
 from hoverproof.certification.flow import flow_of
 from hoverproof.certification.problem import gain_problem
 from hoverproof.design.atlas import axis, cell_margins
-from hoverproof.export.contents import Standing
 from hoverproof.export.package import NotCertified, write_package
+from hoverproof.export.standing import Standing
 from hoverproof.mission.sections import LawChoice
 from hoverproof.plant.goal import hover_goal
 from hoverproof.reporting import mathematics
@@ -217,7 +217,9 @@ def test_an_axis_of_a_ball_is_no_eigenvalue():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "law", [("centroid", "inertial", "modelled"), BEST], ids=["inertial", "best"]
+    "law",
+    mostly_whole([(("centroid", "inertial", "modelled"),), (BEST,)], every=2, first=1),
+    ids=["inertial", "best"],
 )
 def test_a_report_of_another_law_says_what_it_is_about_and_leaves_out_the_rest(law, capsys):
     arguments = ("report", "small.toml", *options(law), "--without", "firmware", "-o", "r.html")

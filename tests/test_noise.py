@@ -15,6 +15,7 @@ from hoverproof.certification.exponential.reach import Reach
 from hoverproof.certification.exponential.vehicles import Limits, Vehicles
 from hoverproof.cli.answers.exponential import as_json, lines
 from hoverproof.mission.reading import load
+from sampling import mostly_whole
 from sharing import kept_value
 from test_on_the_way import MISSION, forged
 from test_uncertain_flights import EIGHT, claimed_rates, content, in_doubt
@@ -39,7 +40,7 @@ NOISES = {
 
 @pytest.fixture(
     scope="module",
-    params=[pytest.param("image", marks=pytest.mark.whole), "all", "late"],
+    params=mostly_whole(["all", "image", "late"], every=3),
 )
 def proved(tmp_path_factory, request):
     path = tmp_path_factory.mktemp("missions") / "tag.toml"

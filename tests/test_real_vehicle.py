@@ -26,6 +26,7 @@ from hoverproof.simulation.plan import Plan, check_runs_differ
 from hoverproof.simulation.realistic import felt
 from hoverproof.simulation.surroundings import FurtherSurroundings
 from hoverproof.simulation.timing import fastest_rate
+from sampling import mostly_whole
 from small_kit import small_vehicle
 
 needs_compiler = pytest.mark.skipif(not compiled.find_compiler(), reason="no C compiler here")
@@ -485,7 +486,7 @@ def test_a_summary_compares_it_with_the_ideal_flight(vehicle):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", [LAW, IMAGE], ids=["inertial", "image"])
+@pytest.mark.parametrize("law", mostly_whole([LAW, IMAGE], every=2), ids=["inertial", "image"])
 @needs_compiler
 def test_the_exported_c_flies_it_as_the_model_does(vehicle, law):
     """The model commands the thrust of the tick's end, the C that of its beginning."""

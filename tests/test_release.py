@@ -11,10 +11,12 @@ import tarfile
 import tomllib
 import venv
 import zipfile
+from importlib.metadata import distribution, distributions
 from pathlib import Path
 
 import pytest
 import yaml
+from packaging.requirements import Requirement
 
 import hoverproof
 
@@ -151,15 +153,47 @@ def test_the_sdist_is_whole(built):
     assert {*wanted.split(), "tests/conftest.py", "proofs/x4-flyer.cert.json"} <= names
 
 
+def needed(names):
+    """Yield the installed distributions that those named require, themselves, and so on."""
+    seen, left = set(), [Requirement(name) for name in names]
+    while left:
+        wanted = left.pop()
+        for extra in ("", *wanted.extras):
+            if (wanted.name, extra) not in seen:
+                seen.add((wanted.name, extra))
+                found = distribution(wanted.name)
+                yield found
+                further = map(Requirement, found.requires or ())
+                left += [r for r in further if not r.marker or r.marker.evaluate({"extra": extra})]
+
+
+def link(found, folder):
+    """Put links to the files of a distribution into a folder, to each of its folders one."""
+    for part in {file.parts[0] for file in found.files} - {"..", "__pycache__"}:
+        if not (folder / part).is_symlink():
+            (folder / part).symlink_to(found.locate_file(part))
+
+
 @pytest.mark.slow
 @pytest.mark.long
-def test_the_wheel_works_alone_in_an_empty_environment(built, tmp_path):
-    """Install it with its dependencies, as pipx does, and run it away from the checkout."""
+@pytest.mark.parametrize("by", ["links", pytest.param("pip", marks=pytest.mark.whole)])
+def test_the_wheel_works_alone_in_an_empty_environment(by, built, tmp_path):
+    """Install it with what it requires and nothing else, and run it away from the checkout.
+
+    In `make trials` pip installs all, as pipx does; else what is required is linked from here.
+    """
     venv.create(tmp_path / "venv")
     home, work = tmp_path / "venv" / "bin", tmp_path / "work"
     work.mkdir()
     pip = (sys.executable, "-m", "pip", "--python", home / "python", "--disable-pip-version-check")
-    run(*pip, "install", "--quiet", "--no-compile", built[1])  # little of it is ever imported
+    alone = () if by == "pip" else ("--no-deps",)
+    run(*pip, "install", "--quiet", "--no-compile", *alone, built[1])
+    if by == "links":
+        (site,) = (tmp_path / "venv" / "lib").glob("python*/site-packages")
+        (own,) = distributions(name="hoverproof", path=[str(site)])
+        plain = [r for r in own.requires if "extra ==" not in r]
+        for found in needed(plain):
+            link(found, site)
     names = {"PYTHONPATH", "VIRTUAL_ENV"}
     options = {"cwd": work, "env": {k: v for k, v in os.environ.items() if k not in names}}
 

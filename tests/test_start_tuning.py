@@ -13,20 +13,24 @@ import pytest
 
 from hoverproof import checker, cli
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.cells import most_cells
+from hoverproof.certification.exponential.domain import COST_BESIDE, Domain
 from hoverproof.certification.exponential.inequality import Ball, falls
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import Program
 from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.cli.answers.beyond import beyond_text, covering
+from hoverproof.design import start_trade
 from hoverproof.design.limits import Limits
 from hoverproof.design.start_search import StartSearch
-from hoverproof.design.start_tuning import ill_conditioned, why_not
+from hoverproof.design.start_tuning import Failed, ill_conditioned, is_shown, why_not
 from hoverproof.design.tuning import Wish, pareto, tune
 from hoverproof.errors import InputError
 from hoverproof.mission.conditions import Rotors
 from hoverproof.mission.reading import load
 from hoverproof.servo.loop import slowest_rate
+from sampling import mostly_whole
 from small_kit import small_vehicle
 from start_trials import sooner, vehicle
 
@@ -67,7 +71,7 @@ def resized(mission, times):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("mass_ratio", [0.04, 1, 40])
+@pytest.mark.parametrize("mass_ratio", mostly_whole([0.04, 1, 40], every=3, first=2))
 def test_the_search_sets_out_near_for_vehicles_of_20_g_and_of_20_kg(small, mass_ratio):
     small()
     search = StartSearch.of(resized(small(), mass_ratio), Limits(20.0))
@@ -151,7 +155,10 @@ def test_a_start_beyond_the_bounds_of_J_is_said_to_be(small):
         ("[0.9, 0, -2.2]", ("no gains were searched", "the most of which the search knows")),
     ],
 )
-def test_whoever_follows_the_advice_gets_the_gains_that_were_proved(small, capsys, start, said):
+def test_whoever_follows_the_advice_gets_the_gains_that_were_proved(
+    small, capsys, start, said, whole
+):
+    """Of one piece of advice, and with `make trials` of each."""
     small(start)
     options = [f"--set={key}={value}" for key, value in LATE.items()]
     with pytest.raises(SystemExit) as exit_:
@@ -160,7 +167,7 @@ def test_whoever_follows_the_advice_gets_the_gains_that_were_proved(small, capsy
     answer = json.loads(capsys.readouterr().out)
     assert all(words in answer["reason"] for words in said), answer["reason"]
     assert answer["advice"]
-    for advice in answer["advice"]:
+    for advice in answer["advice"] if whole else answer["advice"][:1]:
         followed = [f"--set={setting}" for setting in advice["set"]]
         with pytest.raises(SystemExit) as exit_:
             cli.main(["tune", "small.toml", "--json", *options, *followed])
@@ -193,12 +200,85 @@ def test_wishes_about_other_things_are_refused(small, options, word):
         tune(small(), **options)
 
 
-def test_a_curve_is_refused(small):
-    with pytest.raises(InputError, match="--pareto"):
-        pareto(small(), 3, Wish())
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("thrust", [0, 0.2, 0.4]),
+        ("latency", [0, 0.06, 0.12]),
+        ("bandwidth", [4, 8.944, 20]),
+        ("distance", [0.1803, 0.3606, 0.5408]),
+    ],
+)
+def test_what_is_traded_goes_about_what_the_mission_has(small, monkeypatch, name, values):
+    asked = []
+
+    def attempt(mission, limits, tell):
+        asked.append((mission, limits))
+        return Failed("not looked for", None)
+
+    monkeypatch.setattr(start_trade, "attempt", attempt)
+    mission = small()
+    points = pareto(mission, 3, Wish(trade=name))
+    assert [value for value, _ in points] == pytest.approx(values, rel=1e-3)
+    assert {found.reason for _, found in points} == {"not looked for"}
+    for (changed, limits), value in zip(asked, values, strict=True):
+        there = start_trade.value_of(changed, name)
+        assert (limits.bandwidth if there is None else there) == pytest.approx(value, rel=1e-3)
+    middle, _ = asked[1]
+    assert start_trade.value_of(middle, name) == pytest.approx(start_trade.value_of(mission, name))
 
 
-@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("trade", "changes", "said"),
+    [
+        ("speed", {}, "must be one of thrust"),
+        ("thrust", {"uncertainty": "{torque = 0.1}"}, "uncertainty.thrust=…"),
+        ("distance", {"start.position": "[0, 0, -1.2]"}, "the start is the goal"),
+    ],
+)
+def test_what_cannot_be_traded_is_refused(small, trade, changes, said):
+    with pytest.raises(InputError, match="trade") as error:
+        pareto(small(changes=LATE | changes), 3, Wish(trade=trade))
+    assert said in str(error.value)
+
+
+def test_only_a_start_is_traded_for():
+    with pytest.raises(InputError, match="trade"):
+        Wish(objective="decay", trade="thrust")
+
+
+def test_where_nothing_is_found_along_a_trade_nothing_is_said_to_be_covered(
+    small, monkeypatch, capsys
+):
+    small()
+    monkeypatch.setattr(start_trade, "attempt", lambda *_: Failed("not looked for", None))
+    words = [f"--set={key}={value}" for key, value in LATE.items()]
+    with pytest.raises(SystemExit) as exit_:
+        cli.main(["tune", "small.toml", "--trade", "thrust", *words])
+    out = capsys.readouterr().out
+    assert exit_.value.code == 1
+    assert out.count("infeasible: not looked for") == 5
+    assert "not considered          thrust ±20 %" in out
+    assert "figure" not in out
+
+
+@pytest.mark.whole
+def test_each_point_of_a_trade_is_proved_with_what_it_says(small, capsys):
+    small("[0.2, 0, -1.3]")
+    words = [f"--set={key}={value}" for key, value in LATE.items()]
+    options = ["--trade", "thrust", "--pareto", "2", "--out", "t.svg", "--json"]
+    with pytest.raises(SystemExit) as exit_:
+        cli.main(["tune", "small.toml", *options, *words])
+    assert exit_.value.code == 0
+    told = json.loads(capsys.readouterr().out)
+    assert [point["thrust"] for point in told["points"]] == [0, 0.4]
+    assert ["thrust ±40 %" in point["covers"] for point in told["points"]] == [False, True]
+    first, last = (point["settling_time"] for point in told["points"])
+    assert first < last
+    assert Path("t.svg").stat().st_size > 0
+
+
+@pytest.mark.whole  # CI tunes the vehicle of the README
 def test_tune_writes_a_mission_and_a_certificate_that_holds_its_start(small, capsys):
     small("[0.2, 0, -1.3]")
     words = [f"--set={key}={value}" for key, value in {**SCALED}.items()]
@@ -216,16 +296,25 @@ def test_tune_writes_a_mission_and_a_certificate_that_holds_its_start(small, cap
     assert "the controller may be switched on" in checker.check_file(answer["certificate"])
 
 
-@pytest.mark.slow
-def test_none_of_many_random_gains_settles_two_percent_sooner(whole):
-    better, _ = sooner(vehicle(3), 10_000 if whole else 10)
+@pytest.mark.parametrize(("position", "shown"), [("[0, 0, 0]", True), ("[0.01, 0, 0]", False)])
+def test_a_camera_beside_the_centre_leaves_fewer_cells(position, shown, small, monkeypatch):
+    """Its cells cost more to check, so that what is shown without an arm is too much with one."""
+    mission = small(changes=LATE | {"camera.position": position})
+    search = Search.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
+    most = most_cells(len(search.scene.points), COST_BESIDE)
+    monkeypatch.setattr(Domain, "tree", lambda *_: "0" * most)
+    assert is_shown(mission, search, 0.1) == shown
+
+
+@pytest.mark.whole
+def test_none_of_many_random_gains_settles_two_percent_sooner():
+    better, _ = sooner(vehicle(3), 10_000)
     assert better == []
 
 
-@pytest.mark.slow
-def test_nine_in_ten_random_vehicles_get_gains_that_are_proved_for_their_start(whole):
-    numbers = range(50 if whole else 1)
-    held = [tune(vehicle(number)).status == "tuned" for number in numbers]
+@pytest.mark.whole
+def test_nine_in_ten_random_vehicles_get_gains_that_are_proved_for_their_start():
+    held = [tune(vehicle(number)).status == "tuned" for number in range(50)]
     assert sum(held) >= 0.9 * len(held)
 
 

@@ -57,7 +57,7 @@ def test_the_fastest_motion_is_that_of_the_attitude(fast):
 
 
 def test_a_step_too_long_for_the_loop_is_refused_with_one_that_will_do(fast):
-    with pytest.raises(InputError, match=r"--step: 0.01 s is too long .* 0.002 s will do"):
+    with pytest.raises(InputError, match=r"step: 0.01 s is too long .* 0.002 s will do"):
         simulate(fast, step=0.01)
     assert simulate(fast, step=0.002, duration=1).attrs["outcome"] == "flown"
 
@@ -88,7 +88,7 @@ def test_what_is_lighter_than_modelled_moves_faster_and_gets_a_shorter_step():
         ({"duration": 1e12}, r"1e\+14 steps of 0.01 s, of which 2(e\+03|00) are kept \(.* MB\)"),
         ({"step": 1e-9}, r"1.5e\+12 steps of 1e-09 s"),
         ({"duration": 1e12, "every": 10}, r"of which 1e\+13 are kept \(.* GB\)"),
-        ({"duration": 9e5, "every": 1}, r"--every: would keep .* GB; .* take \d+ or more"),
+        ({"duration": 9e5, "every": 1}, r"every: would keep .* GB; .* take \d+ or more"),
     ],
 )
 def test_a_flight_beyond_reason_is_refused_with_its_steps_and_bytes(options, words, tmp_path):

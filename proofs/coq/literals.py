@@ -451,9 +451,8 @@ def about(held: dict[str, Any]) -> dict[str, Any]:
             "certificate, and all that is known by bounds alone",
             "tolerant_falls: so Ψ(t) <= Ψ(0) exp(-r t) along every solution of the error equations "
             "of theorem 5 that is between them on the way",
+            "vehicle_obeys: rigid body, camera and law obey these equations",
         ]
-        if held["mission"]["law"]["force"] == "measured":
-            shown.append("vehicle_obeys: rigid body, camera and law obey these equations")
         if held["memory"] is not None:
             shown.append("late_remembers: the memory in Ψ makes up for an image that is late")
         return {"shown": shown, "left": STEPS}

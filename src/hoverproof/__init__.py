@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 import importlib
+import sys
 from typing import TYPE_CHECKING, Any
 
 from hoverproof.version import __version__
@@ -30,10 +31,12 @@ if TYPE_CHECKING:
     from hoverproof.firmware import fly_firmware as fly_firmware
     from hoverproof.mission.presets import presets as presets
     from hoverproof.mission.reading import load as load
+    from hoverproof.mission.reading import replace as replace
     from hoverproof.paper.ledger import derive as derive
     from hoverproof.reporting.document import report as report
     from hoverproof.servo.law import Law as Law
     from hoverproof.servo.laws.hamel_mahony import LAWS as LAWS
+    from hoverproof.show.drawing import plot as plot
     from hoverproof.simulation.flight import simulate as simulate
     from hoverproof.simulation.runs import simulate_batch as simulate_batch
 
@@ -55,7 +58,9 @@ _HOMES = {
     "load": ("hoverproof.mission.reading", "load"),
     "pareto": ("hoverproof.design.tuning", "pareto"),
     "region": ("hoverproof.certification.over_box", "certify_region"),
+    "plot": ("hoverproof.show.drawing", "plot"),
     "presets": ("hoverproof.mission.presets", "presets"),
+    "replace": ("hoverproof.mission.reading", "replace"),
     "report": ("hoverproof.reporting.document", "report"),
     "simulate": ("hoverproof.simulation.flight", "simulate"),
     "simulate_batch": ("hoverproof.simulation.runs", "simulate_batch"),
@@ -80,8 +85,10 @@ __all__ = [
     "fly_firmware",
     "load",
     "pareto",
+    "plot",
     "presets",
     "region",
+    "replace",
     "report",
     "simulate",
     "simulate_batch",
@@ -101,3 +108,29 @@ if not TYPE_CHECKING:  # a type checker is to find what does not exist
 
 def __dir__() -> list[str]:
     return sorted(__all__)
+
+
+_SHOWN = {
+    "hoverproof.certification.attraction.verdict": ("Attraction", "Sinks"),
+    "hoverproof.certification.exponential.verdict": ("Exponential",),
+    "hoverproof.certification.gains": ("ProvedGains", "RefutedGains", "UndecidedGains"),
+    "hoverproof.certification.over_box": ("ProvedBounds", "RefutedBounds", "UndecidedBounds"),
+    "hoverproof.certification.verdict": ("Undecided",),
+    "hoverproof.mission.sections": ("Mission",),
+}
+
+
+def _show_in(shell: Any) -> None:
+    """Tell a notebook how to display missions and verdicts, with nothing imported before."""
+
+    def html(thing: Any) -> str:
+        return str(importlib.import_module("hoverproof.show.drawing").html(thing))
+
+    display = shell.display_formatter.formatters["text/html"]
+    for module, names in _SHOWN.items():
+        for name in names:
+            display.for_type_by_name(module, name, html)
+
+
+if "IPython" in sys.modules and (_shell := sys.modules["IPython"].get_ipython()) is not None:
+    _show_in(_shell)

@@ -833,7 +833,10 @@ def along(x: Iterable[Tangent], y: Iterable[Tangent]) -> Tangent:
 
 def add_up(values: Iterable[Tangent]) -> Tangent:
     """Return a sum."""
-    return sum(values, NOTHING)
+    mid = a = b = c = rest = 0
+    for m, (x, y, z), e, _ in values:
+        mid, a, b, c, rest = mid + m, a + x, b + y, c + z, rest + e
+    return Tangent.of(mid, a, b, c, rest)
 
 
 def place_in(grid: Any, cell: Cell) -> Three:
@@ -855,10 +858,13 @@ class Target:
         constant = Tangent.constant
         self.constants = [([constant(x) for x in e], constant(dot(e, e))) for e in self.apart]
         self.many = len(target.points) > PAIRED
+        self.share, self.alike = 1 / self.whole, all(weight == 1 for weight in self.weights)
         self.pairs = [
-            (i, j, across, constant(dot(across, across)), self.squares[i] - self.squares[j])
+            (i, j, [2 * x for x in across], constant(dot(across, across)), more, weight)
             for i, j in itertools.combinations(range(0 if self.many else len(self.apart)), 2)
             for across in [minus(self.apart[i], self.apart[j])]
+            for more in [self.squares[i] - self.squares[j]]
+            for weight in [self.weights[i] * self.weights[j]]
         ]
 
 
@@ -870,11 +876,13 @@ class Sight:
         self.target, self.p0, self.t, self.square = target, p0, t, t * t
         self.rays = [self.ray(i) for i in range(len(target.apart))]
         self.sum = [self.weighed(ray.v[k] for ray in self.rays) for k in axes]
-        self.mean = [x.scaled(1 / target.whole) for x in self.sum]
+        self.mean = [x.scaled(target.share) for x in self.sum]
         self.lead = [p0[k] + self.square * self.mean[k] for k in axes]  # q/W
 
     def weigh(self, values: Iterable[Tangent]) -> Three:
         """Return wi xi of each point."""
+        if self.target.alike:
+            return list(values)
         each = zip(self.target.weights, values, strict=True)
         return [x if weight == 1 else x.scaled(weight) for weight, x in each]
 
@@ -908,8 +916,8 @@ class Sight:
         bend, back = NOTHING - d * scale, NOTHING - b
         eta = (b * d * (short + ONE_TANGENT) - exact_square) * scale
         v = [along((eta, bend), both) for both in zip(p0, exact, strict=True)]
-        w = [along((t, back), (v[k], p0[k])) + exact[k] for k in range(3)]
-        return Object(far=far, near=near, bend=bend, eta=eta, v=v, w=w, gap=d * short)
+        gap = d * short
+        return Object(far=far, near=near, bend=bend, back=back, eta=eta, v=v, gap=gap)
 
     def centroid(self) -> Three:
         """Enclose q."""
@@ -917,15 +925,14 @@ class Sight:
 
     def of_pairs(self) -> Tangent:
         """Compute S over pairs."""
-        self.pairs, weights = [], self.target.weights
-        for i, j, across, square, more in self.target.pairs:
+        self.pairs = []
+        for i, j, twice, square, more, weight in self.target.pairs:
             one, other = self.rays[i], self.rays[j]
-            d = add_up(self.p0[k].scaled(2 * across[k]) for k in range(3) if across[k])
+            d = add_up(self.p0[k].scaled(twice[k]) for k in range(3) if twice[k])
             d = d + self.t.scaled(more) if more else d
-            g = d * (one.far + other.far).inverse()
-            both, weight = one.near * other.near, weights[i] * weights[j]
-            both = both if weight == 1 else both.scaled(weight)
-            self.pairs.append(((g * both).times(2), both * (square - g * g)))
+            g, both = d * (one.far + other.far).inverse(), one.near * other.near
+            both = both if self.target.alike else both.scaled(weight)
+            self.pairs.append((g, both, both * (square - g * g)))
         return add_up(part for *_, part in self.pairs)
 
     def of_points(self) -> Tangent:
@@ -973,7 +980,8 @@ class Sight:
         """Enclose -S'."""
         p0, t, axes, n = self.p0, self.t, range(3), len(self.rays)
         weights, turns = [NOTHING] * n, [NOTHING] * n  # of κi wi and wi in S'
-        for (i, j, *_), (twice, part) in zip(self.target.pairs, self.pairs, strict=True):
+        for (i, j, *_), (g, both, part) in zip(self.target.pairs, self.pairs, strict=True):
+            twice = (g * both).times(2)
             weights[i], weights[j] = weights[i] + part, weights[j] + part
             turns[i], turns[j] = turns[i] + twice, turns[j] - twice
         bends = [ray.bend for ray in self.rays]
@@ -996,8 +1004,10 @@ class Sight:
 
     def slope(self) -> list[Three]:
         """Enclose J, (3, 3), 1/m; after `look`."""
-        p0, axes, W = self.p0, range(3), self.target.whole
+        p0, axes = self.p0, range(3)
         self.bends = self.weigh(ray.bend for ray in self.rays)
+        for ray, (e, _) in zip(self.rays, self.target.constants, strict=True):
+            ray.w = [along((self.t, ray.back), (ray.v[k], p0[k])) + e[k] for k in axes]
         R = self.bent()
         falling = self.fall_of_points(R) if self.target.many else self.fall_of_pairs()
         scale = (self.whole.times(1, 2) - self.short) * self.short * self.square
@@ -1007,7 +1017,7 @@ class Sight:
         ]  # h
         J = [[NOTHING] * 3 for _ in axes]
         for i, j in itertools.product(axes, axes):
-            bent = R[i][j].scaled(1 / W) + self.mean[i] * p0[j]
+            bent = R[i][j].scaled(self.target.share) + self.mean[i] * p0[j]
             bent = along((self.square, self.lead[i]), (bent, ahead[j]))
             J[i][j] = self.gain * (bent + (ONE_TANGENT if i == j else NOTHING))
         return J
@@ -2064,10 +2074,8 @@ class Tolerant(Claim):
         )
         self.lag, self.lift = flat(lag), upright(lag)  # μ and μT
         self.A = Vector(self.N + self.B + self.E)  # what is used less what is now
-        require(
-            len(c.multipliers.terms) == len(self.terms(Fraction(0), Fraction(0))),
-            "a multiplier a term",
-        )
+        terms = len(self.terms(Fraction(0), Fraction(0)))
+        require(len(c.multipliers.terms) == terms, "a multiplier a term")
 
     def disturb(self, noise: Object, gust: Fraction) -> None:
         """Bound b, of the image error; the error of the force; that of Ω; and a gust, over k1/m."""
@@ -2430,13 +2438,19 @@ class Tolerant(Claim):
         return held
 
 
+def thrusts(value: Any) -> list[list[Fraction]]:
+    """Read an interval that holds the thrust of every rotor, or one of each."""
+    nested = isinstance(value, list) and all(isinstance(entry, list) for entry in value)
+    return [*several(interval, MAX_ROTORS)(value if nested else [value])]
+
+
 TERMS = several(positive, 11)
 CLAIM = {
     **dict.fromkeys(("level", "rate", "start_level"), positive),
     "starts": several(START, MAX_STARTS),
     "settling": dict.fromkeys(("offset", "radius", "time"), positive),  # 1, m, s
     "cone": maybe(share),
-    "rotors": interval,  # N
+    "rotors": thrusts,  # N
 }
 
 
@@ -2503,9 +2517,7 @@ class Exponential(Tolerant):
         c, rate = self.c, self.c.claim.rate
         energy = squares([Fraction(1), *c.weights], self.errors)
         if c.lag:
-            energy += tau * (
-                c.lag.torque * (self.lag @ self.lag) + c.lag.thrust * (self.lift @ self.lift)
-            )
+            energy += tau * squares([c.lag.torque, c.lag.thrust], [self.lag, self.lift])
         j, reach = (self.low + self.high) / 2, (self.high - self.low) / 2
         V = (self.k[0] / self.m) * (self.errors[0] + self.errors[1])
         out, x = self.Y - j * V, rate * self.late
@@ -2528,13 +2540,15 @@ class Exponential(Tolerant):
     def verify(self) -> None:
         """Verify that Ψ falls at the rate, where, how soon the vehicle is near, and from where."""
         require(within(self.goal, self.c.enclosures.goal), "the interval of s3* does not hold it")
-        require(
-            self.floor() < self.c.claim.level, "the noise is not shown to stay within the level"
-        )
+        quiet = self.floor() < self.c.claim.level
+        require(quiet, "the noise is not shown to stay within the level")
         for corner in self.vertices():
             shown = self.decrease(*corner).positive(self.size)
             require(shown, "Ψ is not shown to fall at the rate claimed")
-        require(within(self.rotors(), self.c.claim.rotors), "the thrust of a rotor does not follow")
+        made, said = self.rotors(), self.c.claim.rotors
+        said = said * len(made) if len(said) == 1 else said
+        follows = len(said) == len(made) and all(map(within, made, said))
+        require(follows, "the thrust of a rotor does not follow")
         self.verify_domain()
         self.verify_settling()
         for start in self.c.claim.starts:
@@ -2557,7 +2571,7 @@ class Exponential(Tolerant):
             follows = claim.cone is not None and left > 0 and cosine_below(left, claim.cone)
             require(follows, "the points are not shown to be within the half angle of the camera")
 
-    def rotors(self) -> tuple[Fraction, Fraction]:
+    def rotors(self) -> list[Interval]:
         """Bound what each rotor makes, and is set to make, N."""
         c, (w2, w3, w4), may, vehicle = self.c, self.c.weights, self.may, self.c.mission.vehicle
         stiff, (i1, i2, i3) = self.kappa + self.damping, vehicle.inertia
@@ -2576,7 +2590,7 @@ class Exponential(Tolerant):
         yaw += abs(i2 - i1) * (self.quick * self.turn + self.spun) ** 2 / 2
         ahead = may.rotor_lag * (1 + may.thrust) * self.stiffness * self.kappa
         swing = self.force + self.push + ahead * (self.sink + self.missed)
-        ends: list[Fraction] = []
+        ends: list[Interval] = []
         products = getattr(vehicle, "products", None)
         for lift, roll, pitch, spin in rotor_shares(vehicle):
             if products is None:
@@ -2592,8 +2606,8 @@ class Exponential(Tolerant):
                 size = square_root(uneven * (roll**2 + pitch**2 + spin**2))[1]
                 aside += size * ((self.quick * self.turn) ** 2 + may.yaw_rate**2)
             aside += abs(lift) * swing
-            ends += [lift * self.weight - aside, lift * self.weight + aside]
-        return min(ends), max(ends)
+            ends.append((lift * self.weight - aside, lift * self.weight + aside))
+        return ends
 
     def verify_settling(self) -> None:
         """Verify that the vehicle is near the hover in time, where |σ - s*| is no longer large."""
@@ -2664,6 +2678,9 @@ class Exponential(Tolerant):
         starts = "; or ".join(map(self.state, claim.starts))
         s3 = f"{float(sum(self.goal) / 2):.12g}"
         placed = "arm" if hasattr(c.mission.vehicle, "arm") else "rotors"
+        who, make = "each rotor", "makes, and is set to make, a thrust"
+        if len(claim.rotors) > 1:
+            who, make = "the rotors, in their order,", "make, and are set to make, thrusts"
         return (
             f"For the mission {self.name} ({self.of_another_law()}m = {self.m} kg, g = "
             f"{self.gravity} m/s², {self.gains()}, goal straight below where its feature is (0, 0, "
@@ -2674,9 +2691,9 @@ class Exponential(Tolerant):
             f"{about(claim.start_level)} and {fall}, r = {about(claim.rate)} 1/s, for all t >= 0; "
             f"the vehicle stays {self.place.words()}; and after {about(soon.time)} s it is, and "
             f"stays, within {about(soon.radius)} m of the point ({hover}) m{last}{half}. "
-            "On the way each rotor of a vehicle whose mass, "
-            f"inertia, {placed} and drag ratio are the mission's makes, and is set to make, a "
-            f"thrust in {about(*claim.rotors)} N{turning}."
+            f"On the way {who} of a vehicle whose mass, "
+            f"inertia, {placed} and drag ratio are the mission's {make} in "
+            f"{', '.join(about(*ends) for ends in claim.rotors)} N{turning}."
         )
 
 
@@ -3093,11 +3110,8 @@ def check(certificate: Any) -> str:
 def require_whole(c: Any) -> None:
     """Require the format and its version, just the keys of the kind, and that nothing changed."""
     require(isinstance(c, dict), "the certificate is not an object")
-    kind, version, ours = (
-        c.get("kind"),
-        c.get("version"),
-        c.get("format") == "hoverproof certificate",
-    )
+    kind, version = c.get("kind"), c.get("version")
+    ours = c.get("format") == "hoverproof certificate"
     require(isinstance(kind, str) and kind in KINDS, "unknown kind of certificate")
     if ours and version == 1:
         raise Unreadable("was made by an older version of hoverproof; make it anew")

@@ -3,29 +3,45 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Sequence
 
 
 class InputError(ValueError):
     """Something that a user gave cannot be used.
 
+    As a string it speaks to a user of Python, of arguments; its `line` speaks to one of the command
+    line, of options.
+
     Parameters
     ----------
     where : str
-        The file (or the preset, or the option) that holds the mistake.
+        The file (or the preset, or the option, such as ``--duration``) that holds the mistake.
     key : str
         The key inside it, dotted; empty if the whole is meant.
     reason : str
         What is wrong and what would be right.
+
+    Attributes
+    ----------
+    line : str
+        The message for the command line.
     """
 
     def __init__(self, where: str, key: str, reason: str) -> None:
         self.where, self.key, self.reason = where, key, reason
-        super().__init__(": ".join(part for part in (where, key, reason) if part))
+        self.line = ": ".join(part for part in (where, key, reason) if part)
+        super().__init__(_in_python(self.line))
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str]]:
         """Let it cross from a process that works to the one that asked."""
         return InputError, (self.where, self.key, self.reason)
+
+
+def _in_python(line: str) -> str:
+    """Name options as the arguments that they are in Python."""
+    arguments = re.sub(r"--set (?=[a-z])", "", line)
+    return re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda m: m[1].replace("-", "_"), arguments)
 
 
 def suggestion(word: str, known: Sequence[str], title: str, *, shown: Sequence[str] = ()) -> str:

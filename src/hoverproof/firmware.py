@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import tempfile
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.certification.convergence import Progress, attraction
 from hoverproof.certification.gains import certify
 from hoverproof.certification.problem import pose
 from hoverproof.errors import InputError
-from hoverproof.export.binding import Firmware
-from hoverproof.export.contents import Standing
-from hoverproof.export.package import NotCertified, write_package
+from hoverproof.export.binding import Firmware, Output
+from hoverproof.export.package import NotCertified, check_options, write_package
+from hoverproof.export.standing import Standing
+from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import choices_of
@@ -25,7 +28,9 @@ from hoverproof.servo.laws.heading import flown_law
 from hoverproof.servo.layout import place
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import flight as simulation
+from hoverproof.simulation import kernel
 from hoverproof.simulation.cut_short import last_good_step, up_to
+from hoverproof.simulation.inner_loop import inner_loop
 from hoverproof.simulation.plan import Plan, is_ideal
 from hoverproof.simulation.record import Record, flight_record
 from hoverproof.simulation.timing import Timing, flight_step
@@ -45,28 +50,39 @@ FAULTS = {
 """What ends a flight of firmware, by the bit of its status."""
 
 
+@of_mission
 def export_c(
     mission: Mission,
+    /,
     out: str | Path,
     *,
+    certificate: Mapping[str, Any] | None = None,
     allow_uncertified: bool = False,
     law: Law | None = None,
+    progress: Progress | None = None,
     **options: Any,
 ) -> dict[str, Any]:
-    """Certify a mission and write its control firmware, a C99 package, with the certificate.
+    """Certify a mission and write its control firmware, a C99 package, with the certificates.
+
+    Where the gains alone are undecided, and nothing else is given or allowed, it is looked for a
+    proof that the vehicle converges from the start of the mission.
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
     out : str or Path
         Folder to write to; made if needed.
+    certificate : mapping, optional
+        Content of a certificate of `hoverproof.attraction` about this mission, which is enough.
     allow_uncertified : bool
-        Write a package even if the gains are not proved; every file of it then says so.
+        Write a package even if nothing is proved; every file of it then says so.
     law : Law, optional
         What the firmware computes; by default the law of the mission, which alone a certificate of
         the mission is about.
+    progress : callable, optional
+        Is told what is being done.
     **options
-        precision, sensing, camera, tunable, name, rotor_limits: see
+        precision, sensing, camera, pixels, interface, tunable, name, rotor_limits: see
         `hoverproof.export.package.write_package`.
 
     Returns
@@ -77,8 +93,10 @@ def export_c(
     Raises
     ------
     hoverproof.export.package.NotCertified
-        If the gains are refuted or undecided, or the law is another one, and that is not allowed;
-        nothing is written.
+        If nothing is proved, or the law is another one, and that is not allowed; nothing is
+        written.
+    checker.Rejected
+        If the certificate does not prove it.
     InputError
         If an argument cannot be used or the folder cannot be written to.
     """
@@ -89,13 +107,29 @@ def export_c(
             raise NotCertified(mission.name, "undecided", why)
         return write_package(mission, out, Standing(pose(mission).thrust), law=law, **options)
     verdict = certify(mission)
-    proved = verdict.proved
-    if not proved and not allow_uncertified:
-        raise NotCertified(mission.name, verdict.status)
-    certificate = proved.certificate.content if proved else None
-    return write_package(mission, out, Standing(verdict.problem.thrust, certificate), **options)
+    gains = verdict.proved.certificate.content if verdict.proved else None
+    if gains is None and certificate is None and not allow_uncertified:
+        check_options(mission, **options)  # before what may take a while
+        certificate = _converges(mission, verdict.status, progress)
+    standing = Standing(verdict.problem.thrust, gains, certificate)
+    return write_package(mission, out, standing, **options)
 
 
+def _converges(mission: Mission, gains: str, progress: Progress | None) -> dict[str, Any]:
+    """Return the certificate that a vehicle converges from its start, though its gains are `gains`.
+
+    Refuted gains are not looked at: who wants them nevertheless proves it before.
+    """
+    if gains == "refuted":
+        raise NotCertified(mission.name, gains)
+    verdict = attraction(mission, progress=progress)
+    if not verdict.proved:
+        reason = f"the gains alone are {gains}, and from its start it is {verdict.status} too"
+        raise NotCertified(mission.name, verdict.status, f"{reason}: {verdict.reason}")
+    return verdict.proved.certificate.content
+
+
+@of_mission
 def fly_firmware(
     mission: Mission,
     firmware: Firmware | None = None,
@@ -110,12 +144,13 @@ def fly_firmware(
 
     The controller runs once a step, or at the control rate of the mission's sensors, and its output
     is held in between. With sensors, rotors, wind or errors of the model it is given what they make
-    of a flight, and the package is one that takes the feature; see `hoverproof.simulate`. Gains
-    need not be proved for a simulated flight.
+    of a flight, and the package is one that takes the feature; see `hoverproof.simulate`. A package
+    that commands body rates flies by a rate loop of first order, which runs at each step of the
+    flight with the inertia that the mission has. Gains need not be proved for a simulated flight.
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
     firmware : Firmware, optional
         A package of this mission; by default it is exported in float32 for this flight. With
         sensors and the like it is to be made with ``camera=True``.
@@ -156,6 +191,7 @@ def flown_firmware(
     *,
     seed: int = 0,
     law: Law | None = None,
+    eyes: Callable[[], kernel.Eyes] | None = None,
 ) -> Record:
     """Fly a mission with the exported C: `fly_firmware`, without importing xarray.
 
@@ -168,6 +204,8 @@ def flown_firmware(
         A bare number.
     law : Law, optional
         That of the firmware; by default the law of the mission.
+    eyes : callable, optional
+        Makes what is in place of the camera; the mission is not an ideal one then.
     """
     ideal = is_ideal(mission)
     step = flight_step(mission, timing.step, law)
@@ -184,9 +222,16 @@ def flown_firmware(
         raise InputError(mission.source, "", f"is not the mission of the firmware {firmware.name}")
     elif firmware.manifest["law"] != choices_of(law or flown_law(mission)):
         raise InputError(mission.source, "law", f"is not the law of the firmware {firmware.name}")
+    told = str(mission.interface.rate_bandwidth)
+    if firmware.manifest.get("rate_bandwidth", told) != told:
+        raise InputError(
+            mission.source,
+            "interface.rate_bandwidth",
+            f"is not that of the firmware {firmware.name}, {firmware.manifest['rate_bandwidth']}",
+        )
     if not ideal:
         plan = Plan(mission, step, steps.samples, every, seed, scattered=False, law=law)
-        return _fly_as_built(plan, firmware, finer)
+        return _fly_as_built(plan, firmware, finer, eyes)
     vehicle = firmware
 
     def fly(samples: int, every: int) -> tuple[Array, bool]:
@@ -248,6 +293,10 @@ class _Ticks:
     vehicle : Firmware
     period : float
         From tick to tick, s.
+    inner : callable, optional
+        A rate loop, which runs at each step; see `inner_loop`.
+    schedule : (int, int)
+        Ticks in a step, with a rate loop, a fraction.
     status, step : int
         Of the fault that ended the flight, bare numbers; 0 if there was none.
     """
@@ -255,8 +304,11 @@ class _Ticks:
     plan: Plan
     vehicle: Firmware
     period: float
+    inner: Callable[[Array, Array, float], Array] | None = None
+    schedule: tuple[int, int] = (1, 1)
     status: int = 0
     step: int = 0
+    held: Output | None = None
 
     def __call__(self, step: int, memory: Array, parameters: Array, noise: Array) -> Array:
         """Return the memory after a tick, of one vehicle.
@@ -278,21 +330,35 @@ class _Ticks:
         feature, thrust = told.pop("centroid"), float(told.pop("thrust")[0])
         if step == 0:
             self.vehicle.reset(thrust)
-        out = self.vehicle.step(feature, **told, dt=self.period)
+        out = self.held if self.held and not self._due(step) else None
+        out = out or self.vehicle.step(feature, **told, dt=self.period)
         after = memory.copy()
         if out.status & sum(FAULTS):
             self.status, self.step = out.status, step
             after[place(layout, "thrust_margin")] = -1.0  # ends the flight
             return after
         after[place(layout, "command")] = out.thrust
-        after[place(layout, "rotor_commands"), 0] = out.rotor
+        rotor: Any = out.rotor
+        if self.inner is not None:
+            self.held = out
+            rotor = self.inner(np.array(out.rate_command), told["rate"], out.thrust)
+        after[place(layout, "rotor_commands"), 0] = rotor
         if "gyro_error" in layout:
             true_rate = memory[place(layout, "state"), 0][15:18]
             after[place(layout, "gyro_error"), 0] = told["rate"] - true_rate
         return after
 
+    def _due(self, step: int) -> bool:
+        num, den = self.schedule
+        return step * num // den != (step - 1) * num // den
 
-def _fly_as_built(plan: Plan, firmware: Firmware, finer: int | None) -> Record:
+
+def _fly_as_built(
+    plan: Plan,
+    firmware: Firmware,
+    finer: int | None,
+    eyes: Callable[[], kernel.Eyes] | None,
+) -> Record:
     """Fly once with the sensors, rotors, wind and errors that a mission names."""
     mission = plan.mission
     if "camera" not in firmware.manifest:
@@ -307,11 +373,17 @@ def _fly_as_built(plan: Plan, firmware: Firmware, finer: int | None) -> Record:
         fastest = f"must be at least {1 / LONGEST_STEP:g} Hz for the firmware"
         raise InputError(mission.source, "sensors.control_rate", f"{fastest}, not {1 / period:g}")
 
+    inner = inner_loop(mission) if "rate_bandwidth" in firmware.manifest else None
+    if inner is not None:  # the rate loop runs at each step
+        at_each_step = {"sensors": mission.sensors.model_copy(update={"control_rate": None})}
+        plan = replace(plan, mission=mission.model_copy(update=at_each_step))
+
     def ticks() -> _Ticks:
-        made.append(_Ticks(plan, firmware, period))
+        made.append(_Ticks(plan, firmware, period, inner, (num, den)))
         return made[-1]
 
-    record = simulation.fly_as_built(plan, None, finer, ticks)
+    record = simulation.fly_as_built(plan, None, finer, ticks, eyes)
+    record.attrs["conditions"] = json.dumps(mission.conditions())
     record.attrs["machine"] = f"firmware, {firmware.manifest['precision']}"
     first = made[0]
     if first.status:

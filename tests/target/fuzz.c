@@ -48,7 +48,7 @@ static real number(const uint8_t **data, double reach) {
   return value;
 }
 
-enum { SEEN = (int)(offsetof(input_t, velocity) / sizeof(real)), BYTES = 9 * (SEEN + 13 + 3 * FELT) + 1 };
+enum { SEEN = (int)(offsetof(input_t, velocity) / sizeof(real)), BYTES = 9 * (SEEN + 13 + 3 * FELT + 4 * RATES) + 1 };
 
 static int certain(double value, double limit) { /* farther from a limit than rounding reaches */
   return !(fabs(value - limit) <= 1e-5 * fabs(limit));
@@ -120,6 +120,19 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   state.thrust_excess = number(&data, 1.2 * HOVER);
   const real low = number(&data, HOVER), high = number(&data, 3.0 * HOVER);
   (void)set_rotor_limits(&params, low, high);
+#if RATES
+  const real felt_before[3] = {number(&data, 9.0), number(&data, 9.0), number(&data, 30.0)};
+  const real throttle = number(&data, 1.1);
+  state_t started = state;
+  const real floor = params.excess_lowest;
+  if (take_over(&params, &started, felt_before, throttle) == 0u) {
+    REQUIRE(throttle > 0 && throttle <= 1 && felt_before[2] < 0);
+    REQUIRE(fabs((double)(params.throttle_per_newton * (started.thrust_excess + (real)P_WEIGHT)) -
+                 (double)throttle) < 1e-5);
+  }
+  REQUIRE(params.throttle_per_newton > 0 && isfinite(params.throttle_per_newton));
+  REQUIRE(params.excess_highest > floor && params.excess_lowest == floor);
+#endif
   in.target_seen = *data & 7u;
   const real excess = state.thrust_excess;
 
@@ -130,6 +143,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   const int sizes[] = {1, 3, 4, 1, 1};
   for (int k = 0; k < 5; k++)
     for (int i = 0; i < sizes[k]; i++) REQUIRE(isfinite(results[k][i]));
+#if RATES
+  for (int i = 0; i < 3; i++) REQUIRE(isfinite(out.rate_command[i]));
+  REQUIRE(out.throttle >= 0 && out.throttle <= 1);
+  if (status & S_FAULT)
+    for (int i = 0; i < 3; i++) REQUIRE(out.rate_command[i] == 0);
+#endif
   for (int i = 0; i < 4; i++)
     REQUIRE(out.rotor[i] >= params.rotor_lowest && out.rotor[i] <= params.rotor_highest);
   REQUIRE(state.thrust_excess > (real)P_EXCESS_FLOOR - 1 && state.thrust_excess <= (real)P_EXCESS_CEILING);
@@ -160,6 +179,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     int limited = state.thrust_excess != excess + in.dt * out.thrust_rate;
     for (int i = 0; i < 4; i++)
       limited |= out.rotor[i] == params.rotor_lowest || out.rotor[i] == params.rotor_highest;
+#if RATES
+    limited |= out.throttle == 0 || out.throttle == 1;
+#endif
     if (!limited) REQUIRE((status & S_SATURATED) == 0u);
   }
   return 0;

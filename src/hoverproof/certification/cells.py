@@ -42,7 +42,10 @@ def most_cells(points: int, cost: int) -> int:
 def grow_tree(
     box: Array, holds: Holds, most: int, scale: Sequence[float] | None = None
 ) -> str | None:
-    """Halve a box across the longest side of each cell until something holds over every cell.
+    """Halve a box until something holds over every cell.
+
+    A cell is halved across the side that leaves most halves over which it holds, the longest of
+    them.
 
     Parameters
     ----------
@@ -62,9 +65,9 @@ def grow_tree(
         axis. None if it takes more cells, or if it does not hold in the middle of one.
     """
     cells = np.array(box, float)[None]
+    held = holds(cells)
     levels, leaves = [], 0
     while len(cells):
-        held = holds(cells)
         leaves += int(held.sum())
         letters = np.zeros(len(cells), int)
         levels.append(letters)
@@ -76,13 +79,23 @@ def grow_tree(
         sides, middles = np.ptp(cells, axis=2), cells.mean(axis=2, keepdims=True).repeat(2, axis=2)
         if (sides.max(axis=1) <= SMALLEST).any() or not holds(middles).all():
             return None
-        axis = (sides * (1.0 if scale is None else np.array(scale))).argmax(axis=1)
-        row = np.arange(len(cells))
+        halves = _halves(cells)
+        told = holds(halves.reshape(-1, *cells.shape[1:])).reshape(halves.shape[:3])
+        sides = sides * (1.0 if scale is None else np.array(scale))
+        axis = (told.sum(axis=2) + sides / (2 * sides.max(axis=1, keepdims=True))).argmax(axis=1)
         letters[~held] = axis + 1
-        halves = cells[:, None].repeat(2, axis=1)
-        halves[row, 0, axis, 1] = halves[row, 1, axis, 0] = middles[row, axis, 0]
-        cells = halves.reshape(-1, *cells.shape[1:])
+        row = np.arange(len(cells))
+        cells, held = halves[row, axis].reshape(-1, *cells.shape[1:]), told[row, axis].ravel()
     return _preorder(levels)
+
+
+def _halves(cells: Array) -> Array:
+    """Return the halves of cells across each axis, (k, d, 2, d, 2)."""
+    count, axes = cells.shape[:2]
+    halves = np.broadcast_to(cells[:, None, None], (count, axes, 2, axes, 2)).copy()
+    for k in range(axes):
+        halves[:, k, 0, k, 1] = halves[:, k, 1, k, 0] = cells[:, k].mean(axis=1)
+    return halves
 
 
 def _preorder(levels: Sequence[NDArray[np.int_]]) -> str:

@@ -13,6 +13,7 @@ from hoverproof.certification.exponential.proof import converge
 from hoverproof.certification.exponential.verdict import HIDDEN, NOT_COVERED, Exponential
 from hoverproof.certification.verdict import Undecided
 from hoverproof.errors import InputError
+from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
 
 Converges = Attraction | Exponential | Sinks | Undecided
@@ -36,6 +37,7 @@ def not_covered(verdict: Converges) -> tuple[str, ...]:
     return of_potential.not_covered(verdict)
 
 
+@of_mission
 def attraction(
     mission: Mission,
     *,
@@ -52,7 +54,7 @@ def attraction(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
     objective : {"start", "radius", "volume"}
         Prove the given starts; or make the largest ball of certified hovers about the goal, or
         their volume, as large as can be: with the centroid only.

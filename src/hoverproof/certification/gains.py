@@ -31,6 +31,7 @@ from hoverproof.certification.robust import (
     worst_case,
 )
 from hoverproof.certification.verdict import Proved, Refuted, Undecided
+from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import law_of
@@ -143,6 +144,7 @@ class _Worst:
         return self.value / self.weight
 
 
+@of_mission
 def certify(
     mission: Mission, *, weights: tuple[Fraction, ...] = ONES, region: Enclosure | None = None
 ) -> GainsVerdict:
@@ -153,7 +155,7 @@ def certify(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
     weights : (4,) Fractions
         w of L = ½ Σ wᵢ|δᵢ|²; `search_weights` finds those with the largest decay rate.
     region : Enclosure, optional

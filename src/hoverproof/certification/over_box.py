@@ -18,6 +18,7 @@ from hoverproof.certification.region import (
 )
 from hoverproof.certification.verdict import Proved, Refuted, Undecided
 from hoverproof.errors import InputError
+from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import Interval, level_view_of
 from hoverproof.servo.laws.hamel_mahony import law_of
@@ -92,6 +93,7 @@ class UndecidedBounds(_OverBox, Undecided):
 BoundsVerdict = ProvedBounds | RefutedBounds | UndecidedBounds
 
 
+@of_mission
 def certify_region(
     mission: Mission, box: Box | None = None, most: int | None = None
 ) -> BoundsVerdict:
@@ -101,7 +103,7 @@ def certify_region(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
     box : (3,) of (low, high), optional
         World frame, m; by default one around start and goal, see `default_box`.
     most : int, optional

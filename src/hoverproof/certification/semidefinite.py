@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Places = NDArray[np.intp]
 TOLERANCE = 1e-11
 
 
@@ -67,8 +69,8 @@ def minimise(
     from scipy.sparse import csc_array
 
     triangles, cones = [rows.T], [clarabel.NonnegativeConeT(rows.shape[1])]
-    for _, _, block in _different(pencils):
-        lines, columns, twice, units = _triangle(block)
+    blocks = [_Block.of(*found) for found in _different(pencils)]
+    for _, _, block, lines, columns, twice, units in blocks:
         scale = twice * units
         triangles.append((block[:, lines, columns] * scale).T)
         cones.append(clarabel.PSDTriangleConeT(block.shape[1]))
@@ -81,22 +83,53 @@ def minimise(
     solution = solver.solve()
     solved = str(solution.status) in ("Solved", "AlmostSolved")
     told = solved or str(solution.status) in ("PrimalInfeasible", "AlmostPrimalInfeasible")
-    found = _multipliers(np.array(solution.z), rows.shape[1], pencils) if told else None
+    found = _multipliers(np.array(solution.z), rows.shape[1], pencils, blocks) if told else None
     return Ended(np.array(solution.x) if solved else None, found)
 
 
-def _multipliers(z: Array, end: int, pencils: Sequence[Array]) -> Multipliers:
+class _Block(NamedTuple):
+    """A block of a pencil: of which, its coordinates there, and it as the solver has triangles.
+
+    Attributes
+    ----------
+    pencil : int
+    places : (p,)
+    block : (1 + k, p, p)
+    lines, columns : (p (p + 1)/2,)
+        Of the entries of the triangle.
+    twice, units : (p (p + 1)/2,)
+        Factors of these: of the triangle, and of the units of the unknowns.
+    """
+
+    pencil: int
+    places: Places
+    block: Array
+    lines: Places
+    columns: Places
+    twice: Array
+    units: Array
+
+    @classmethod
+    def of(cls, pencil: int, places: Places, block: Array) -> _Block:
+        lines, columns, twice = _triangle(block.shape[1])
+        sizes = np.abs(np.diagonal(block, axis1=1, axis2=2)).max(axis=0)
+        units = 1 / np.sqrt(np.where(sizes > 0, sizes, 1))
+        return cls(pencil, places, block, lines, columns, twice, units[lines] * units[columns])
+
+
+def _multipliers(
+    z: Array, end: int, pencils: Sequence[Array], blocks: Sequence[_Block]
+) -> Multipliers:
     """Read them off the solver's; of blocks of a pencil that are alike the first."""
     rows, each = z[:end], [np.zeros(pencil.shape[1:]) for pencil in pencils]
-    for k, places, block in _different(pencils):
-        lines, columns, twice, units = _triangle(block)
+    for k, places, _, lines, columns, twice, units in blocks:
         begin, end = end, end + len(twice)
         for first, second in ((lines, columns), (columns, lines)):
             each[k][places[first], places[second]] = z[begin:end] / twice * units
     return Multipliers(rows, each)
 
 
-def _different(pencils: Sequence[Array]) -> Iterator[tuple[int, NDArray[np.intp], Array]]:
+def _different(pencils: Sequence[Array]) -> Iterator[tuple[int, Places, Array]]:
     """Yield the blocks of pencils, none of one twice: of which, its coordinates, and the block."""
     for k, pencil in enumerate(pencils):
         seen = set()
@@ -107,16 +140,10 @@ def _different(pencils: Sequence[Array]) -> Iterator[tuple[int, NDArray[np.intp]
                 yield k, places, block
 
 
-def _triangle(block: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array, Array]:
-    """Return lines, columns and two factors of symmetric matrices, as the solver has them.
-
-    The factors are that of its triangle, and the units of the unknowns.
-    """
-    columns, lines = np.tril_indices(block.shape[1])
-    sizes = np.abs(np.diagonal(block, axis1=1, axis2=2)).max(axis=0)
-    units = 1 / np.sqrt(np.where(sizes > 0, sizes, 1))
-    twice = np.where(lines == columns, 1.0, np.sqrt(2))
-    return lines, columns, twice, units[lines] * units[columns]
+@cache
+def _triangle(size: int) -> tuple[Places, Places, Array]:
+    columns, lines = np.tril_indices(size)
+    return lines, columns, np.where(lines == columns, 1.0, np.sqrt(2))
 
 
 def separate(matrices: Array) -> list[NDArray[np.intp]]:

@@ -30,7 +30,7 @@ os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 COMMANDS = (
     *("certification:certify", "certification:region", "certification:check"),
     *("tuning:tune", "atlas:atlas", "attraction:attraction"),
-    *("firmware:export", "flight:simulate"),
+    *("firmware:export", "flight:simulate", "flying:fly", "see:see"),
     *("missions:presets", "missions:new", "paper:derive", "report:report"),
 )
 """Module and function of each command; imported when it is run, or when help tells of it."""
@@ -74,7 +74,7 @@ def run(arguments: list[str] | None) -> object:
     except CycloptsError as error:
         fail(usage(error))
     except InputError as error:
-        fail(str(error))
+        fail(error.line)
     except BrokenPipeError:
         sys.stderr.close()
         return 0

@@ -10,6 +10,7 @@ from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, load_mission, progress
+from hoverproof.cli.pixels import ByImages
 from hoverproof.cli.reading import refuse_given
 from hoverproof.cli.runs import fly_many
 from hoverproof.errors import InputError
@@ -78,6 +79,7 @@ def simulate(
         Literal["model", "firmware"],
         Parameter(help="Fly the model's controller, or the exported C in float32, at every step."),
     ] = "model",
+    images: Annotated[ByImages | None, Parameter(name="*", help="What it sees by.")] = None,
     set_: Set = None,
     json_: Json = False,
 ) -> int:
@@ -99,6 +101,8 @@ def simulate(
     Example: `hoverproof simulate x4-flyer --runs 1000 --set scatter.position=[1,1,1]`
 
     Example: `hoverproof simulate crazyflie-2.1 --controller firmware --step 0.001`
+
+    Example: `hoverproof simulate my-flyer.toml --pixels --tag 36h11:0:0.2 --film seen.avi`
     """
     loaded = load_mission(mission, set_)
     if runs is None:
@@ -107,13 +111,14 @@ def simulate(
         _check_animation(animate, speed_up)
         from hoverproof.simulation.timing import Timing
 
-        fly = _fly_firmware if controller == "firmware" else _fly_model
-        flight = fly(loaded, seed, Timing(duration, step, every))
+        timing = Timing(duration, step, every)
+        flight = _fly(loaded, seed, timing, images or ByImages(), firmware=controller == "firmware")
         path = out or Path(f"{loaded.name}.flight.nc")
         return tell(_keep(loaded, flight, path, figures, animate, speed_up), json_, loaded)
     firmware = controller == "firmware"
     for_one = {"--animate": animate, "--speed-up": speed_up, "--controller": firmware}
     refuse_given(for_one, "is for a single flight, not for --runs")
+    (images or ByImages()).refuse("is for a single flight, with --pixels")
     answer = fly_many(
         loaded,
         out or Path(f"{loaded.name}.flights.nc"),
@@ -141,16 +146,19 @@ def _check_animation(animate: Path | None, speed_up: float | None) -> None:
         check_request(animate, speed_up)
 
 
-def _fly_model(mission: Mission, seed: int, timing: Timing) -> Record:
-    from hoverproof.simulation.flight import flown as fly
+def _fly(
+    mission: Mission, seed: int, timing: Timing, images: ByImages, *, firmware: bool
+) -> Record:
+    if images.pixels:
+        return images.fly(mission, seed, timing, firmware=firmware)
+    images.refuse()
+    if firmware:
+        from hoverproof.firmware import flown_firmware
 
-    return fly(mission, timing, seed=seed)
+        return flown_firmware(mission, timing, seed=seed)
+    from hoverproof.simulation.flight import flown
 
-
-def _fly_firmware(mission: Mission, seed: int, timing: Timing) -> Record:
-    from hoverproof.firmware import flown_firmware
-
-    return flown_firmware(mission, timing, seed=seed)
+    return flown(mission, timing, seed=seed)
 
 
 def _keep(
@@ -173,6 +181,10 @@ def _keep(
         with progress("animation") as report:
             save_animation(flight.dataset(), animate, speed_up=speed_up, report=report)
     facts = {**summary(flight), **without_conditions(mission, flight)}
+    if "seen_by" in flight.attrs:
+        from hoverproof.eyes.in_the_loop import seen_well
+
+        facts["images"] = seen_well(flight)
     return FlightAnswer(mission, facts, decay, path, pictures, animate, uncovered)
 
 

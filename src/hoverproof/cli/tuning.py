@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 ENDING = ".attraction.cert.json"
 """Of the certificate beside a mission file."""
+VALUES = 5
+"""So many of what is traded are tried, unless said."""
 
 
 def tune(
@@ -81,7 +83,15 @@ def tune(
         int | None,
         Parameter(
             help="Tune for so many bandwidths up to the given one, and draw the curve; for "
-            "region, for so many rates of the slowest motion."
+            "region, for so many rates of the slowest motion; for start, for so many values of "
+            "what is traded."
+        ),
+    ] = None,
+    trade: Annotated[
+        str | None,
+        Parameter(
+            help="For start: draw the proved settling time against bandwidth, distance (of the "
+            "start), or a tolerance such as thrust or latency; five values unless --pareto says."
         ),
     ] = None,
     out: Annotated[
@@ -108,8 +118,11 @@ def tune(
     Example: `hoverproof tune x4-flyer --objective decay --pareto 4 --out curve.svg`
 
     Example: `hoverproof tune x4-flyer --objective region --minimum-decay 0.0234`
+
+    Example: `hoverproof tune crazyflie-2.1 --trade thrust --out what-thrust-costs.png`
     """
     loaded = load_mission(mission, set_)
+    pareto = VALUES if pareto is None and trade is not None else pareto
     if pareto is not None and at_least is not None:
         raise InputError("--at-least", "", "does not go with --pareto")
     from hoverproof.design.tuning import Wish
@@ -123,6 +136,7 @@ def tune(
         weights="search" if weights == "search" else parse_weights(loaded, weights, None),
         at_least=at_least,
         minimum_decay=minimum_decay,
+        trade=trade,
     )
     if pareto is None:
         found, written, certificate = _tune(loaded, out, wish)
@@ -196,13 +210,20 @@ def _answer(found: Found, written: str | None, certificate: Path | None) -> Answ
 def _curve(mission: Mission, count: int, picture: Path, wish: Wish) -> CurveAnswer:
     """Tune along a curve, and draw it if there is anything to see."""
     from hoverproof.cli.answers.curve import DecayCurveAnswer, RegionCurveAnswer
-    from hoverproof.design.outcome import RegionTuned, Tuned
+    from hoverproof.cli.answers.trade import StartCurveAnswer
+    from hoverproof.design.outcome import RegionTuned, StartTuned, Tuned
     from hoverproof.design.tuning import pareto as curve
     from hoverproof.show.atlas import save_pareto_figure
     from hoverproof.show.attraction import save_trade_off_figure
+    from hoverproof.show.trade import save_trade_figure
 
     with progress("tune") as report:
         points = curve(mission, count, wish, report=report)
+    if wish.objective == "start":
+        traded = wish.trade or "bandwidth"
+        if some := any(isinstance(found, StartTuned) for _, found in points):
+            save_trade_figure(mission, traded, points, picture)
+        return StartCurveAnswer(mission.name, points, picture if some else None, traded, mission)
     tuned = [(at, found) for at, found in points if isinstance(found, Tuned)]
     regions = [found for _, found in points if isinstance(found, RegionTuned)]
     if tuned:

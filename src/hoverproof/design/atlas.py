@@ -26,6 +26,7 @@ from hoverproof.design.axes import Axis as Axis
 from hoverproof.design.axes import axis as axis
 from hoverproof.design.margins import Questions, margins
 from hoverproof.errors import InputError
+from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Bounds, Gains, Mission
 from hoverproof.servo.law import Design
 from hoverproof.servo.laws.hamel_mahony import law_of
@@ -45,6 +46,7 @@ VERDICTS = {"refuted": -1, "undecided": 0, "proved": 1}
 NOT_ASKED = -128
 
 
+@of_mission
 def atlas(
     mission: Mission,
     x: Axis | str = "k1",
@@ -60,7 +62,7 @@ def atlas(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
     x, y : Axis, or str
         What varies; a name stands for its default range (see `axis`).
     weights : (4,) Fractions

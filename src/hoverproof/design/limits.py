@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_below
+from hoverproof.algebra.derived import kept_graph
 from hoverproof.errors import InputError
 from hoverproof.mission.frame import Frame
 from hoverproof.mission.sections import Gains, Mission
@@ -159,6 +160,7 @@ class FirstCommand:
         return np.array(thrusts), np.array(tilt).ravel()
 
 
+@kept_graph
 def _first_command(law: Law, frame: Frame) -> ca.Function:
     """Return (measurement, design, arm, drag ratio) ↦ (rotor thrusts, tilt asked for).
 

@@ -15,8 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hoverproof.certification.attraction.starts import Start
-from hoverproof.certification.cells import most_cells
-from hoverproof.certification.exponential.domain import COST, Domain
+from hoverproof.certification.exponential.domain import Domain
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import converge, require_question
 from hoverproof.certification.exponential.search import FAILED, OUTSIDE, SETTLED, Search
@@ -28,7 +27,8 @@ from hoverproof.design.start_rounding import rounded
 from hoverproof.design.start_search import SPARED, Point, StartSearch
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
-from hoverproof.simulation.flight import simulate
+from hoverproof.simulation.flight import flown
+from hoverproof.simulation.timing import Timing
 
 Progress = Callable[[str], None]
 OF_CELLS = 1.0
@@ -158,10 +158,11 @@ def is_shown(mission: Mission, whole: Search, d: float) -> bool:
         A bare number, dimensionless.
     """
     ball = whole.ball(d)
-    tree = None if ball is None else Domain.of(whole.scene, mission.target, d, ball).tree()
-    return tree is not None and tree.count("0") < OF_CELLS * most_cells(
-        len(whole.scene.points), COST
-    )
+    if ball is None:
+        return False
+    domain = Domain.of(whole.scene, mission.target, d, ball)
+    tree = domain.tree()
+    return tree is not None and tree.count("0") < OF_CELLS * domain.most_cells
 
 
 def _proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | str:
@@ -225,12 +226,12 @@ def settled_in_flight(mission: Mission, radius: float, time: float) -> float | N
     time : float
         How long it is flown, s.
     """
-    flight = simulate(mission, duration=time)
+    flight = flown(mission, Timing(duration=time))
     goal = np.array([float(c) for c in hover_goal(mission).position])
-    far = np.linalg.norm(flight.position.values - goal, axis=1) > radius
+    far = np.linalg.norm(flight["position"].values - goal, axis=1) > radius
     if flight.attrs["outcome"] != "flown" or far[-1]:
         return None
-    return float(flight.time.values[np.flatnonzero(far)[-1] + 1]) if far.any() else 0.0
+    return float(flight["time"].values[np.flatnonzero(far)[-1] + 1]) if far.any() else 0.0
 
 
 def why_not(search: StartSearch, point: Point | None) -> str:

@@ -36,8 +36,11 @@ from hoverproof.design.limits import (
 from hoverproof.design.margins import Questions, margins
 from hoverproof.design.outcome import Infeasible, RegionTuned, StartTuned, Tuned
 from hoverproof.design.region_tuning import region_pareto, tune_region
+from hoverproof.design.start_trade import start_trade
 from hoverproof.design.start_tuning import tune_start
 from hoverproof.errors import InputError
+from hoverproof.mission.conditions import common_limits
+from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Gains, Mission
 from hoverproof.servo.loop import slowest_rate
 
@@ -52,6 +55,7 @@ TRIES = 4
 LITTLE, ONE = Fraction("0.000001"), Fraction(1)
 
 
+@of_mission
 def tune(
     mission: Mission,
     *,
@@ -68,7 +72,7 @@ def tune(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
         Its gains are replaced; its bounds, goal, start and limits of the rotors count.
     bandwidth : float
         Largest attitude bandwidth (k1 k2 + k3 + k4)/m, rad/s.
@@ -118,6 +122,8 @@ class Wish:
     weights : (4,) Fractions, or "search"
     at_least, minimum_decay : float or None
         1/s.
+    trade : str or None
+        One of `start_trade.TRADED`: what varies along a curve for a start.
     """
 
     bandwidth: float = 20.0
@@ -128,6 +134,7 @@ class Wish:
     weights: Weights = ONES
     at_least: float | None = None
     minimum_decay: float | None = None
+    trade: str | None = None
 
     def __post_init__(self) -> None:
         """Refuse what is out of range, or does not go together."""
@@ -141,6 +148,8 @@ class Wish:
             other = "name --objective decay or settling"
             reason = f"is about L, so not for --objective {self.objective}: {other}"
             raise InputError(option, "", reason)
+        if self.objective != "start" and self.trade is not None:
+            raise InputError("--trade", "", f"is for --objective start, not {self.objective}")
         if self.objective != "region" and self.minimum_decay is not None:
             reason = f"is for --objective region, not {self.objective}"
             raise InputError("--minimum-decay", "", reason)
@@ -152,10 +161,10 @@ class Wish:
         ----------
         mission : Mission
         """
-        rotors, most = mission.rotors, self.rotor_thrust
-        if most is None and rotors.max_thrust is not None:
-            most = float(rotors.max_thrust)
-        least = None if rotors.min_thrust is None else float(rotors.min_thrust)
+        (lowest, highest), most = common_limits(mission.rotor_limits), self.rotor_thrust
+        if most is None and highest is not None:
+            most = float(highest)
+        least = None if lowest is None else float(lowest)
         rate, known = self.rate, mission.sensors.control_rate
         if rate is None and self.objective == "start" and known is not None:
             rate = float(known)
@@ -329,6 +338,7 @@ def _short_of(best: Tuned, limits: Limits, at_least: float, command: FirstComman
     return Infeasible(best.mission, reason, best, needed)
 
 
+@of_mission
 def pareto(
     mission: Mission,
     count: int,
@@ -337,14 +347,15 @@ def pareto(
     bandwidth: float | None = None,
     lowest: float | None = None,
     report: Report = lambda done, total: None,
-) -> list[tuple[float, Tuned | RegionTuned | Infeasible]]:
+) -> list[tuple[float, Found]]:
     """Return the best certified gains for bandwidths in equal ratios, lowest first.
 
-    With the objective "region", for rates of the slowest motion at the goal instead.
+    With the objective "region", for rates of the slowest motion at the goal instead; with "start",
+    for values of what the wish trades, by default bandwidths from a fifth of the highest.
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
     count : int
         Number of bandwidths, at least 2.
     wish : Wish, optional
@@ -359,11 +370,10 @@ def pareto(
     if not 2 <= count <= 1000:
         raise InputError("--pareto", "", f"must be from 2 to 1000 bandwidths, not {count}")
     wish = wish or Wish(objective="decay")
-    if wish.objective == "start":
-        raise InputError(
-            "--pareto", "", "is not for --objective start: name --objective decay or region"
-        )
     highest = wish.bandwidth if bandwidth is None else bandwidth
+    if wish.objective == "start":
+        limits = replace(wish, bandwidth=highest).limits(mission)
+        return list(start_trade(mission, wish.trade or "bandwidth", count, limits, report))
     if wish.objective == "region":
         limits = replace(wish, bandwidth=highest).limits(mission)
         return list(region_pareto(mission, count, limits, wish.minimum_decay, report))
@@ -372,7 +382,6 @@ def pareto(
     for i, b in enumerate(np.geomspace(first, highest, count)):
         b = float(f"{b:.4g}") if i < count - 1 else highest
         found = gains_for(mission, replace(wish, bandwidth=b))
-        assert not isinstance(found, StartTuned)
         points.append((b, found))
         report(i + 1, count)
     return points

@@ -43,6 +43,10 @@ class Output:
         Body frame, N m.
     rotor : (n,) float
         N.
+    throttle : float
+        Share of the full thrust, a number from 0 to 1, of a package for a rate loop.
+    rate_command : (3,) float
+        Body frame, rad/s, likewise.
     """
 
     status: int
@@ -50,6 +54,8 @@ class Output:
     thrust_rate: float
     torque: tuple[float, ...]
     rotor: tuple[float, ...]
+    throttle: float = float("nan")
+    rate_command: tuple[float, ...] = ()
 
 
 class Firmware:
@@ -175,8 +181,24 @@ class Firmware:
         given = self._filled("input", **values)
         out = self._new("output")
         status = self._call("step", self._params, self._state, given, out)
-        rotor, torque = tuple(out.rotor), tuple(out.torque)
-        return Output(status, out.thrust, out.thrust_rate, torque, rotor)
+        names = ("thrust", "thrust_rate", "torque", "rotor", "throttle", "rate_command")
+        told = {name: getattr(out, name) for name in names if hasattr(out, name)}
+        one: dict[str, Any] = {k: v for k, v in told.items() if isinstance(v, float)}
+        rows: dict[str, Any] = {k: tuple(told[k]) for k in told.keys() - one.keys()}
+        return Output(status, **one, **rows)
+
+    def take_over(self, specific_force: Sequence[float], throttle: float) -> int:
+        """Take over from an autopilot, of a package for a rate loop, and return the status.
+
+        Parameters
+        ----------
+        specific_force : (3,)
+            That it feels, body frame, m/s².
+        throttle : float
+            That it flies with, a number from 0 to 1.
+        """
+        felt = (self._real * 3)(*specific_force)
+        return self._call("take_over", self._params, self._state, felt, throttle)
 
     def watch(self, oldest: float) -> int:
         """Forget all frames, use each until it is so old, and return the status.

@@ -10,6 +10,7 @@ import casadi as ca
 from hoverproof.algebra.linear import lie_derivative, solve_affine
 from hoverproof.export.closed_form import closed_forms
 from hoverproof.plant import rigid_body
+from hoverproof.plant.rate_loop import rate_command
 from hoverproof.servo.controller import Controller, derive_controller
 from hoverproof.servo.law import Design, Law, Measurement
 
@@ -24,11 +25,13 @@ class Chain:
     Attributes
     ----------
     design : SX
-        Symbols: the vector of `parts`, then arm and drag ratio, (k, 1).
+        Symbols: the vector of `parts`, then arm, drag ratio and rate bandwidth, (k, 1).
     parts : Design
         Of the law, symbols.
     arm, drag : SX
         Of the rotors, (1, 1), m; see `hoverproof.plant.rotors.wrench`.
+    bandwidth : SX
+        ω_r of an autopilot's rate loop, (1, 1), rad/s.
     sensors : dict of str to SX
         What is taken in of the body, each (3, 1); a heading is (2, 1).
     excess : SX
@@ -59,12 +62,15 @@ class Chain:
         Ω̇3, (1, 1), rad/s².
     torque : SX
         Γ, (3, 1), N m.
+    rate_command : SX
+        Ω_c = Ω + Ω̇/ω_r, (3, 1), rad/s.
     """
 
     design: ca.SX
     parts: Design
     arm: ca.SX
     drag: ca.SX
+    bandwidth: ca.SX
     sensors: dict[str, ca.SX]
     excess: ca.SX
     image_error: ca.SX
@@ -87,6 +93,7 @@ class Chain:
     singular: ca.SX
     yaw: ca.SX
     torque: ca.SX
+    rate_command: ca.SX
 
     @property
     def measures_thrust(self) -> bool:
@@ -149,12 +156,13 @@ def chain_of(law: Law) -> Chain:
     d2_of, d3_of, thrust_of, drift_of = ca.substitute(of, [shifted], [ca.vertcat(*hover)])
     torque = ca.SX.sym("torque", 3)
     balance = rigid_body.torque_balance(z.rate, alpha, d.inertia, torque)
-    arm, drag = ca.SX.sym("arm"), ca.SX.sym("drag_ratio")
+    arm, drag, bandwidth = (ca.SX.sym(n) for n in ("arm", "drag_ratio", "rate_bandwidth"))
     return Chain(
-        design=ca.vertcat(d.vector(), arm, drag),
+        design=ca.vertcat(d.vector(), arm, drag, bandwidth),
         parts=d,
         arm=arm,
         drag=drag,
+        bandwidth=bandwidth,
         sensors={name: getattr(z, name) for name in body_sensors(law)},
         excess=excess,
         image_error=d1,
@@ -177,6 +185,7 @@ def chain_of(law: Law) -> Chain:
         singular=solve_affine(gap, lift),
         yaw=turn[2],
         torque=solve_affine(balance, torque),
+        rate_command=rate_command(z.rate, alpha, bandwidth),
     )
 
 

@@ -81,4 +81,5 @@ def _name(symbol: ca.SX) -> str:
         return ("I1", "I2", "I3", "I12", "I13", "I23")[int(index)]
     if stem == "goal_heading":
         return ("cos(yaw*)", "sin(yaw*)")[int(index)]
-    return {"mass": "m", "gravity": "g", "arm": "d", "drag_ratio": "kappa"}.get(name, name)
+    plain = {"mass": "m", "gravity": "g", "arm": "d", "drag_ratio": "kappa"}
+    return plain.get(name, name.replace("rate_bandwidth", "omega_r"))

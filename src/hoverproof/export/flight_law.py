@@ -30,8 +30,8 @@ from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.laws.heading import flown_law
 from hoverproof.servo.layout import place
 
-ROTORS = {"arm": 1, "drag_ratio": 1}
-"""What the firmware needs beside the design of its law, both in m."""
+BESIDES = {"arm": 1, "drag_ratio": 1, "rate_bandwidth": 1}
+"""What the firmware needs beside the design of its law, in m, m and rad/s."""
 
 AXES = ("x", "y", "z")
 
@@ -48,15 +48,15 @@ class FlightLaw:
         name.
     after_checks : casadi.Function
         The same as it is printed: what is checked before, spread and lift, are further inputs of
-        it, where the law has them.
+        it, where the law has them. With a rate loop a further output is rate_command, in rad/s.
     coefficients : dict of str to Fraction
         The numbers, exact, in the order of the last input.
     meanings : dict of str to str
-        The closed form of each in m, g, I1, I2, I3, the gains by name, q = q*, d and kappa.
+        The closed form of each in m, g, I1, I2, I3, the gains by name, q = q*, d, kappa, omega_r.
     of_gains : casadi.Function
         (gains (5,), rest of the design) ↦ coefficients, the gains in the order of the law's design.
     fixed : list of Fractions
-        The rest of the design, (10,): vehicle and q*.
+        The rest of the design, (11,): vehicle, q* and bandwidth.
     tuned : tuple of str
         The coefficients that depend on the gains.
     singular_excess : Fraction
@@ -89,6 +89,7 @@ def flight_law(
     sensing: str = "points",
     tunable: bool = False,
     law: Law | None = None,
+    rates: bool = False,
 ) -> FlightLaw:
     """Return the law of a mission.
 
@@ -103,6 +104,8 @@ def flight_law(
         whatever they are.
     law : Law, optional
         By default that of the mission.
+    rates : bool
+        Whether it commands body rates too, to the rate loop of the mission's interface.
 
     Raises
     ------
@@ -111,19 +114,24 @@ def flight_law(
     """
     law, points = (law or flown_law(mission)).flying(mission), len(mission.target.points)
     here = tuple(_design_values(mission, law))
-    return _flight_law(law, mission.vehicle.frame, here, (sensing, points), tunable)
+    return _flight_law(law, mission.vehicle.frame, here, (sensing, points), tunable, rates)
 
 
 @lru_cache(maxsize=8)
 def _flight_law(
-    law: Law, frame: Frame, here: tuple[Fraction, ...], sensing: tuple[str, int], tunable: bool
+    law: Law,
+    frame: Frame,
+    here: tuple[Fraction, ...],
+    sensing: tuple[str, int],
+    tunable: bool,
+    rates: bool,
 ) -> FlightLaw:
     """Return the law of a design, for what it takes in of so many target points."""
     chain = chain_of(law)
     samples = [list(here), *(_with_gains(law, here, g) for g in _other_gains(law, here))]
     numbers = Coefficients(chain.design, samples if tunable else samples[:1])
     feature = ca.SX.sym("feature", 3)
-    by_feature, _ = _functions(chain, numbers, SeenFeature(feature, feature), frame)
+    by_feature, _ = _functions(chain, numbers, SeenFeature(feature, feature), frame, rates)
     forms = closed_forms(ca.vertcat(*numbers.expressions.values()))
     expressions = ca.vertcat(*(form.value for form in forms))
     at_samples = numbers.at_samples(expressions)
@@ -131,7 +139,7 @@ def _flight_law(
         at_sample = [values[i] for values in at_samples]
         assert_is_the_controller(by_feature, sample, at_sample, law, frame)
     seen = seen_feature(law, *sensing)
-    function, after_checks = _functions(chain, numbers, seen, frame)
+    function, after_checks = _functions(chain, numbers, seen, frame, rates)
     tuned, rest = _gains_and_rest(law)
     (singular,) = numbers.at_samples(chain.singular)
     return FlightLaw(
@@ -162,7 +170,7 @@ def assert_is_the_controller(
     law: Law = HAMEL_MAHONY,
     frame: Frame = X,
 ) -> None:
-    """Compare a law with the derived controller and rotor mixing, exactly, at random points.
+    """Compare a law with derived controller, rotor mixing and rates, exactly, at random points.
 
     Two rational functions of such low degree that agree at a random point of so many digits are
     the same but for a chance that is nil.
@@ -172,7 +180,8 @@ def assert_is_the_controller(
     function : casadi.Function
         The law by its feature, as in `FlightLaw`.
     design : sequence of Fractions
-        That of the law, then what places of the frame are multiples of, and the drag ratio, in m.
+        That of the law, then what places of the frame are multiples of, and the drag ratio, in m,
+        and the bandwidth of a rate loop, in rad/s.
     coefficients : sequence of Fractions
         Those of the law in this design, (n,).
     law : Law
@@ -194,16 +203,24 @@ def assert_is_the_controller(
     (excess,) = some(1)
     got = evaluate(function, [feature, *parts.values(), [excess], list(coefficients)])
     named = dict(zip((function.name_out(i) for i in range(function.n_out())), got, strict=True))
-    *own, arm, drag = design
+    *own, arm, drag, bandwidth = design
     thrust = own[law.design.place("mass").start] * own[law.design.place("gravity").start] + excess
     parts |= {"centroid": feature, "thrust": [thrust]}
     measured = [number for name in law.measurement.sizes() for number in parts[name]]
-    thrust_rate, torque = evaluate(derive_controller(law).function(), [measured, own])
+    controller = derive_controller(law)
+    thrust_rate, torque = evaluate(controller.function(), [measured, own])
     T, Gamma, d, k = ca.SX.sym("T"), ca.SX.sym("Gamma", 3), ca.SX.sym("d"), ca.SX.sym("k")
     each = rotors.rotor_thrusts(frame, T, Gamma, d, k)
     mixing = ca.Function("mixing", [T, Gamma, d, k], [each])
     (mixed,) = evaluate(mixing, [[thrust], [row[0] for row in torque], [arm], [drag]])
-    for name, wanted in (("thrust_rate", thrust_rate), ("torque", torque), ("rotor", mixed)):
+    wanted_of = {"thrust_rate": thrust_rate, "torque": torque, "rotor": mixed}
+    if "rate_command" in named:
+        turning = [controller.measured.vector(), controller.design.vector()]
+        turned = ca.Function("turned", turning, [controller.angular_acceleration])
+        (alpha,) = evaluate(turned, [measured, own])
+        pairs = zip(parts["rate"], alpha, strict=True)
+        wanted_of["rate_command"] = [[rate + row[0] / bandwidth] for rate, row in pairs]
+    for name, wanted in wanted_of.items():
         if named[name] != wanted:  # not an assert statement, which `python -O` leaves out
             raise AssertionError(f"{name} of the C is not that of the derived controller")
 
@@ -215,12 +232,13 @@ def _design_values(mission: Mission, law: Law) -> list[Fraction]:
         *law.design.values(mission, law.goal_feature(mission)),
         vehicle.reach,
         vehicle.drag_ratio,
+        mission.interface.rate_bandwidth or Fraction(1),
     ]
 
 
 def _gains_and_rest(law: Law) -> tuple[list[int], list[int]]:
     """Return the places of the gains in the chain's design, and all others."""
-    sizes = law.design.sizes() | ROTORS
+    sizes = law.design.sizes() | BESIDES
     places = {name: range(sum(sizes.values()))[place(sizes, name)] for name in sizes}
     gains = [i for name in law.design.gains() for i in places[name]]
     return gains, [i for at in places.values() for i in at if i not in gains]
@@ -249,10 +267,12 @@ def _lift(chain: Chain, numbers: Coefficients, law: ca.Function) -> ca.Function:
 
 
 def _functions(
-    chain: Chain, numbers: Coefficients, seen: SeenFeature, frame: Frame
+    chain: Chain, numbers: Coefficients, seen: SeenFeature, frame: Frame, rates: bool
 ) -> tuple[ca.Function, ca.Function]:
     """Return the law, and the law for what is checked before it."""
     named = _scheme(chain, numbers, seen.feature, frame)
+    if rates:
+        named["rate_command"] = _rate_command(chain, numbers, named["alpha"])
     checked = {"spread": (seen.spread, seen.spread_of)}
     if chain.measures_thrust:
         checked["lift"] = chain.lift, named["lift"]
@@ -364,6 +384,16 @@ def _scheme(chain: Chain, numbers: Coefficients, feature: ca.SX, frame: Frame) -
     graph["torque"] = ca.substitute(ca.vertcat(*torque), chain.acceleration, graph["alpha"])
     graph["rotor"] = ca.substitute(ca.vertcat(*mixed), chain.s, graph["torque"])
     return graph
+
+
+def _rate_command(chain: Chain, numbers: Coefficients, alpha: ca.SX) -> ca.SX:
+    """Return the body rates that are commanded, in a symbol of the rate and the graph of alpha."""
+    rate = _variables("rate", chain.sensors["rate"])
+    turn = _variables("alpha", chain.acceleration)
+    both = Variables((*rate.names, *turn.names), ca.vertcat(rate.vector, turn.vector))
+    lead = quadratic(chain.rate_command, [f"lead_{a}" for a in AXES], both, numbers)
+    command: ca.SX = ca.substitute(ca.vertcat(*lead), chain.acceleration, alpha)
+    return command
 
 
 def _variables(name: str, vector: ca.SX) -> Variables:

@@ -7,6 +7,7 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 import casadi as ca
 
@@ -122,6 +123,8 @@ def law_text(mission: Mission, options: Options, law: FlightLaw) -> LawText:
         "torque": [f"out->torque[{i}]" for i in range(3)],
         "rotor": [f"out->rotor[{i}]" for i in range(len(mission.vehicle.frame.names))],
     }
+    if options.rates:
+        results["rate_command"] = [f"out->rate_command[{i}]" for i in range(3)]
     gap = {"hover_gap": f"const {options.precision.c_type} hover_gap"}
     return LawText(
         sha256=_law_sha256(law),
@@ -152,10 +155,12 @@ def vehicle_text(mission: Mission, options: Options, law: Law) -> VehicleText:
     v, n = mission.vehicle, len(mission.target.points)
     x = [f"x[{i}]" for i in range(BODY_SIZE)]
     numbers = [FLOAT64.literal(c) for c in (v.mass, v.gravity, *v.moments)]
-    torque = [f"torque[{i}]" for i in range(3)]
+    if options.rates:
+        numbers.append(FLOAT64.literal(mission.interface.rate_bandwidth or Fraction(1)))
+    commanded = [f"{'rate_command' if options.rates else 'torque'}[{i}]" for i in range(3)]
     rate = statements(
-        rate_function(len(v.moments)),
-        [x, ["thrust"], torque, numbers],
+        rate_function(len(v.moments), rates=options.rates),
+        [x, ["thrust"], commanded, numbers],
         {"rate": [f"rate[{i}]" for i in range(BODY_SIZE)]},
         FLOAT64,
     )

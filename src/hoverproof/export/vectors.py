@@ -141,6 +141,8 @@ class Vector:
         N, N/s and N.
     torque, rotor : str
         In braces, N m and N.
+    further : sequence of str
+        To a rate loop: the throttle and, in braces, the body rates, rad/s.
     """
 
     what: str
@@ -155,6 +157,7 @@ class Vector:
     rotor: str
     thrust_rate: str
     next_excess: str
+    further: Sequence[str] = ()
 
 
 def random_step(
@@ -237,7 +240,7 @@ def law_at(law: FlightLaw, step: Step, precision: Precision) -> dict[str, list[n
     }
 
 
-RESULTS = ("thrust_rate", "torque", "rotor")
+RESULTS = ("thrust_rate", "torque", "rotor", "rate_command")
 
 
 def test_vectors(
@@ -268,8 +271,14 @@ def test_vectors(
     """
     draw, precision = np.random.default_rng(0), options.precision
     weight = mission.vehicle.weight
-    highest = len(mission.vehicle.frame.names) * options.rotor_limits[1] - weight
+    highest = sum(high for _, high in options.each_rotor) - weight
+    limits = [[precision.round(end) for end in ends] for ends in options.each_rotor]
     write = partial(_written, precision, body_sensors(law.source))
+    scale = precision.round(options.throttle_per_newton(len(mission.vehicle.frame.names)))
+
+    def throttled(thrust: list[Any]) -> dict[str, list[Any]]:
+        return {"throttle": [scale * thrust[0]]} if options.rates else {}
+
     written: list[Vector] = []
     step = _random_step(draw, mission, law, options, thrust)
     for _ in range(100 * NOMINAL):
@@ -282,10 +291,11 @@ def test_vectors(
             given = replace(step, heading=np.full(2, precision.scalar(1e30)))
         out = law_at(law, step, precision)
         following = step.excess + step.dt * out["thrust_rate"][0]
-        low, high = (precision.round(r) for r in options.rotor_limits)
-        inside = all(low < r < high for r in out["rotor"])
+        made = zip(limits, out["rotor"], strict=True)
+        inside = all(low < r < high for (low, high), r in made)
         if inside and abs(float(following)) < 0.9 * float(min(highest, weight / 2)):
             out["thrust"] = [precision.round(weight) + step.excess]
+            out |= throttled(out["thrust"])
             status = 0 if certified else 64
             if step.gravity_direction[2] < precision.round(tilt_cosine):
                 status += 16
@@ -299,6 +309,7 @@ def test_vectors(
         "rotor": [precision.round(thrust) for thrust in mission.vehicle.hover_thrusts],
         "thrust_rate": [zero],
     }
+    safe |= throttled(safe["thrust"]) | ({"rate_command": [zero] * 3} if options.rates else {})
     huge = precision.scalar(1e30)
     fast = replace(step, velocity=np.array([huge, zero, zero]))
     gone = replace(step, excess=-precision.round(weight))
@@ -367,4 +378,7 @@ def _written(
         rotor=braces(out["rotor"]),
         thrust_rate=hexed(out["thrust_rate"][0]),
         next_excess=hexed(following),
+        further=[hexed(out["throttle"][0]), braces(out["rate_command"])]
+        if "throttle" in out
+        else [],
     )

@@ -15,13 +15,18 @@ _OTHERS = {"": "plumb_bob", "none": "plumb_bob"}
 """What a camera without distortion has for a model."""
 
 
-def lens_of_file(path: str | Path) -> dict[str, Any]:
+RELATIVE = "no such file; camera.file is relative to the mission"
+
+
+def lens_of_file(path: str | Path, absent: str = RELATIVE) -> dict[str, Any]:
     """Return the keys of `Lens` that a calibration file holds, its numbers exact.
 
     Parameters
     ----------
     path : str or Path
         Of a file as `camera_calibration` writes it, or of a message `sensor_msgs/CameraInfo`.
+    absent : str
+        What is said where there is none.
 
     Raises
     ------
@@ -29,7 +34,7 @@ def lens_of_file(path: str | Path) -> dict[str, Any]:
         If it cannot be read or holds no lens that can be used.
     """
     where = str(path)
-    data = read_yaml(where, "no such file; camera.file is relative to the mission")
+    data = read_yaml(where, absent)
     if not isinstance(data, Mapping):
         raise InputError(where, "", f"is no camera_info: must be a mapping, not {shown(data)}")
     matrix = _numbers(where, data, "camera_matrix", "K", "k")

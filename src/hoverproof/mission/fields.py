@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from fractions import Fraction
+from typing import Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 from pydantic_core import PydanticCustomError
@@ -149,7 +150,28 @@ def true_or_false() -> BeforeValidator:
     return BeforeValidator(check)
 
 
+_OF_THE_LIBRARY = {name for name in dir(BaseModel) if not name.startswith("__")}
+
+
 class Section(BaseModel):
     """A section of a mission file: frozen, and no key but those it names."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+    def __dir__(self) -> list[str]:
+        """Return what a section is for, without what its making takes."""
+        return [name for name in super().__dir__() if name not in _OF_THE_LIBRARY]
+
+
+def as_text(value: Any) -> Any:
+    """Write all numbers of nested dicts and lists as strings.
+
+    Parameters
+    ----------
+    value : object
+    """
+    if isinstance(value, dict):
+        return {key: as_text(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [as_text(entry) for entry in value]
+    return str(value).lower() if isinstance(value, bool) else str(value)

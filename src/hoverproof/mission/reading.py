@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+import functools
+import math
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from pydantic import ValidationError
 
 from hoverproof.errors import InputError, suggestion
+from hoverproof.mission.camera import Lens
 from hoverproof.mission.camera_info import lens_of_file
-from hoverproof.mission.fields import shown
+from hoverproof.mission.fields import Section, shown
 from hoverproof.mission.presets import preset_text, presets
 from hoverproof.mission.sections import TAGS, Mission
 from hoverproof.mission.target import MAX_POINTS
 
 MAX_FILE_BYTES = 1_000_000
 MAX_PARTS = 64
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
 _DOTTED = re.compile(r"""\.[ \t]*["'A-Za-z_-]|\.\d+[ \t]*(?=\.)""")  # a dot in a key
 
 
@@ -31,8 +36,8 @@ def load(source: str | Path, overrides: Mapping[str, object] | None = None) -> M
     source : str or Path
         Name of a preset, or path of a TOML file.
     overrides : mapping, optional
-        Values to put in place of those in the file, by dotted key: ``{"gains.k4": "0.1"}``.
-        Strings are read as TOML.
+        Values to put in place of those in the file, by dotted key: ``{"gains.k4": 0.1}``.
+        Strings are read as TOML; a float is taken for the shortest decimal that is read as it.
 
     Returns
     -------
@@ -48,13 +53,63 @@ def load(source: str | Path, overrides: Mapping[str, object] | None = None) -> M
     data = _parse(text, where)
     if "source" in data:  # a field of Mission, but no key of a file
         raise InputError(where, "source", f"unknown key ({_key_hint((), 'source')})")
-    for key, value in (overrides or {}).items():
-        _override(data, key, value)
-    _read_lens(data, where)
+    return _with_changes(data, overrides or {}, where)
+
+
+def replace(mission: Mission, changes: Mapping[str, object]) -> Mission:
+    """Return a mission with other values.
+
+    Parameters
+    ----------
+    mission : Mission
+    changes : mapping
+        By dotted key, as the `overrides` of `load`: ``{"gains.k4": 0.1}``.
+
+    Raises
+    ------
+    InputError
+        If there is no such key, or a mission cannot have the value.
+    """
+    data = _given(mission)
+    del data["source"]
+    return _with_changes(data, changes, mission.source)
+
+
+def of_mission(
+    verb: Callable[Concatenate[Mission, _P], _R],
+) -> Callable[Concatenate[Mission | str | Path, _P], _R]:
+    """Let what is done with a mission be asked for by its preset or file as well.
+
+    Parameters
+    ----------
+    verb : callable
+        What takes a mission first.
+    """
+
+    @functools.wraps(verb)
+    def of(mission: Mission | str | Path, *args: _P.args, **kwargs: _P.kwargs) -> _R:
+        read = mission if isinstance(mission, Mission) else load(mission)
+        return verb(read, *args, **kwargs)
+
+    return of  # type: ignore[return-value]  # the mission may be given by keyword as well
+
+
+def load_lens(path: str | Path) -> Lens:
+    """Read the lens of a `camera_info` file.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or holds no lens that can be used.
+    """
     try:
-        return Mission(**data, source=where)
+        return Lens(**lens_of_file(path, "no such file"))
     except ValidationError as error:
-        raise _input_error(error, where) from None
+        raise _input_error(error, str(path)) from None
 
 
 def with_tolerance(mission: Mission, name: str, value: Fraction) -> Mission:
@@ -64,20 +119,37 @@ def with_tolerance(mission: Mission, name: str, value: Fraction) -> Mission:
     ----------
     mission : Mission
     name : str
-        Such as ``"latency"``.
+        Such as ``"latency"``, or ``"noise.rate"``.
     value : Fraction
-        In its unit, s, m/s², rad/s or a share, dimensionless.
+        In its unit, as in a mission file; a share is dimensionless.
 
     Raises
     ------
     InputError
         If a mission cannot have it.
     """
-    section = dict(mission.uncertainty) | {name: value}
+    section, (group, _, key) = dict(mission.uncertainty), name.partition(".")
+    section[group] = dict(section[group]) | {key: value} if key else value
     try:
         return Mission(**(dict(mission) | {"uncertainty": section}))
     except ValidationError as error:
         raise _input_error(error, mission.source) from None
+
+
+def _given(section: Section) -> dict[str, Any]:
+    """Return what a section was made of, as if read from a file."""
+    values = {key: getattr(section, key) for key in section.model_fields_set}
+    return {k: _given(v) if isinstance(v, Section) else v for k, v in values.items()}
+
+
+def _with_changes(data: dict[str, Any], changes: Mapping[str, object], where: str) -> Mission:
+    for key, value in changes.items():
+        _override(data, key, value)
+    _read_lens(data, where)
+    try:
+        return Mission(**data, source=where)
+    except ValidationError as error:
+        raise _input_error(error, where) from None
 
 
 def _read(source: str | Path) -> tuple[str, str]:
@@ -151,6 +223,8 @@ def _override(data: dict[str, Any], key: str, value: object) -> None:
         except InputError:
             if not re.fullmatch(r"[A-Za-z][\w-]*", str(value)):  # a bare word stands for itself
                 raise InputError(option, "", f"{shown(value)} is not a TOML value") from None
+    else:
+        value = _exact_value(value)
     *path, last = key.split(".")
     for depth, part in enumerate([*path, last]):
         known = _known_keys(path[:depth])
@@ -161,6 +235,19 @@ def _override(data: dict[str, Any], key: str, value: object) -> None:
         if not isinstance(data, dict):
             raise InputError(option, "", f"{part!r} is not a section")
     data[last] = value
+
+
+def _exact_value(value: object) -> object:
+    """Take a float for the shortest decimal that is read as it, also inside a list."""
+    if isinstance(value, str | bool | int | Fraction):
+        return value
+    if isinstance(value, Mapping):
+        return {key: _exact_value(entry) for key, entry in value.items()}
+    if hasattr(value, "tolist"):  # an array of numpy or a number of its
+        return _exact_value(value.tolist())
+    if isinstance(value, float):
+        return Fraction(repr(value)) if math.isfinite(value) else value
+    return [_exact_value(entry) for entry in value] if isinstance(value, Sequence) else value
 
 
 def _input_error(error: ValidationError, where: str) -> InputError:

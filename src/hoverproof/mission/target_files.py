@@ -21,11 +21,36 @@ FORMATS = (
     "apriltag_ros (tag_bundles, standalone_tags), Kalibr (target_type: aprilgrid or checkerboard), "
     "ArUco (aruco_bc_markers)"
 )
+COUNTERCLOCKWISE, CLOCKWISE = (3, 2, 1, 0), (0, 1, 2, 3)
+"""Which of the four corners of a tag, as a file orders them, is its top left, top right, bottom
+right and bottom left: from below left, or from above left."""
 FINEST = Fraction(1, 10**6)
 """m: what is not a decimal, as the corners of a tag that is turned, is rounded to that."""
 UNTURNED = {"qw": Fraction(1), "qx": Fraction(0), "qy": Fraction(0), "qz": Fraction(0)}
 MOST_TURNED = Fraction(1, 1000)
 """A quaternion is as long as 1 to within that."""
+
+
+@dataclass(frozen=True)
+class Print:
+    """What is printed between four points of a file, one after the other.
+
+    Attributes
+    ----------
+    number : int
+        Of the tag in its family, a bare number.
+    family : str, optional
+        As the file says; None if it does not.
+    order : (4,) ints
+        `COUNTERCLOCKWISE` or `CLOCKWISE`.
+    border : int
+        Width of the black border, in bits.
+    """
+
+    number: int
+    family: str | None = None
+    order: tuple[int, int, int, int] = COUNTERCLOCKWISE
+    border: int = 1
 
 
 @dataclass(frozen=True)
@@ -38,10 +63,13 @@ class TargetFile:
         World frame, z down, m, their middle at x = y = z = 0.
     words : list of str
         What the file has, with units, and what was made of it.
+    prints : list of Print
+        The tags, each between four points in turn; none of a checkerboard.
     """
 
     points: list[Point]
     words: list[str]
+    prints: list[Print]
 
     @property
     def side(self) -> Fraction:
@@ -119,13 +147,13 @@ def read_target(path: str, name: str | None = None) -> TargetFile:
         raise whole.refuse(f"holds no target that is known: {FORMATS}")
     if name is not None:
         raise InputError("--target-name", "", f"{path} holds one target, which has no name")
-    points, words = found
+    points, words, prints = found
     if len(points) > MAX_POINTS:
         raise whole.refuse(f"has {len(points)} points, at most {MAX_POINTS} are taken")
-    return TargetFile(*_centred(points, words))
+    return TargetFile(*_centred(points, words), prints)
 
 
-Found = tuple[list[Point], list[str]]
+Found = tuple[list[Point], list[str], list[Print]]
 
 
 def _grid(whole: _Held) -> Found:
@@ -152,11 +180,15 @@ def _aprilgrid(whole: _Held) -> Found:
         for column in range(columns)
         for x, y in ((0, 0), (size, 0), (size, size), (0, size))
     ]
-    return points, [
-        f"AprilGrid: {columns} x {rows} tags of {_m(size)}, {_m(size * spacing)} between them "
-        f"(tagSpacing {float(spacing):g})",
-        f"{len(points)} corners, tag by tag from below left, counterclockwise",
-    ]
+    return (
+        points,
+        [
+            f"AprilGrid: {columns} x {rows} tags of {_m(size)}, {_m(size * spacing)} between them "
+            f"(tagSpacing {float(spacing):g})",
+            f"{len(points)} corners, tag by tag from below left, counterclockwise",
+        ],
+        [Print(i, "36h11", border=2) for i in range(rows * columns)],
+    )
 
 
 def _checkerboard(whole: _Held) -> Found:
@@ -166,10 +198,14 @@ def _checkerboard(whole: _Held) -> Found:
     if rows * columns > MAX_POINTS:
         raise whole.refuse(f"has {rows * columns} corners, at most {MAX_POINTS} are taken")
     points = [(j * across, i * up, Fraction(0)) for i in range(rows) for j in range(columns)]
-    return points, [
-        f"checkerboard: {columns} x {rows} inner corners, {_m(across)} by {_m(up)} apart",
-        f"{len(points)} corners, row by row from below left",
-    ]
+    return (
+        points,
+        [
+            f"checkerboard: {columns} x {rows} inner corners, {_m(across)} by {_m(up)} apart",
+            f"{len(points)} corners, row by row from below left",
+        ],
+        [],
+    )
 
 
 def _of_apriltag(whole: _Held, name: str | None) -> Found:
@@ -210,11 +246,12 @@ def _single(entry: _Held) -> Found:
     size = entry.part("size").number("m", Fraction(0))
     number = int(entry.part("id").number(""))
     words = [f"tag {number}: a square of {_m(size)}", "4 corners, counterclockwise from below left"]
-    return _corners(size), words
+    return _corners(size), words, [Print(number)]
 
 
 def _bundle(entry: _Held, name: str) -> Found:
     points: list[Point] = []
+    prints: list[Print] = []
     sizes, turned = [], 0
     for tag in entry.part("layout").entries():
         size = tag.part("size").number("m", Fraction(0))
@@ -222,6 +259,7 @@ def _bundle(entry: _Held, name: str) -> Found:
         quaternion = [_or(tag, key, UNTURNED[key]).number("") for key in UNTURNED]
         rotation = _rotation(tag, quaternion)
         turned += quaternion[0] != 1
+        prints.append(Print(int(_or(tag, "id", Fraction(len(prints))).number(""))))
         sizes.append(size)
         for corner in _corners(size):
             moved = [
@@ -233,13 +271,17 @@ def _bundle(entry: _Held, name: str) -> Found:
         raise entry.refuse("has no tag in its layout")
     low, high = min(sizes), max(sizes)
     side = _m(low) if low == high else f"{_m(low)} to {_m(high)}"
-    return points, [
-        f"tag bundle {name}: {len(sizes)} tags of {side}, {turned} of them turned",
-        f"{len(points)} corners, tag by tag, counterclockwise from below left",
-    ]
+    return (
+        points,
+        [
+            f"tag bundle {name}: {len(sizes)} tags of {side}, {turned} of them turned",
+            f"{len(points)} corners, tag by tag, counterclockwise from below left",
+        ],
+        prints,
+    )
 
 
-def _or(tag: _Held, key: str, value: Fraction) -> _Held:
+def _or(tag: _Held, key: str, value: Fraction | None) -> _Held:
     """Return a part; apriltag_ros lets places and turns be left out."""
     return tag.part(key) if tag.has(key) else _Held(tag.where, f"{tag.key}.{key}", value)
 
@@ -266,16 +308,24 @@ def _marker_map(whole: _Held) -> Found:
         raise unit.refuse("must be 1, for corners in metres; 0 is for pixels")
     points: list[Point] = []
     markers = list(whole.part("aruco_bc_markers").entries())
-    for marker in markers:
+    named = _or(whole, "aruco_bc_dict", None).value
+    family, prints = (named if isinstance(named, str) else None), []
+    for i, marker in enumerate(markers):
+        number = int(_or(marker, "id", Fraction(i)).number(""))
+        prints.append(Print(number, family, CLOCKWISE))
         for corner in marker.part("corners").entries():
             point = [c.number("m") for c in corner.entries()]
             if len(point) != 3:
                 raise corner.refuse("must be [x, y, z], m")
             points.append(_point(point))
-    return points, [
-        f"ArUco marker map: {len(markers)} markers, corners in m",
-        f"{len(points)} corners, in the order of the file",
-    ]
+    return (
+        points,
+        [
+            f"ArUco marker map: {len(markers)} markers, corners in m",
+            f"{len(points)} corners, in the order of the file",
+        ],
+        prints,
+    )
 
 
 def _corners(size: Fraction) -> list[Point]:
@@ -298,7 +348,7 @@ def _short(value: Fraction) -> Fraction:
     return value if kept else round(value / FINEST) * FINEST
 
 
-def _centred(points: list[Point], words: list[str]) -> Found:
+def _centred(points: list[Point], words: list[str]) -> tuple[list[Point], list[str]]:
     """Move the middle to the origin, and turn y and z round: x ahead, y right, z down."""
     n = len(points)
     if n < 2:

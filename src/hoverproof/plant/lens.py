@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.errors import InputError
-from hoverproof.mission.camera import number_of
+from hoverproof.mission.camera import Lens, number_of
 from hoverproof.mission.sections import Mission
 
 Array = NDArray[np.float64]
@@ -61,9 +61,16 @@ class LensModel:
         ----------
         mission : Mission
         """
-        lens = mission.camera.lens
-        if lens is None:
-            return None
+        return None if mission.camera.lens is None else cls.of_section(mission.camera.lens)
+
+    @classmethod
+    def of_section(cls, lens: Lens) -> LensModel:
+        """Return the lens of a section `[camera.lens]`.
+
+        Parameters
+        ----------
+        lens : Lens
+        """
         missing = number_of(lens.distortion_model) - len(lens.distortion)
         coefficients = (*map(float, lens.distortion), *[0.0] * missing)
         names = ("width", "height", "fx", "fy", "cx", "cy")
@@ -293,15 +300,30 @@ def seeing_lens(mission: Mission) -> tuple[LensModel, Sight] | None:
         If a pixel of the image has no one direction.
     """
     lens = LensModel.of(mission)
-    if lens is None:
-        return None
+    return None if lens is None else seeing(lens, mission.source, "camera.lens.distortion")
+
+
+def seeing(lens: LensModel, where: str, key: str) -> tuple[LensModel, Sight]:
+    """Return a lens and how far it sees.
+
+    Parameters
+    ----------
+    lens : LensModel
+    where, key : str
+        Of its distortion, for the message.
+
+    Raises
+    ------
+    InputError
+        If a pixel of the image has no one direction.
+    """
     sight = sight_of(lens)
     if sight is None:
         reason = (
             "leaves pixels of the image without a direction of their own: the model folds over "
             "within it, or sees beyond 80 degrees from the axis; crop the image or calibrate anew"
         )
-        raise InputError(mission.source, "camera.lens.distortion", reason)
+        raise InputError(where, key, reason)
     return lens, sight
 
 

@@ -14,6 +14,7 @@ from hoverproof.certification.convergence import Converges
 from hoverproof.certification.gains import GainsVerdict
 from hoverproof.errors import InputError, suggestion
 from hoverproof.files import replacing
+from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
 from hoverproof.reporting import glance
 from hoverproof.reporting.page import Origin, render
@@ -53,6 +54,7 @@ class Report:
     missing: Mapping[str, str]
 
 
+@of_mission
 def report(
     mission: Mission,
     path: str | Path,
@@ -69,7 +71,7 @@ def report(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
     path : str or Path
         The file, HTML.
     without : collection of str

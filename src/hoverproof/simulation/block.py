@@ -61,6 +61,7 @@ def fly_raw(
     compiler: str | None = None,
     stop: kernel.Stop | None = None,
     control: kernel.Control | None = None,
+    eyes: kernel.Eyes | None = None,
 ) -> tuple[Array, Array, NDArray[np.int64]]:
     """Fly runs `first` to ``first + count - 1``; see `kernel.fly` for what is returned.
 
@@ -75,8 +76,8 @@ def fly_raw(
         As in `hoverproof.simulation.compiled.runner`.
     stop : Stop, optional
         Ends the flights when set.
-    control : callable, optional
-        In place of the loop's controller, see `kernel.fly`.
+    control, eyes : callable, optional
+        In place of the loop's controller and camera, see `kernel.fly`.
     """
     plan.prepare()
     memory, params = memory_and_parameters(plan, np.arange(first, first + count))
@@ -91,6 +92,7 @@ def fly_raw(
         compiler=compiler,
         stop=stop,
         control=control,
+        eyes=eyes,
     )
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.files import write_bytes
+from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import CONDITIONS, Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.plant.rotors import wrench
@@ -44,6 +45,7 @@ Array = NDArray[np.float64]
 SAMPLES = 2000
 
 
+@of_mission
 def simulate(
     mission: Mission,
     *,
@@ -58,7 +60,7 @@ def simulate(
 
     Parameters
     ----------
-    mission : Mission
+    mission : Mission, or str or Path as `hoverproof.load` takes
     duration : float, optional
         s; by default seven time constants of the slowest motion near the goal.
     step : float, optional
@@ -281,6 +283,7 @@ def fly_as_built(
     compiler: str | None,
     finer: int | None,
     control: Callable[[], kernel.Control] | None = None,
+    eyes: Callable[[], kernel.Eyes] | None = None,
 ) -> Record:
     """Fly once with the sensors, rotors, wind and errors that the mission names.
 
@@ -293,19 +296,19 @@ def fly_as_built(
         As in `simulate`.
     finer : int, optional
         Number of samples.
-    control : callable, optional
-        Makes what is in place of the loop's controller, for each time that it is flown.
+    control, eyes : callable, optional
+        Make what is in place of the loop's controller and camera, for each time that it is flown.
     """
     mission, machine = plan.mission, VIRTUAL_MACHINE
-    if control is None:
+    if control is None and eyes is None:
         machine = kernel.machine(plan.loop, plan.schedule, compiler)  # compiled before it is timed
     check_patience(plan.samples * plan.every, plan.step, machine)
 
     def fly_all(plan: Plan) -> tuple[Array, Array, int]:
         stop = kernel.Stop()
-        own = None if control is None else control()
+        own: dict[str, Any] = {"control": control and control(), "eyes": eyes and eyes()}
         records, memory, good = interruptibly(
-            lambda: fly_raw(plan, 0, 1, compiler=compiler, stop=stop, control=own), stop.set
+            lambda: fly_raw(plan, 0, 1, compiler=compiler, stop=stop, **own), stop.set
         )
         return records[0, : good[0] + 1], memory[0], int(good[0])
 

@@ -29,7 +29,11 @@ from hoverproof.simulation.step import FLIGHT_SIZE, GUARDS, step_function
 Array = NDArray[np.float64]
 
 Control = Callable[[int, Array, Array, Array], Array]
-"""(step, memory (MEMORY, m), parameters (PARAMS, m), noise (k, m)) ↦ memory after a tick."""
+"""(step, memory (MEMORY, m), parameters (m, PARAMS), noise (k, m)) ↦ memory after a tick."""
+
+Eyes = Callable[[int, Array, Array, Array], tuple[Array, Array, int]]
+"""(step, memory (MEMORY, m), parameters (m, PARAMS), noise (k, m)) ↦ what a frame tells (SEEN, m),
+a margin above 0 if it is seen, (m,), and how many steps it is later than the latency says."""
 
 NOISE_AT_A_TIME = 1 << 12
 """How many pairs of normal numbers are drawn at once where there is no compiler."""
@@ -193,6 +197,7 @@ def fly(
     lanes: int | None = None,
     stop: Stop | None = None,
     control: Control | None = None,
+    eyes: Eyes | None = None,
 ) -> tuple[Array, Array, NDArray[np.int64]]:
     """Fly vehicles to the end, or until each has diverged or broken a guard.
 
@@ -216,6 +221,8 @@ def fly(
         Ends the flights when set.
     control : callable, optional
         In place of the loop's controller at each tick; then nothing runs as machine code.
+    eyes : callable, optional
+        In place of the loop's camera at each frame; likewise.
 
     Returns
     -------
@@ -232,7 +239,7 @@ def fly(
         If `stop` was set meanwhile.
     """
     library, count = None, len(memory)
-    if control is None:
+    if control is None and eyes is None:
         command = find_compiler() if compiler is None else compiler
         library = vector_library(source(loop, schedule, lanes), command)
     records = np.full((count, schedule.samples + 1, loop.constants["RECORD"]), np.nan)
@@ -241,7 +248,7 @@ def fly(
     if library is None:
         arrays = memory, parameters, points
         own = stop or Stop()
-        _fly_slowly(loop, schedule, *arrays, seed, first_run, records, taken, own, control)
+        _fly_slowly(loop, schedule, *arrays, seed, first_run, records, taken, own, control, eyes)
         return records, memory, taken
     plan = _Plan(
         schedule.samples,
@@ -294,6 +301,7 @@ def _fly_slowly(
     taken: NDArray[np.int64],
     stop: Stop,
     control: Control | None,
+    eyes: Eyes | None,
 ) -> None:
     """Do what batch.c does on CasADi's virtual machine, all vehicles a step at a time."""
     count = len(memory)
@@ -346,14 +354,17 @@ def _fly_slowly(
                 blur = np.zeros((c["CAMERA_NOISE"], count))
                 if c["CAMERA_NOISY"]:
                     blur = noise("CAMERA", len(blur), step, schedule.frame)
-                seen, margin = call("frame", now, params, tiled, blur)
-                visible, initial = margin[0] > 0, step == 0
+                if eyes is None:
+                    (seen, (margin,)), late = call("frame", now, params, tiled, blur), 0
+                else:
+                    seen, margin, late = eyes(step, now, parameters, blur)
+                visible, initial = margin > 0, step == 0
                 last = np.where(visible, seen, seen if initial else last)
                 if c["ABORT"] or initial:
-                    now[c["VIEW"]] = np.where(margin[0] < now[c["VIEW"]], margin[0], now[c["VIEW"]])
+                    now[c["VIEW"]] = np.where(margin < now[c["VIEW"]], margin, now[c["VIEW"]])
                 now[c["LOST_AT"], ~visible & (now[c["LOST"]] == 0)] = step
                 now[c["LOST"]] += ~visible
-                frames.append((step + (0 if initial else schedule.latency), last))
+                frames.append((step + (0 if initial else schedule.latency + late), last))
             while frames and frames[0][0] <= step:
                 _, told = frames.pop(0)
                 now[c["HELD"] : c["HELD"] + 3] = told[:3]

@@ -155,16 +155,45 @@ def look(
     image = image + around.image_noise * ca.reshape(noise[:count], 2, points.shape[1])
     if features.rounded:
         image = ca.floor(image / around.image_resolution + 0.5) * around.image_resolution
+    return understood(memory, around, points, image, noise[count:], law, features), margin
+
+
+def understood(
+    memory: dict[str, ca.SX],
+    around: Surroundings,
+    points: ca.SX,
+    image: ca.SX,
+    noise: ca.SX,
+    law: Law,
+    features: Features,
+) -> ca.SX:
+    """Return what is told by what is read of an image, (3, 1) or (6, 1): see `look`.
+
+    Parameters
+    ----------
+    memory : dict of SX
+        By name, each (k, 1), with k and unit as in `Features.layout`.
+    around : Surroundings
+    points : SX
+        (3, n), world frame, m.
+    image : SX
+        (2, n), px through a lens, else in focal lengths.
+    noise : SX
+        (3, 1), standard normal, of the gravity direction where the image tells the heading.
+    law : Law
+    features : Features
+    """
+    lens = features.lens
     if lens is not None and (sight := sight_of(lens)) is not None:
         image = ca.horzcat(*(lens.undistorted(p, sight.steps) for p in ca.horzsplit(image)))
     directions = law.mount.in_body(camera.spherical(image))
     told = [law.look(directions)]
     if law.sees_north:
-        down = gravity_read(RigidBodyState.from_vector(memory["state"]), around, noise[count:])
+        down = gravity_read(RigidBodyState.from_vector(memory["state"]), around, noise)
         told.append(camera.north(directions, down, points))
     if "attitude" in memory:
         told = [held_still(memory["attitude"], vector) for vector in told]
-    return ca.vertcat(*told), margin
+    return ca.vertcat(*told)
 
 
 def gravity_read(body: RigidBodyState, around: Surroundings, noise: ca.SX) -> ca.SX:
@@ -307,8 +336,7 @@ def decide(
     thrust_rate, torque = command(measured, design, law)
     low, high = around.rotor_min, around.rotor_max
     thrust = measured.thrust + around.period * thrust_rate
-    n = len(frame.names)
-    thrust = ca.fmin(ca.fmax(thrust, n * low), n * high)
+    thrust = ca.fmin(ca.fmax(thrust, around.total_min), around.total_max)
     wanted = rotors.rotor_thrusts(frame, thrust, torque, around.arm, around.drag_ratio)
     lever = law.lever(law.force.thrust(measured, design), design)
     changes = {

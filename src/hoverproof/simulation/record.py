@@ -6,6 +6,7 @@ xarray takes longer to import than most flights to fly, so it is left to those w
 from __future__ import annotations
 
 import io
+import itertools
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -131,6 +132,25 @@ class Record:
                 made.attrs.update(column.attrs)
             file.attrs.update(self.attrs)
         return content.getbuffer()
+
+    def csv(self) -> str:
+        """Return what has the axis of time as lines of numbers, a column for each component.
+
+        A component is named by its places along the other axes, as ``pixel_1_u``; what is not a
+        number is left empty.
+        """
+        times = self["time"].values
+        columns = {"time": times}
+        for name, column in self.variables.items():
+            if column.dims[0] != "time":
+                continue
+            flat = column.values.reshape(len(times), -1)
+            places = itertools.product(*(map(str, self[d].values) for d in column.dims[1:]))
+            for part, place in zip(flat.T, places, strict=True):
+                columns["_".join((name, *place))] = part
+        rows = zip(*(c.tolist() for c in columns.values()), strict=True)
+        lines = [",".join("" if x != x else f"{x:.9g}" for x in row) for row in rows]
+        return "\n".join([",".join(columns), *lines]) + "\n"
 
 
 @kept_json

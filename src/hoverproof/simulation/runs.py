@@ -17,6 +17,7 @@ import xarray as xr
 
 from hoverproof.errors import InputError
 from hoverproof.files import locked
+from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
 from hoverproof.simulation import kernel
@@ -59,10 +60,15 @@ class Flown:
     machine: str
     interrupted: bool
 
+    def open(self) -> xr.Dataset:
+        """Open the file: one variable a quantity, over runs and time, with units."""
+        return xr.open_dataset(self.path, engine="h5netcdf")
 
+
+@of_mission
 def simulate_batch(
     mission: Mission,
-    path: str | Path,
+    path: str | Path | None = None,
     *,
     runs: int,
     seed: int = 0,
@@ -84,9 +90,10 @@ def simulate_batch(
 
     Parameters
     ----------
-    mission : Mission
-    path : str or Path
-        File to write; see `hoverproof.simulation.results`.
+    mission : Mission, or str or Path as `hoverproof.load` takes
+    path : str or Path, optional
+        File to write, see `hoverproof.simulation.results`; by default
+        ``<name of the mission>.flights.nc``.
     runs : int
         Number of flights.
     seed : int
@@ -126,7 +133,7 @@ def simulate_batch(
     plan = Plan(mission, steps.step, steps.samples, steps.every, seed, law=law)
     plan.prepare()
     machine = kernel.machine(plan.loop, plan.schedule)  # compiled before threads want it
-    begin, path = time.perf_counter(), Path(path)
+    begin, path = time.perf_counter(), Path(path or f"{mission.name}.flights.nc")
     opening = reopen if resume else create
     stop, interrupted = kernel.Stop(), False
     with locked(path), opening(path, plan, runs, precision) as file:

@@ -1,4 +1,4 @@
-"""Graphs that look into a flight: what its sensors tell, and the specific force that acts."""
+"""Graphs that look into a flight: its sensors, its images, and the specific force that acts."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import casadi as ca
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
 from hoverproof.servo.law import Law
 from hoverproof.servo.loop import parameters
-from hoverproof.simulation.realistic import imu_noise, read
+from hoverproof.simulation.realistic import imu_noise, read, understood
 from hoverproof.simulation.surroundings import Features, Surroundings
 
 
@@ -35,6 +35,59 @@ def read_function(n: int, features: Features, law: Law, rotors_there: int = 4) -
     given = [ca.vertcat(*memory.values()), ca.vertcat(design.vector(), around.vector()), imu]
     names = ["memory", "parameters", "noise"]
     return ca.Function("read", given, list(told.values()), names, list(told))
+
+
+@cache
+def seen_function(n: int, features: Features, law: Law, rotors_there: int = 4) -> ca.Function:
+    """Return (memory, parameters, points (3, n), image (2, n), noise (3,)) ↦ what a frame tells.
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    features : Features
+        With a lens the image is in px.
+    law : Law
+    rotors_there : int
+        Number of rotors.
+    """
+    design, points = parameters(n, law)
+    around = features.surroundings(law, rotors_there).symbols()
+    layout = features.layout(law, rotors_there)
+    memory = {name: ca.SX.sym(name, size) for name, size in layout.items()}
+    image, noise = ca.SX.sym("image", 2, n), ca.SX.sym("noise", 3)
+    told = understood(memory, around, points, image, noise, law, features)
+    given = [ca.vertcat(*memory.values()), ca.vertcat(design.vector(), around.vector())]
+    return ca.Function("seen", [*given, points, image, noise], [ca.densify(told)])
+
+
+@cache
+def camera_function(n: int, features: Features, law: Law, rotors_there: int = 4) -> ca.Function:
+    """Return (memory, parameters) ↦ where the camera is and how it moves.
+
+    That is its place, m, and its axes, (3, 3), in the world frame, its velocity there, m/s, and its
+    rate in its own axes, rad/s.
+
+    Parameters
+    ----------
+    n : int
+        Number of target points.
+    features : Features
+    law : Law
+    rotors_there : int
+        Number of rotors.
+    """
+    design, _ = parameters(n, law)
+    around = features.surroundings(law, rotors_there).symbols()
+    memory = ca.SX.sym("memory", sum(features.layout(law, rotors_there).values()))
+    body = RigidBodyState.from_vector(memory[:STATE_SIZE])
+    axes = ca.horzcat(around.camera_x, around.camera_y, around.camera_z)
+    place = law.mount.place(body.position, body.rotation)
+    arm = law.mount.place(ca.SX.zeros(3), ca.SX.eye(3))
+    velocity = body.rotation @ (body.velocity + ca.cross(body.rate, arm))
+    looked = [place, body.rotation @ axes, velocity, axes.T @ body.rate]
+    given = [memory, ca.vertcat(design.vector(), around.vector())]
+    return ca.Function("camera", given, [ca.densify(part) for part in looked])
 
 
 def specific_force_function(around: type[Surroundings]) -> ca.Function:

@@ -180,7 +180,7 @@ class Domain:
     @cached_property
     def _scale(self) -> tuple[float, ...]:
         """What sides count for when the longest is halved."""
-        return 1.0, 1.0, 0.6 / float(self.wedge[2][0] * self.wedge[2][1]) ** 0.5
+        return 1.0, 1.0, 0.4 / float(self.wedge[2][0] * self.wedge[2][1]) ** 0.5
 
     def tree(self, cosine: float | None = None) -> str | None:
         """Halve the wedge until each cell is beyond the domain, or J is in its bounds over it.
@@ -205,8 +205,13 @@ class Domain:
             told |= inner
             return told
 
+        return grow_tree(whole, hold, self.most_cells, self._scale)
+
+    @property
+    def most_cells(self) -> int:
+        """Into how many cells its box may be halved."""
         cost = COST_BESIDE if self.scene.arm else COST
-        return grow_tree(whole, hold, most_cells(len(self.scene.points), cost), self._scale)
+        return most_cells(len(self.scene.points), cost)
 
     def _steep(self, cells: Array) -> Array:
         """Return the least cosine of the angle to the vertical of all points at the corners."""

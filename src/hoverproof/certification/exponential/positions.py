@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,8 @@ class Scene:
         s3* of σ* = (0, 0, s3*).
     arm : float
         How far the camera is from the centre of mass, m.
+    boxes : dict
+        What `around` has found, 1/m, by the radius, m.
     """
 
     target: Pattern
@@ -58,6 +61,7 @@ class Scene:
     goal: Array
     wanted: float
     arm: float = 0.0
+    boxes: dict[float, tuple[float, float]] = field(default_factory=dict, compare=False)
 
     @classmethod
     def of(cls, mission: Mission) -> Scene:
@@ -120,14 +124,19 @@ class Scene:
         offset : float
             A bare number, dimensionless.
         """
+        directions, radii, far = self._rays
+        return np.asarray(directions * radii[np.argmax(far >= offset, axis=1)][:, None])
+
+    @cached_property
+    def _rays(self) -> tuple[Array, Array, Array]:
+        """Directions, distances from the goal, m, and |σ - σ*| there, (k, 3), (n,) and (k, n)."""
         height = float(self.target.mean[2] - self.goal[2])
         radii = height * np.geomspace(0.01, FARTHEST, 400)
         directions = sphere(DIRECTIONS)
         places = self.goal + directions[:, None] * radii[None, :, None]
         with np.errstate(all="ignore"):
             far = np.linalg.norm(self.offset(places.reshape(-1, 3)), axis=1)
-        far = np.nan_to_num(far, nan=np.inf).reshape(len(directions), -1)
-        return np.asarray(directions * radii[np.argmax(far >= offset, axis=1)][:, None])
+        return directions, radii, np.nan_to_num(far, nan=np.inf).reshape(len(directions), -1)
 
     def outward(self) -> tuple[Array, Array]:
         """Return |σ - σ*|, ascending, and positions, (k,) and (k, 3), where it is below s3*."""
@@ -183,6 +192,11 @@ class Scene:
         radius : float
             Half the side of the box, m.
         """
+        if radius not in self.boxes:
+            self.boxes[radius] = self._around(radius)
+        return self.boxes[radius]
+
+    def _around(self, radius: float) -> tuple[float, float]:
         side = self.goal + radius * np.linspace(-1, 1, ALONG)[:, None]
         J = self.slopes(np.stack(np.meshgrid(*side.T), axis=-1).reshape(-1, 3))
         middles = np.linspace(0.7, 3, FINE * MIDDLES) * np.linalg.norm(J, 2, axis=(1, 2)).max()

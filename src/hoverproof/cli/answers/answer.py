@@ -68,5 +68,14 @@ def print_json(
         found += [f"not considered: {words}" for words in left]
         law = mission.law.model_dump()
         value = {**value, "law": law, "warnings": [*found, *value.get("warnings", [])]}
+    print(_dumped(value, indent=2))
+
+
+def print_line(value: dict[str, Any]) -> None:
+    """Print one JSON object in a line, at once: of a command that goes on."""
+    print(_dumped(value, indent=None), flush=True)
+
+
+def _dumped(value: dict[str, Any], indent: int | None) -> str:
     plain = "utf" not in (sys.stdout.encoding or "utf").lower()
-    print(json.dumps(value, indent=2, ensure_ascii=plain, allow_nan=False))
+    return json.dumps(value, indent=indent, ensure_ascii=plain, allow_nan=False)

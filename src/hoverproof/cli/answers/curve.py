@@ -10,12 +10,13 @@ from typing import Any, ClassVar
 
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.region_tuned import WAYS, region_tuned_as_json
+from hoverproof.cli.answers.start_tuned import StartTunedAnswer
 from hoverproof.cli.answers.tuned import infeasible_as_json, tuned_as_json
 from hoverproof.cli.answers.words import number
-from hoverproof.design.outcome import Infeasible, RegionTuned, Tuned
+from hoverproof.design.outcome import Infeasible, RegionTuned, StartTuned, Tuned
 from hoverproof.servo.law import Design
 
-Found = Tuned | RegionTuned | Infeasible
+Found = Tuned | RegionTuned | StartTuned | Infeasible
 
 
 @dataclass(frozen=True)
@@ -69,9 +70,9 @@ class DecayCurveAnswer(CurveAnswer):
     def row(self, at: float, found: Found) -> str:
         """Write a point of the curve."""
         if not isinstance(found, Tuned):
-            return _nothing(f"{at:8.4g}", found)
+            return nothing_row(f"{at:8.4g}", found)
         rate = number(found.verdict.decay_rate)
-        return "  ".join(["", f"{at:8.4g}", f"{rate:>11}", *_gains(found, 9)])
+        return "  ".join(["", f"{at:8.4g}", f"{rate:>11}", *gains_row(found, 9)])
 
 
 class RegionCurveAnswer(CurveAnswer):
@@ -90,16 +91,31 @@ class RegionCurveAnswer(CurveAnswer):
     def row(self, at: float, found: Found) -> str:
         """Write a point of the curve."""
         if not isinstance(found, RegionTuned):
-            return _nothing(f"{number(at):>10}", found)
+            return nothing_row(f"{number(at):>10}", found)
         far = [found.slowest_rate, *(getattr(found.region.reach, way) for way in WAYS)]
-        return "  ".join(["", *(f"{number(x):>10}" for x in far), *_gains(found, 6)])
+        return "  ".join(["", *(f"{number(x):>10}" for x in far), *gains_row(found, 6)])
 
 
-def _gains(found: Tuned | RegionTuned, width: int) -> list[str]:
+def gains_row(found: Tuned | RegionTuned | StartTuned, width: int) -> list[str]:
+    """Write the gains of a point, each so wide.
+
+    Parameters
+    ----------
+    found : Tuned, RegionTuned or StartTuned
+    width : int
+        In characters.
+    """
     return [f"{number(getattr(found.mission.gains, k)):>{width}}" for k in Design.chain_gains()]
 
 
-def _nothing(at: str, found: Found) -> str:
+def nothing_row(at: str, found: Found) -> str:
+    """Write that there is nothing at a point.
+
+    Parameters
+    ----------
+    at : str
+    found : Infeasible
+    """
     return f"  {at}  {found.status}: {getattr(found, 'reason', '')}"
 
 
@@ -109,5 +125,7 @@ def _as_json(found: Found) -> dict[str, Any]:
             return tuned_as_json(found)
         case RegionTuned():
             return region_tuned_as_json(found)
+        case StartTuned():
+            return StartTunedAnswer(found, None, None).as_json()
         case Infeasible():
             return infeasible_as_json(found)

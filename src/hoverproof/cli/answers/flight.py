@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.beyond import beyond_text, covering
+from hoverproof.cli.answers.see import images_text
 from hoverproof.cli.answers.words import goal_as_json, goal_text, position_text
 from hoverproof.simulation.compiled import VIRTUAL_MACHINE
 from hoverproof.simulation.numbers import SETTLED
@@ -99,6 +100,8 @@ class FlightAnswer(Answer):
                 f"  a target point was out of view in {facts['frames_lost']} frames, "
                 f"first at {facts['left_view_at']:g} s"
             )
+        if "images" in facts:
+            yield from images_text(facts["images"])
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""

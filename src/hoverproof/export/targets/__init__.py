@@ -62,5 +62,5 @@ def titles(targets: tuple[Target, ...] = TARGETS) -> str:
     ----------
     targets : tuple of Target
     """
-    *some, last = (target.title for target in targets)
+    *some, last = (target.title for target in targets) if targets else ("no autopilot",)
     return f"{', '.join(some)} and {last}" if some else last

@@ -1,0 +1,125 @@
+"""What a user of Python types: names for missions, other values, pictures, notebooks."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from fractions import Fraction as F
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import hoverproof as hp
+from hoverproof.certification.over_box import ProvedBounds
+from hoverproof.mission.presets import preset_text
+from hoverproof.show.drawing import html
+
+VEHICLES = sorted((Path(__file__).parent.parent / "examples" / "vehicles").glob("*.toml"))
+
+
+def test_a_verb_takes_a_name_a_path_or_a_mission(tmp_path):
+    mission = hp.load("x4-flyer")
+    by_name = hp.certify("x4-flyer")
+    assert by_name.certificate == hp.certify(mission).certificate
+    assert by_name.certificate == hp.certify(mission=mission).certificate
+    path = tmp_path / "other.toml"
+    path.write_text(preset_text("x4-flyer").replace('name = "x4-flyer"', 'name = "other"'))
+    assert hp.certify(path).mission.name == "other"
+    with pytest.raises(hp.InputError, match="no such mission file or preset"):
+        hp.certify("x5-flyer")
+
+
+@given(st.floats(0.001, 1000))
+def test_a_float_is_the_shortest_decimal_that_is_read_as_it(gain):
+    for value in (gain, np.float64(gain)):
+        assert hp.load("x4-flyer", {"gains.k4": value}).gains.k4 == F(repr(gain))
+    start = hp.load("x4-flyer", {"start.position": np.array([gain, 0.1, -4])}).start
+    assert start.position == (F(repr(gain)), F(1, 10), -4)
+
+
+@pytest.mark.parametrize("path", [*hp.presets(), *VEHICLES], ids=lambda path: Path(path).stem)
+def test_a_mission_with_its_own_values_in_their_place_is_the_same(path):
+    mission = hp.load(path)
+    for section in ("vehicle", "gains", "target", "bounds", "start", "sensors", "uncertainty"):
+        held = getattr(mission, section)
+        for key in held.model_fields_set:
+            again = hp.replace(mission, {f"{section}.{key}": getattr(held, key)})
+            assert again.exact() == mission.exact()
+            assert again.conditions() == mission.conditions()
+
+
+def test_another_value_is_checked_as_in_a_file():
+    mission = hp.load("x4-flyer")
+    other = hp.replace(mission, {"gains.k4": 0.3, "uncertainty.noise.rate": 0.01})
+    assert other.gains.k4 == F(3, 10)
+    assert other.uncertainty.noise.rate == F(1, 100)
+    assert mission.gains.k4 != F(3, 10)
+    with pytest.raises(hp.InputError, match=r"gains.k1: must be above 0"):
+        hp.replace(mission, {"gains.k1": -1})
+    with pytest.raises(hp.InputError, match=r"^gains.k9: unknown key"):
+        hp.replace(mission, {"gains.k9": 1})
+
+
+def test_an_error_names_arguments_in_python_and_options_on_the_command_line():
+    with pytest.raises(hp.InputError, match=r"^duration: must be") as caught:
+        hp.simulate("x4-flyer", duration=-1)
+    assert caught.value.line.startswith("--duration: must be")
+    with pytest.raises(hp.InputError, match=r"^at_least: ") as caught:
+        hp.tune("x4-flyer", objective="region", at_least=0.1)
+    assert caught.value.line.startswith("--at-least: ")
+
+
+def test_completion_offers_what_a_mission_is_for():
+    offered = {name for name in dir(hp.load("x4-flyer")) if not name.startswith("_")}
+    assert {"vehicle", "gains", "uncertainty", "exact"} <= offered
+    assert not {name for name in offered if name.startswith(("model_", "parse_", "json"))} - {
+        "model_error"
+    }
+
+
+def test_what_has_a_picture_is_drawn_and_the_rest_is_refused():
+    flight = hp.simulate("crazyflie-2.1", duration=1.0)
+    assert hp.plot(flight).axes
+    region = hp.region("x4-flyer")
+    assert isinstance(region, ProvedBounds)
+    assert hp.plot(region).axes
+    with pytest.raises(TypeError, match="no picture of Mission"):
+        hp.plot(hp.load("x4-flyer"))
+
+
+def test_a_notebook_shows_a_mission_and_a_verdict_with_statement_and_picture():
+    mission = hp.load("x4-flyer", {"name": '"x4"'})
+    assert "9.6 kg" in html(mission)
+    proved = html(hp.certify(mission))
+    assert "proved" in proved
+    assert "<details>" in proved
+    assert "<svg" in html(hp.region(mission))
+    refuted = html(hp.certify("x4-flyer", weights=(F(1), F(1), F(1), F(100))))
+    assert "undecided" in refuted or "refuted" in refuted
+
+
+def test_a_notebook_is_told_how_to_show_them_without_an_import_of_what_draws():
+    code = (
+        "from IPython.testing.globalipapp import start_ipython; shell = start_ipython();"
+        "shell.display_formatter.active_types = ['text/plain', 'text/html'];"
+        "import sys, json, hoverproof as hp; early = 'hoverproof.show.drawing' in sys.modules;"
+        "shown, _ = shell.display_formatter.format(hp.load('x4-flyer'));"
+        "print(json.dumps([early, shown['text/html']]))"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    early, shown = json.loads(run.stdout.splitlines()[-1])
+    assert not early
+    assert "<table>" in shown
+
+
+def test_many_flights_are_opened_as_a_dataset(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    flown = hp.simulate_batch("x4-flyer", runs=3, duration=0.2)
+    assert flown.path == Path("x4-flyer.flights.nc")
+    with flown.open() as runs:
+        assert runs.sizes["run"] == 3
+        assert hp.plot(runs).axes
