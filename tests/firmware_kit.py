@@ -137,6 +137,13 @@ def other_laws():
     ]
 
 
+LENS = (
+    "{width = 1280, height = 960, fx = 620, fy = 618, cx = 650, cy = 470, distortion_model = "
+    '"plumb_bob", distortion = [-0.28, 0.07, 0.0005, -0.0003, 0.01]}'
+)
+"""Of a camera, as a mission has it."""
+
+
 def names_header(package, steps=30_000):
     """Return the header by which the C harnesses call a package whatever its prefix."""
     name, weight = package.name, load_weight(package)

@@ -59,7 +59,7 @@ def without_barrier():
 # --- the lemmas ---------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.whole  # the next test proves them all
 @pytest.mark.parametrize("lemma", (*LEMMAS, *TOLERANCES), ids=lambda lemma: lemma.id)
 def test_every_identity_of_a_lemma_is_proved(lemma):
     identities = lemma.identities()

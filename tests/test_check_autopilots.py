@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib.machinery
+import importlib.util
 import json
 import subprocess
 import sys
@@ -65,3 +67,63 @@ def test_a_tree_that_is_not_configured_and_no_tree_are_said_to_be(tmp_path):
         done = check(*wrong)
         assert done.returncode == 2
         assert "Traceback" not in done.stderr
+
+
+TYPES = """
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+typedef enum { controlModeLegacy = 0, controlModeForceTorque = 1 } control_mode_t;
+typedef struct { float thrustSi, torqueX, torqueY, torqueZ; control_mode_t controlMode; } control_t;
+typedef struct { int32_t list[4]; } motors_thrust_uncapped_t;
+typedef struct { uint16_t list[4]; } motors_thrust_pwm_t;
+#define THRUST_MAX 0.15f
+"""
+"""What a mixer of the Crazyflie has to do with, in brief."""
+
+MIXER = """
+#include "power_distribution.h"
+void powerDistribution(const control_t *c, motors_thrust_uncapped_t *out)
+{
+  static const int side[4] = { -1, -1, 1, 1 }, front[4] = { 1, -1, -1, 1 };
+  static const int turn[4] = { -1, 1, -1, 1 };
+  int i;
+  for (i = 0; (i < 4) && (c->controlMode == controlModeForceTorque); i++) {
+    const float roll = ROLL * side[i] * c->torqueX, pitch = -front[i] * c->torqueY;
+    const float force = (c->thrustSi + (roll + pitch) / ARM + turn[i] * c->torqueZ / DRAG) / 4.0f;
+    out->list[i] = (force < 0.0f) ? 0 : (int32_t)(force / THRUST_MAX * 65535.0f);
+  }
+}
+bool powerDistributionCap(const motors_thrust_uncapped_t *in, motors_thrust_pwm_t *out)
+{
+  int i;
+  for (i = 0; i < 4; i++) out->list[i] = (in->list[i] > 65535) ? 65535 : (uint16_t)in->list[i];
+  return false;
+}
+"""
+
+
+def crazyflie_tree(folder, package, roll):
+    """Make a tree with a mixer of its own, right if `roll` is 1."""
+    place = folder / "src" / "modules" / "src"
+    place.mkdir(parents=True)
+    vehicle = package.manifest["mission"]["vehicle"]
+    arm, drag = (f"(({vehicle[k]}.0f))".replace("/", ".0f/") for k in ("arm", "drag_ratio"))
+    macros = f"#define ROLL {roll}\n#define ARM {arm}\n#define DRAG {drag}\n"
+    (place / "power_distribution.h").write_text("#pragma once\n" + TYPES + macros)
+    (place / "power_distribution_quadrotor.c").write_text(MIXER)
+    return folder
+
+
+def test_a_package_flies_by_the_mixer_of_a_tree_if_that_is_right(tmp_path):
+    tool("cc")
+    script = str(ROOT / "tools" / "check-autopilots")
+    loader = importlib.machinery.SourceFileLoader("check_autopilots", script)
+    checks = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+    loader.exec_module(checks)
+    package = export(tmp_path / "fw", "crazyflie-2.1", allow_uncertified=True)
+    right, wrong = (crazyflie_tree(tmp_path / str(r), package, r) for r in (1, -1))
+    said = checks.by_mixer(package.folder, package.name, right, tmp_path)
+    assert "with 85 to 115 % of thrust" in said
+    with pytest.raises(checks.Failure):
+        checks.by_mixer(package.folder, package.name, wrong, tmp_path)

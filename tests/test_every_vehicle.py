@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import json
+import typing
 from fractions import Fraction as F
 from pathlib import Path
 
@@ -10,10 +12,14 @@ import numpy as np
 import pytest
 
 import hoverproof as hp
+from exponential_truth import FEW, MISSION, NEAR
 from hoverproof import cli
 from hoverproof.certification import convergence, largest
+from hoverproof.certification.exponential import search
 from hoverproof.certification.exponential.verdict import Exponential
+from hoverproof.cli import attraction as command
 from hoverproof.mission.reading import load, with_tolerance
+from hoverproof.mission.uncertainty import Uncertainty
 from hoverproof.reporting import glance, parts
 from hoverproof.show.exponential import View, fly, save_exponential_figure
 from hoverproof.show.largest import largest_figure
@@ -240,10 +246,43 @@ def test_what_cannot_be_asked_for_is_refused(mission, options, words, capsys):
     assert "Traceback" not in err
 
 
+def test_every_number_of_uncertainty_may_be_asked_for():
+    may = dict(Uncertainty())
+    numbers = {*may, *(f"noise.{key}" for key in dict(may.pop("noise")))} - {"noise"}
+    hint = inspect.signature(command.attraction).parameters["largest"].annotation
+    names = typing.get_args(typing.get_args(eval(hint, vars(command)).__origin__)[0])
+    assert numbers == set(largest.UNITS) == set(typing.get_args(largest.Tolerance)) == set(names)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name", ["noise.velocity", pytest.param("control_period", marks=pytest.mark.whole)]
+)
+def test_the_largest_noise_and_period_are_proved_and_drawn(name, monkeypatch, capsys):
+    """Of what is tried: 0 and 0.001."""
+    for key, value in FEW.items():
+        monkeypatch.setattr(search, key, value)
+    thousandth = next(k for k in range(-300, 0) if largest.two_digits(k) == F("0.001"))
+    for key, value in {"FIRST": thousandth, "HIGHEST": thousandth, "DOUBLED": 1}.items():
+        monkeypatch.setattr(largest, key, value)
+    near = [f"--set={key}={value}" for key, value in NEAR.items()]
+    with pytest.raises(SystemExit) as done:
+        cli.main(["attraction", str(MISSION), *near, "--largest", name, "--json"])
+    told = json.loads(capsys.readouterr().out)
+    assert done.value.code == 0
+    assert (told["largest"]["tolerance"], told["largest"]["value"]) == (name, 0.001)
+    words = "V by at most 1/1000" if "noise" in name else "runs at least every 1/1000"
+    assert words in hp.check(told["certificate"])
+    assert Path(told["search_figure"]).exists()
+
+
 def test_another_tolerance_makes_another_mission(tmp_path):
     mission = load(guide_mission(tmp_path))
     other = with_tolerance(mission, "latency", F(1, 10))
     assert other == load(guide_mission(tmp_path), {"uncertainty.latency": "0.1"})
+    noisy = with_tolerance(other, "noise.rate", F(1, 100))
+    both = {"uncertainty.latency": "0.1", "uncertainty.noise.rate": "0.01"}
+    assert noisy == load(guide_mission(tmp_path), both)
     with pytest.raises(hp.InputError, match=r"uncertainty.wind: must be below gravity"):
         with_tolerance(mission, "wind", F(10))
 

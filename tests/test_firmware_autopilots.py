@@ -10,8 +10,9 @@ from functools import partial
 import numpy as np
 import pytest
 
-from firmware_kit import TARGET, export, run, tool
+from firmware_kit import LENS, TARGET, export, run, tool
 from hoverproof.export.adapter import oldest_image
+from hoverproof.export.binding import Firmware
 from hoverproof.mission.reading import load
 from sampling import mostly_whole
 from test_firmware_target import STUBS, image_topic
@@ -125,6 +126,20 @@ def test_a_packet_of_the_app_channel_holds_an_image_and_its_age(tmp_path):
     beyond = packed(package, 8, 2, 0, [0] * 6)  # points 2 to 4 of four
     for broken in ("", "0700", half + "ff", twice, beyond):
         assert run(program, "packets", broken).stdout == "0\n"
+
+
+def test_a_packet_of_raw_pixels_is_seen_through_the_lens(tmp_path):
+    package = best(tmp_path / "fw", overrides={**BEST, "camera.lens": LENS}, pixels=True)
+    program = crazyflie(package, tmp_path, package.folder / f"{package.name}_lens.c")
+    pixels = [[700.125, 480], [100, 400.5], [640, 90], [1200.25, 800]]
+    scaled = [round(8 * c) for point in pixels for c in point]
+    taken, _, *seen = run(program, "packets", packed(package, 7, 0, 45, scaled)).stdout.split()
+    assert taken == "1"
+    status, points = Firmware(package.folder).lens(pixels)
+    assert status == 0
+    assert [float(c) for c in seen] == pytest.approx(points.ravel().tolist(), rel=1e-6)
+    past = [*scaled[:-2], 8 * 4000, 8 * 4000]  # no point: the image is left out
+    assert run(program, "packets", packed(package, 8, 0, 45, past)).stdout == "1\n"
 
 
 def test_an_image_of_many_points_comes_in_parts_in_any_order(tmp_path):

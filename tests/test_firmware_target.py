@@ -16,6 +16,7 @@ from firmware_kit import (
     BOARDS,
     C_WARNINGS,
     FLAGS,
+    LENS,
     OFF_AXIS,
     TARGET,
     WARNINGS,
@@ -397,8 +398,21 @@ def image_topic(package, folder):
 
 @some_kinds(first=4, of=[k for k in kinds() if "rate_bandwidth" not in str(k)])
 def test_adapters_compile_against_the_headers_of_their_trees(kind, tmp_path):
-    """By the flags of each tree."""
-    package = kind.export(tmp_path / "fw")
+    compile_adapters(kind.export(tmp_path / "fw"), tmp_path)
+
+
+@pytest.mark.parametrize("camera", [False, True])
+def test_adapters_that_take_raw_pixels_compile_too(camera, tmp_path):
+    options = {"camera": camera, "pixels": True, "allow_uncertified": True}
+    package = export(tmp_path / "fw", "x4-flyer", {"camera.lens": LENS}, **options)
+    for source in package.folder.glob("adapters/*/*"):
+        text = source.read_text()
+        assert ("lens_seen(" in text) == source.name.endswith(("module.cpp", "x4_flyer.c", "r.cpp"))
+    compile_adapters(package, tmp_path)
+
+
+def compile_adapters(package, tmp_path):
+    """Compile the adapters of a package by the flags of each tree."""
     name, adapters = package.name, package.folder / "adapters"
     image_topic(package, tmp_path)
     warn = ("-Wall", "-Wextra", "-Werror", "-c", "-o", "made.o")

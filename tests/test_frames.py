@@ -10,7 +10,8 @@ import pytest
 
 from hoverproof import checker
 from hoverproof.errors import InputError
-from hoverproof.firmware import fly_firmware
+from hoverproof.export.binding import Firmware
+from hoverproof.firmware import export_c, fly_firmware
 from hoverproof.mission.frame import names, of_layout, shares
 from hoverproof.mission.reading import load
 from hoverproof.mission.writing import mission_text
@@ -170,3 +171,53 @@ def test_rotors_are_called_by_where_they_are():
     assert names(stacked) == ("front right lower", "front right upper")
     for name, turn in zip(of_layout("hex").names, of_layout("hex").turns, strict=True):
         assert (turn == 1) == (name in ("front right", "rear right", "left"))
+
+
+def limited(tmp_path, *limits):
+    """A cross whose rotors, front, right, rear and left, have limits of their own."""
+    places = [(0.2, 0), (0, 0.2), (-0.2, 0), (0, -0.2)]
+    rotors = ", ".join(
+        f'{{position = [{x}, {y}, 0], spin = "{"ccw" if i % 2 else "cw"}"{more}}}'
+        for i, ((x, y), more) in enumerate(zip(places, limits, strict=True))
+    )
+    return with_vehicle(tmp_path, f"rotors = [{rotors}]")
+
+
+OWN = ", thrust_max = 30", ", thrust_min = 23, thrust_max = 24.5", "", ", thrust_max = 27"
+ENDS = [(0, 30), (23, 24.5), (0, 26), (0, 27)]
+HIT = {"start.rates": "[3, -3, 0]", "rotors.max_thrust": "26", "rotors.min_thrust": "0"}
+
+
+def test_each_rotor_has_its_own_limits_in_flight_and_in_the_c(tmp_path):
+    mission = load(limited(tmp_path, *OWN), HIT)
+    low, high = np.array(ENDS).T
+    free = {"start.rates": HIT["start.rates"], "sensors.control_rate": "100"}
+    wanted = simulate(load(limited(tmp_path, "", "", "", ""), free), duration=0.05)
+    limited(tmp_path, *OWN)
+    flown = simulate(mission, duration=0.05)["rotor_thrust"].values[:5]
+    assert (flown >= low - 1e-12).all() and (flown <= high + 1e-12).all()
+    assert flown[1][1] in (23, 24.5) and (wanted["rotor_thrust"].values[:5] != flown).any()
+
+    manifest = export_c(mission, tmp_path / "fw", name="fw", allow_uncertified=True)
+    assert manifest["each_rotor"] == [list(map(float, ends)) for ends in ENDS]
+    firmware = Firmware(tmp_path / "fw")
+    image = np.array(mission.target.points, float)[:, :2] / 3
+    rest = {"velocity": [0, 0, 0], "gravity_direction": [0, 0, 1], "dt": 0.002}
+    for rate in ([3, -3, 0], [-3, 3, 0]):
+        out = firmware.step(image, rate=rate, **rest)
+        assert out.status & 32
+        assert (np.array(out.rotor) >= low).all() and (np.array(out.rotor) <= high).all()
+        assert set(np.round(out.rotor, 6)) & {0, 23, 24.5, 26, 27, 30}
+    assert firmware.set_rotor_limits(1, 25) == 0  # of all, within those of their own
+    out = firmware.step(image, rate=rate, **rest)
+    assert (np.array(out.rotor) >= np.maximum(low, 1)).all()
+    assert (np.array(out.rotor) <= np.minimum(high, 25)).all()
+
+
+def test_limits_of_a_rotor_that_are_none_are_refused(tmp_path):
+    with pytest.raises(InputError, match="thrust_min: must be below thrust_max"):
+        load(limited(tmp_path, ", thrust_min = 3, thrust_max = 2", "", "", ""))
+    with pytest.raises(InputError, match=r"rotor right must be below its highest"):
+        load(limited(tmp_path, "", ", thrust_max = 2", "", ""), {"rotors.min_thrust": "3"})
+    with pytest.raises(InputError, match="must hold the share of a rotor in hover"):
+        export_c(load(limited(tmp_path, "", "", "", ", thrust_max = 20")), tmp_path / "fw")

@@ -244,7 +244,7 @@ def test_every_verdict_tells_assumed_bounds_from_proved_ones(
     assert answer["eigenvalue_bounds"] == footing
     assert ("which is assumed of Q" in answer["statement"]) == (footing == "assumed")
     _, out, _ = run(capsys, "export", "x4-flyer", *settings, "--out", tmp_path / "firmware")
-    assert f"certified (bounds of Q {footing}" in out
+    assert f"certified (theorem 1; bounds of Q {footing}" in out
 
 
 def test_goals_known_to_rounding_are_enclosed():

@@ -17,8 +17,8 @@ from hoverproof import checker
 from hoverproof.certification.gains import certify
 from hoverproof.compilers import find_compiler
 from hoverproof.export.binding import Firmware
-from hoverproof.export.contents import Standing
 from hoverproof.export.package import NotCertified, write_package
+from hoverproof.export.standing import Standing
 from hoverproof.firmware import export_c, fly_firmware
 from hoverproof.mission.reading import load
 from hoverproof.mission.sections import Gains

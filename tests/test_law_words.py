@@ -19,8 +19,8 @@ from hoverproof.certification import robust
 from hoverproof.certification.flow import flow_of
 from hoverproof.certification.problem import gain_problem
 from hoverproof.design.atlas import axis, cell_margins
-from hoverproof.export.contents import Standing
 from hoverproof.export.package import NotCertified, write_package
+from hoverproof.export.standing import Standing
 from hoverproof.mission.sections import LawChoice
 from hoverproof.plant.goal import hover_goal
 from hoverproof.reporting import mathematics

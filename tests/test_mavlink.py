@@ -16,15 +16,15 @@ from firmware_kit import export, tool
 from hoverproof.export.binding import Firmware
 from hoverproof.mavlink.autopilots import ARDUPILOT, PX4
 from hoverproof.mavlink.flight import HEARTBEAT_LOST, PAUSE, STALE
-from hoverproof.mavlink.flying import Wish, flight_of
-from hoverproof.mavlink.guide import Guide, Measured
+from hoverproof.mavlink.flying import Wish, flight_of, package_of
+from hoverproof.mavlink.guide import Guide
 from hoverproof.mavlink.rehearsal import Rehearsal, patient_pilot
-from hoverproof.mavlink.sight import Sighting
 from hoverproof.mavlink.stand_in import HOLD, TAKES, Habits, StandIn
 from hoverproof.mission.reading import load
 from papers_law import CRAZYFLIE
 
 MISSION = "crazyflie-2.1"
+LOOP = {"interface.rate_bandwidth": "25"}
 RATE = 100.0
 OLDEST = 0.14
 """s: latency and three frames of the mission."""
@@ -34,13 +34,15 @@ ATTITUDE, VELOCITY, FORCE, HEARTBEAT = 30, 32, 105, 0
 
 @pytest.fixture(scope="module")
 def mission():
-    return load(MISSION, {})
+    return load(MISSION, LOOP)
 
 
 @pytest.fixture(scope="module")
 def package(tmp_path_factory):
     tool("cc")
-    return export(tmp_path_factory.mktemp("package"), MISSION, camera=True, name="flown").folder
+    return export(
+        tmp_path_factory.mktemp("package"), MISSION, LOOP, camera=True, name="flown"
+    ).folder
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +86,7 @@ def world(mission, firmware):
 @pytest.mark.parametrize("autopilot", [PX4, ARDUPILOT], ids=lambda a: a.name)
 def test_it_settles_with_messages_lost_and_overtaken(autopilot, world):
     """The battery sags by 7 % once the law flies, the wind blows, the rate loop is slower."""
-    habits = Habits(autopilot, loop=20.0, lost=0.02, jitter=0.03, thrust=0.93, wind=(0.1, 0, 0))
+    habits = Habits(autopilot, loop=0.8, lost=0.02, jitter=0.03, thrust=0.93, wind=(0.1, 0, 0))
     flown = world(habits, hover_throttle=None, duration=9.0)
     report = flown.flight.run()
     assert report.why == "flown for 9 s"
@@ -308,36 +310,18 @@ def test_others_on_the_link_are_not_heard(world):
     assert flown.flight.sent == 0
 
 
-def test_body_rates_are_those_that_bring_the_torque_about(mission, firmware):
-    """Ω_c = Ω + α/ω with I α = Γ - Ω × I Ω."""
-    guide = Guide(mission, firmware, oldest=OLDEST, bandwidth=20.0)
-    guide.start(None)
-    image = np.array([[0.12, 0.1], [0.12, -0.1], [-0.1, -0.1], [-0.1, 0.11]])
-    measured = Measured(
-        np.eye(3), np.array([0.3, -0.2, 0.4]), np.array([0.1, 0.2, 0]), np.array([0, 0, -9.81])
-    )
-    steps = []
-    own = firmware.step
-    firmware.step = lambda *args, **kept: steps.append(own(*args, **kept)) or steps[-1]
-    try:
-        guide.step(measured, 0.01)
-        guide.see(Sighting(0.0, image), 0.005, np.array([0, 0, 1.0]))
-        wanted = guide.step(measured, 0.01)
-    finally:
-        firmware.step = own
-    assert not wanted.fault
-    moments = np.array([float(m) for m in mission.vehicle.inertia])
-    turning = np.cross(measured.rate, moments * measured.rate)
-    alpha = (np.array(steps[-1].torque) - turning) / moments
-    assert np.abs(alpha).max() > 1
-    np.testing.assert_allclose(wanted.rates, measured.rate + alpha / 20, rtol=1e-6)
-
-
-def test_a_law_that_takes_its_thrust_for_granted_is_refused(tmp_path):
-    tool("cc")
-    made = export(tmp_path, CRAZYFLIE, camera=True, name="flown", allow_uncertified=True)
+def test_a_law_that_takes_its_thrust_for_granted_is_refused():
+    mission = load(CRAZYFLIE, {"interface.rate_bandwidth": "25"})
     with pytest.raises(ValueError, match=r"law\.force: must be 'measured'"):
-        Guide(load(CRAZYFLIE, {}), Firmware(made.folder), oldest=0.2, bandwidth=20.0)
+        package_of(mission)
+
+
+def test_a_mission_without_a_rate_loop_is_refused(package):
+    plain = load(MISSION, {})
+    with pytest.raises(ValueError, match=r"interface\.rate_bandwidth: is missing"):
+        package_of(plain)
+    with pytest.raises(ValueError, match="interface rates"):
+        Guide(plain, Firmware(package), oldest=OLDEST)
 
 
 def test_reports_come_twice_a_second_and_are_JSON(world):

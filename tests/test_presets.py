@@ -76,7 +76,7 @@ def test_a_preset_is_proved_from_its_start_and_flies_there_in_a_time_like_the_pr
     assert proof.status == "proved"
     assert proof.field_of_view <= mission.camera.half_angle
     least, most = proof.rotor_thrust
-    assert 0 < least < most < float(mission.rotors.max_thrust) * (1.05 if "research" in name else 1)
+    assert 0 < least < most < float(mission.rotors.max_thrust)
     time = float(proof.settling.time)
     flown = settled_in_flight(mission, float(proof.settling.radius), time)
     assert time / 4 < flown < time

@@ -13,6 +13,8 @@ import pytest
 
 from hoverproof import checker, cli
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.cells import most_cells
+from hoverproof.certification.exponential.domain import COST_BESIDE, Domain
 from hoverproof.certification.exponential.inequality import Ball, falls
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import Program
@@ -22,7 +24,7 @@ from hoverproof.cli.answers.beyond import beyond_text, covering
 from hoverproof.design import start_trade
 from hoverproof.design.limits import Limits
 from hoverproof.design.start_search import StartSearch
-from hoverproof.design.start_tuning import Failed, ill_conditioned, why_not
+from hoverproof.design.start_tuning import Failed, ill_conditioned, is_shown, why_not
 from hoverproof.design.tuning import Wish, pareto, tune
 from hoverproof.errors import InputError
 from hoverproof.mission.conditions import Rotors
@@ -153,7 +155,10 @@ def test_a_start_beyond_the_bounds_of_J_is_said_to_be(small):
         ("[0.9, 0, -2.2]", ("no gains were searched", "the most of which the search knows")),
     ],
 )
-def test_whoever_follows_the_advice_gets_the_gains_that_were_proved(small, capsys, start, said):
+def test_whoever_follows_the_advice_gets_the_gains_that_were_proved(
+    small, capsys, start, said, whole
+):
+    """Of one piece of advice, and with `make trials` of each."""
     small(start)
     options = [f"--set={key}={value}" for key, value in LATE.items()]
     with pytest.raises(SystemExit) as exit_:
@@ -162,7 +167,7 @@ def test_whoever_follows_the_advice_gets_the_gains_that_were_proved(small, capsy
     answer = json.loads(capsys.readouterr().out)
     assert all(words in answer["reason"] for words in said), answer["reason"]
     assert answer["advice"]
-    for advice in answer["advice"]:
+    for advice in answer["advice"] if whole else answer["advice"][:1]:
         followed = [f"--set={setting}" for setting in advice["set"]]
         with pytest.raises(SystemExit) as exit_:
             cli.main(["tune", "small.toml", "--json", *options, *followed])
@@ -289,6 +294,16 @@ def test_tune_writes_a_mission_and_a_certificate_that_holds_its_start(small, cap
     ].items()
     assert slowest_rate(tuned) > 0
     assert "the controller may be switched on" in checker.check_file(answer["certificate"])
+
+
+@pytest.mark.parametrize(("position", "shown"), [("[0, 0, 0]", True), ("[0.01, 0, 0]", False)])
+def test_a_camera_beside_the_centre_leaves_fewer_cells(position, shown, small, monkeypatch):
+    """Its cells cost more to check, so that what is shown without an arm is too much with one."""
+    mission = small(changes=LATE | {"camera.position": position})
+    search = Search.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
+    most = most_cells(len(search.scene.points), COST_BESIDE)
+    monkeypatch.setattr(Domain, "tree", lambda *_: "0" * most)
+    assert is_shown(mission, search, 0.1) == shown
 
 
 @pytest.mark.whole

@@ -5,6 +5,7 @@ import json
 from fractions import Fraction as F
 from pathlib import Path
 
+import cvxpy as cp
 import mpmath
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 
 from hoverproof import checker, cli
 from hoverproof.certification import scaled
+from hoverproof.certification.attraction.at_goal import no_weights
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.exponential.domain import mirrored, swapped
 from hoverproof.certification.flow import eigenvalues
@@ -322,6 +324,55 @@ def test_answers_say_where_the_goal_is(capsys):
         cli.main(["certify", "odd.toml", "--json"])
     told = json.loads(capsys.readouterr().out)
     assert told["goal_position"] == [float(c) for c in hover_goal(load("odd.toml")).position]
+
+
+def test_gains_without_weights_at_the_goal_are_told_and_one_that_has_some(tmp_path):
+    """By the project's program, and the linear inequality at the goal itself by another one."""
+    vehicle = (
+        '{mass = 0.5, inertia = [0.004, 0.004, 0.007], layout = "x", arm = 0.12, '
+        "drag_ratio = 0.024, gravity = 9.81}"
+    )
+    gains = "{k1 = 0.05, k2 = 2, k3 = 0.7, k4 = 8, k_yaw = 0.05}"
+    start = {"start.position": "[0.6, -0.4, -2.5]", "bounds.thrust": "[4.4, 5.4]"}
+    given = {"target.points": str(IRREGULAR), "goal.height": "2", "vehicle": vehicle, **start}
+    mission = load("x4-flyer", {**given, "gains": gains, "bounds.eigenvalues": "[0.2, 3]"})
+    reason, advice = no_weights(mission)
+    assert "even at the goal, where Q has an eigenvalue of 2.236 1/m" in reason
+    assert advice == ("k2 = 4: then there are weights at the goal",)
+    assert _margin(mission, 2.2355) < 0 < _margin(mission, 1.5)
+    helped = load("x4-flyer", {**given, "gains": gains.replace("k2 = 2", "k2 = 4")})
+    assert no_weights(helped) is None and _margin(helped, 2.2355) > 0
+
+
+def _margin(mission, largest):
+    """Return the best least eigenvalue of -Λ' at the goal for y = Q V, 0 ⪯ Q ⪯ largest, by hand."""
+    k1, k2, k3, k4 = (float(getattr(mission.gains, f"k{i}")) for i in (1, 2, 3, 4))
+    m, weight, q3 = 0.5, 0.5 * 9.81, hover_goal(mission).centroid_midpoint[2]
+    c, pace, k12 = k1**2 * k2 / m, (k1 * k2 + k3) / m, k1 * k2 / m
+    quick = c * pace / (weight - c * float(q3))
+
+    def form(level):
+        e, d2, d3, d4, y = (
+            np.eye(5) if level else np.vstack([np.eye(4)[:3], np.zeros(4), np.eye(4)[3]])
+        )
+        drag = float(q3) * quick * (d4 - d3) if level else 0 * e
+        lean = float(q3) * c / weight * (d3 - d2) if level else 0 * e
+        speed, pull = k1 / m * (e + lean + d2), y + k12 * (d3 - d2)
+        third = pull + pace * (d4 - d3 if level else -d3)
+        rates = pull - drag, third, y - pace * d3 - k4 / m * d4
+
+        def product(u, v):
+            return (np.outer(u, v) + np.outer(v, u)) / 2
+
+        fall = product(e, speed) - sum(
+            a * product(d, r) for a, d, r in zip(weights, (d2, d3, d4), rates, strict=True)
+        )
+        return fall - sector[level] * (largest * product(y, speed) - product(y, y))
+
+    weights, sector, least = cp.Variable(3), cp.Variable(2), cp.Variable()
+    held = [form(1) >> least * np.eye(5), form(0) >> least * np.eye(4), weights >= 0, sector >= 0]
+    cp.Problem(cp.Maximize(least), [*held, least <= 1]).solve(solver=cp.CLARABEL)
+    return float(least.value)
 
 
 def _odd():

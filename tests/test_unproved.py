@@ -15,13 +15,21 @@ from exponential_truth import MISSION
 from hoverproof import checker
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.form import Variables, Vertex
-from hoverproof.certification.exponential.refuting import refused
+from hoverproof.certification.exponential.reach import Reach
+from hoverproof.certification.exponential.refuting import refused, without_noise
+from hoverproof.certification.exponential.terms import terms
+from hoverproof.certification.exponential.vehicles import Limits, Vehicles
 from hoverproof.cli import main
 from hoverproof.design.worst_vehicle import vehicles, worst_flight
 from hoverproof.mission.reading import load
 from papers_law import RACER
 
 MUCH = {"uncertainty.thrust": "0.9"}
+EVERYTHING = {
+    **{"noise.feature": "0.01", "noise.velocity": "0.01", "noise.force": "0.02"},
+    **{"noise.rate": "0.01", "noise.vertical": "0.002", "gust": "0.1"},
+    **{"control_period": "0.004", "force_lag": "0.005"},
+}
 CASES = {
     "one vehicle": MUCH,
     "a start too far": {"uncertainty.latency": "0.4"},
@@ -168,6 +176,41 @@ def test_the_modelled_vehicle_is_not_refused_by_the_states_of_another(found):
     modelled = (*corner.vertex[:place], F(1), *corner.vertex[place + 1 :])
     assert refusal.total().is_negative
     assert not replace(refusal, corners=(replace(corner, vertex=modelled),)).total().is_negative
+
+
+@pytest.mark.slow
+def test_noise_and_steps_are_left_out_of_what_refuses_and_that_is_said(found):
+    """The theorem asks for no less with them, so what refuses without refuses with them."""
+    more = {"noise.rate": "0.01", "gust": "0.1", "control_period": "0.004"}
+    noisy = load(MISSION, MUCH | {f"uncertainty.{key}": value for key, value in more.items()})
+    refusal, calm = refused(noisy, [Start.of(noisy)]), found("one vehicle")
+    assert refusal.corners == calm.corners
+    assert "even without noise and gusts and steps, with which" in refusal.words
+    assert not calm.left_out
+    assert without_noise(noisy)[0] == load(MISSION, MUCH)
+
+
+def test_what_is_left_out_lowers_every_bound_of_the_search():
+    """So the form of a mission without it is nowhere lower, whatever the weights."""
+    noisy = load(
+        MISSION,
+        {f"uncertainty.{key}": value for key, value in EVERYTHING.items()}
+        | {"camera.position": "[0.02, 0, 0.01]"},
+    )
+    ball, weights = (4.0, 14.0), np.array([2.0, 1.5, 0.2])
+    with_, without = (
+        Limits(Vehicles.of(m).before(ball), Reach.of(weights, 10.0), ball[1])
+        for m in (noisy, without_noise(noisy)[0])
+    )
+    assert with_.vehicles.is_shaken
+    assert not without.vehicles.is_shaken
+    assert with_.lever == without.lever
+    more, less = ({(u, v): size for u, v, size in terms(x)} for x in (with_, without))
+    assert set(less) <= set(more)
+    assert all(less[key] <= more[key] for key in less)
+    ends, narrow = (np.array(list(x.vertices())) for x in (with_, without))
+    assert (ends.min(axis=0) <= narrow.min(axis=0)).all()
+    assert (narrow.max(axis=0) <= ends.max(axis=0)).all()
 
 
 @pytest.mark.slow

@@ -129,6 +129,103 @@ def test_px4_has_positions_and_senses_in_our_axes(tmp_path):
     assert any("default" in word for word in found.words)
 
 
+PROP = "<link name='prop{i}'>{link}</link><joint name='j{i}' type='fixed'>{ends}</joint>"
+ENDS = "<parent link='base'/><child link='prop{i}'/>"
+
+
+def test_propellers_of_urdf_are_where_their_masses_are_and_say_what_they_make(tmp_path):
+    """As gym-pybullet-drones writes them: joints at the centre, links of no mass."""
+    base = "<link name='base'>" + LINK.format(xyz="0 0 0", rpy="0 0 0", m=0.5, i=(1, 1, 1))
+    props = "".join(
+        PROP.format(
+            i=i,
+            link=LINK.format(xyz=f"{x} {y} 0", rpy="0 0 0", m=0, i=(0, 0, 0)),
+            ends=ENDS.format(i=i),
+        )
+        for i, (x, y) in enumerate([(0.03, 0.03), (0.03, -0.03), (-0.03, 0.03), (-0.03, -0.03)])
+    )
+    told = "<properties kf='2e-8' km='5e-10' thrust2weight='2'/>"
+    found = read(tmp_path, f"<robot name='cf'>{told}{base}</link>{props}</robot>")
+    assert set(places(found)) == {(0.03, 0.03), (0.03, -0.03), (-0.03, 0.03), (-0.03, -0.03)}
+    assert found.drag_ratio == pytest.approx(0.025)
+    assert [r.thrust_max for r in found.rotors] == [pytest.approx(2 * 0.5 * 9.8 / 4)] * 4
+
+
+def test_a_model_that_sdf_includes_is_looked_for_beside_it(tmp_path):
+    base = SDF.split("<link name='rotor_0'>")[0] + "</model></sdf>"
+    rest = SDF.replace(base.removesuffix("</model></sdf>"), "<sdf version='1.9'><model name='m'>")
+    uri = "<include merge='true'><uri>model://base</uri></include>"
+    folder = tmp_path / "whole"
+    folder.mkdir()
+    (folder / "model.sdf").write_text(rest.replace("name='m'>", f"name='m'>{uri}", 1))
+    bare = f"<sdf version='1.9'><model name='m'>{uri}</model></sdf>"
+    with pytest.raises(InputError, match=r"it includes base, and there is no base/model\.sdf"):
+        read(folder, bare)
+    (tmp_path / "base").mkdir()
+    (tmp_path / "base" / "model.sdf").write_text(base)
+    whole, apart = read(tmp_path, SDF), read_vehicle(folder / "model.sdf")
+    assert (apart.mass, apart.drag_ratio) == (whole.mass, whole.drag_ratio)
+    assert places(apart) == places(whole)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (SDF.replace("0.17 -0.17 0 0 0 0", "0.17 -0.17 0 0 0.3 0"), "rotor_0 leans by 17.2 deg"),
+        (MJCF.replace('gear="0 0 1', 'gear="0.3 0 1'), "rotor a leans by 16.7 degrees"),
+        (f"{PX4}\n1\t1\tCA_ROTOR_COUNT\t5\t6\n1\t1\tCA_ROTOR4_AX\t1\t9", "CA_ROTOR4_AX turns"),
+        (PX4.replace("CA_ROTOR3", "CA_ROTOR2"), "PX4 has 3 rotors: vehicles of 4 to 16"),
+    ],
+)
+def test_rotors_that_the_law_cannot_use_are_refused_with_the_reason(tmp_path, text, told):
+    with pytest.raises(InputError) as caught:
+        read(tmp_path, text)
+    assert told in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("places_of", "layout"),
+    [
+        ([(1, 1, 0.05), (-1, -1, 0.05), (1, -1, -0.05), (-1, 1, -0.05)], "x"),
+        ([(1, 1, -0.05), (-1, -1, -0.05), (1, -1, 0.05), (-1, 1, 0.05)], "x\nreversed = true"),
+        ([(0, 1, 0.05), (0, -1, 0.05), (1, 0, -0.05), (-1, 0, -0.05)], "plus\nreversed = true"),
+    ],
+)
+def test_generic_frames_of_px4_say_a_layout_and_no_length(tmp_path, places_of, layout):
+    lines = [
+        f"param set-default CA_ROTOR{i}_{key} {value}"
+        for i, at in enumerate(places_of)
+        for key, value in zip(("PX", "PY", "KM"), at, strict=True)
+    ]
+    found = read(tmp_path, "\n".join(lines))
+    assert (found.layout, found.rotors, found.drag_ratio) == (layout, (), None)
+    assert any("no length" in word for word in found.words)
+
+
+def test_betaflight_without_a_mixer_is_its_own_default(tmp_path):
+    found = read(tmp_path, "# version\n# Betaflight / STM32F405 (S405) 4.4.2\n#mixer HEX6X\n")
+    assert found.layout == "x" and any("QUADX" in word for word in found.words)
+
+
+@pytest.mark.parametrize(
+    ("text", "most"),
+    [
+        (
+            SDF.replace("<motorC", "<maxRotVelocity>1000</maxRotVelocity><motorC"),
+            8.5,
+        ),
+        (MJCF.replace("<motor ", '<motor ctrlrange="0 13" '), 13),
+        (ROTORPY.replace("'tau_m'", "'rotor_speed_max': 1500, 'tau_m'"), 11.25),
+        ("\n".join([PX4, *(f"1\t1\tCA_ROTOR{i}_CT\t9.5\t9" for i in range(4))]), 9.5),
+        (PX4, None),
+        (SDF, None),
+    ],
+)
+def test_the_highest_thrust_of_a_rotor_is_taken_where_it_is_said(tmp_path, text, most):
+    found = read(tmp_path, text)
+    assert [r.thrust_max for r in found.rotors] == [most and pytest.approx(most)] * 4
+
+
 def test_units_of_doubt_are_flagged(tmp_path):
     in_g_cm2 = (
         SDF.replace("0.02<", "200000<").replace("0.03<", "300000<").replace("0.04<", "400000<")

@@ -2074,8 +2074,8 @@ class Tolerant(Claim):
         )
         self.lag, self.lift = flat(lag), upright(lag)  # μ and μT
         self.A = Vector(self.N + self.B + self.E)  # what is used less what is now
-        count = len(self.terms(Fraction(0), Fraction(0)))
-        require(len(c.multipliers.terms) == count, "a multiplier a term")
+        terms = len(self.terms(Fraction(0), Fraction(0)))
+        require(len(c.multipliers.terms) == terms, "a multiplier a term")
 
     def disturb(self, noise: Object, gust: Fraction) -> None:
         """Bound b, of the image error; the error of the force; that of Ω; and a gust, over k1/m."""
@@ -2438,13 +2438,19 @@ class Tolerant(Claim):
         return held
 
 
+def thrusts(value: Any) -> list[list[Fraction]]:
+    """Read an interval that holds the thrust of every rotor, or one of each."""
+    nested = isinstance(value, list) and all(isinstance(entry, list) for entry in value)
+    return [*several(interval, MAX_ROTORS)(value if nested else [value])]
+
+
 TERMS = several(positive, 11)
 CLAIM = {
     **dict.fromkeys(("level", "rate", "start_level"), positive),
     "starts": several(START, MAX_STARTS),
     "settling": dict.fromkeys(("offset", "radius", "time"), positive),  # 1, m, s
     "cone": maybe(share),
-    "rotors": interval,  # N
+    "rotors": thrusts,  # N
 }
 
 
@@ -2539,7 +2545,10 @@ class Exponential(Tolerant):
         for corner in self.vertices():
             shown = self.decrease(*corner).positive(self.size)
             require(shown, "Ψ is not shown to fall at the rate claimed")
-        require(within(self.rotors(), self.c.claim.rotors), "the thrust of a rotor does not follow")
+        made, said = self.rotors(), self.c.claim.rotors
+        said = said * len(made) if len(said) == 1 else said
+        follows = len(said) == len(made) and all(map(within, made, said))
+        require(follows, "the thrust of a rotor does not follow")
         self.verify_domain()
         self.verify_settling()
         for start in self.c.claim.starts:
@@ -2562,7 +2571,7 @@ class Exponential(Tolerant):
             follows = claim.cone is not None and left > 0 and cosine_below(left, claim.cone)
             require(follows, "the points are not shown to be within the half angle of the camera")
 
-    def rotors(self) -> tuple[Fraction, Fraction]:
+    def rotors(self) -> list[Interval]:
         """Bound what each rotor makes, and is set to make, N."""
         c, (w2, w3, w4), may, vehicle = self.c, self.c.weights, self.may, self.c.mission.vehicle
         stiff, (i1, i2, i3) = self.kappa + self.damping, vehicle.inertia
@@ -2581,7 +2590,7 @@ class Exponential(Tolerant):
         yaw += abs(i2 - i1) * (self.quick * self.turn + self.spun) ** 2 / 2
         ahead = may.rotor_lag * (1 + may.thrust) * self.stiffness * self.kappa
         swing = self.force + self.push + ahead * (self.sink + self.missed)
-        ends: list[Fraction] = []
+        ends: list[Interval] = []
         products = getattr(vehicle, "products", None)
         for lift, roll, pitch, spin in rotor_shares(vehicle):
             if products is None:
@@ -2597,8 +2606,8 @@ class Exponential(Tolerant):
                 size = square_root(uneven * (roll**2 + pitch**2 + spin**2))[1]
                 aside += size * ((self.quick * self.turn) ** 2 + may.yaw_rate**2)
             aside += abs(lift) * swing
-            ends += [lift * self.weight - aside, lift * self.weight + aside]
-        return min(ends), max(ends)
+            ends.append((lift * self.weight - aside, lift * self.weight + aside))
+        return ends
 
     def verify_settling(self) -> None:
         """Verify that the vehicle is near the hover in time, where |σ - s*| is no longer large."""
@@ -2669,6 +2678,9 @@ class Exponential(Tolerant):
         starts = "; or ".join(map(self.state, claim.starts))
         s3 = f"{float(sum(self.goal) / 2):.12g}"
         placed = "arm" if hasattr(c.mission.vehicle, "arm") else "rotors"
+        who, make = "each rotor", "makes, and is set to make, a thrust"
+        if len(claim.rotors) > 1:
+            who, make = "the rotors, in their order,", "make, and are set to make, thrusts"
         return (
             f"For the mission {self.name} ({self.of_another_law()}m = {self.m} kg, g = "
             f"{self.gravity} m/s², {self.gains()}, goal straight below where its feature is (0, 0, "
@@ -2679,9 +2691,9 @@ class Exponential(Tolerant):
             f"{about(claim.start_level)} and {fall}, r = {about(claim.rate)} 1/s, for all t >= 0; "
             f"the vehicle stays {self.place.words()}; and after {about(soon.time)} s it is, and "
             f"stays, within {about(soon.radius)} m of the point ({hover}) m{last}{half}. "
-            "On the way each rotor of a vehicle whose mass, "
-            f"inertia, {placed} and drag ratio are the mission's makes, and is set to make, a "
-            f"thrust in {about(*claim.rotors)} N{turning}."
+            f"On the way {who} of a vehicle whose mass, "
+            f"inertia, {placed} and drag ratio are the mission's {make} in "
+            f"{', '.join(about(*ends) for ends in claim.rotors)} N{turning}."
         )
 
 

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 from hoverproof.design.limits import bandwidth
+from hoverproof.mission.conditions import common_limits
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.vehicle import Vehicle
 
@@ -146,8 +147,8 @@ def _drag(mission: Mission) -> Iterator[Finding]:
 
 
 def _thrust(mission: Mission) -> Iterator[Finding]:
-    weight, rotors, n = mission.vehicle.weight, mission.rotors, len(mission.vehicle.frame.names)
-    low, high = rotors.min_thrust, rotors.max_thrust
+    weight, n = mission.vehicle.weight, len(mission.vehicle.frame.names)
+    low, high = common_limits(mission.rotor_limits)
     part = "a quarter" if n == 4 else f"1/{n}"
     share = f"{part} of the weight, {float(weight / n):.4g} N"
     if high is not None and n * high <= weight:

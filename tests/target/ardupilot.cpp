@@ -7,19 +7,12 @@
 #include <initializer_list>
 
 extern "C" {
+#include "check.h"
 #include "vehicle.h"
 }
 #define private public
 #include BACKEND
 #undef private
-
-#define CHECK(held)                                       \
-  do {                                                    \
-    if (!(held)) {                                        \
-      (void)printf("line %d: not %s\n", __LINE__, #held); \
-      exit(1);                                            \
-    }                                                     \
-  } while (0)
 
 static constexpr float MAIN[3] = { 0.11f, -0.12f, 0.13f }, MAIN_THROTTLE = 0.44f, MAIN_CUTOFF = 3.0f;
 static uint32_t now = 5000;

@@ -8,15 +8,8 @@
 #include <time.h>
 
 #include CONTROLLER
+#include "check.h"
 #include "vehicle.h"
-
-#define CHECK(held)                                         \
-  do {                                                      \
-    if (!(held)) {                                          \
-      (void)printf("line %d: not %s\n", __LINE__, #held);   \
-      exit(1);                                              \
-    }                                                       \
-  } while (0)
 
 static bool armed = true, can_fly = true;
 static float actuator_thrust;
@@ -305,6 +298,11 @@ static void packets(int count, char **hex)
   }
 }
 
+#ifdef TREE_MIXER
+/* That of a tree, see crazyflie_mixer.c. */
+void tree_mixer(int force_torque, float thrust, const float torque[3], float force[4]);
+#endif
+
 /* Fly with a mixer whose rotors give a share of what they are told, images at 30 Hz, some ms late. */
 static void fly(double share, int late)
 {
@@ -336,9 +334,17 @@ static void fly(double share, int late)
     tick();
     CHECK((k < 100) || law_has());
     if (law_has()) {
+#ifdef TREE_MIXER
+      const float asked[3] = { control.torqueX, control.torqueY, control.torqueZ };
+      float mixed[4];
+      tree_mixer(1, control.thrustSi, asked, mixed);
+#endif
       for (i = 0; i < 4; i++) {
         double force = (control.thrustSi / 4.0) + (place[i][1] * control.torqueX / (4.0 * V_ARM)) -
                        (place[i][0] * control.torqueY / (4.0 * V_ARM)) + (place[i][2] * control.torqueZ / (4.0 * V_DRAG));
+#ifdef TREE_MIXER
+        force = (double)mixed[i];
+#endif
         force = share * ((force < 0.0) ? 0.0 : force);
         thrust_now += force;
         torque_now[0] += place[i][1] * V_ARM * force;
@@ -358,6 +364,16 @@ static void fly(double share, int late)
       highest = (vehicle.x[2] > highest) ? vehicle.x[2] : highest;
     }
   }
+  memset(&setpoint, 0, sizeof(setpoint));
+  tick();
+  CHECK(cut());
+#ifdef TREE_MIXER
+  {
+    float mixed[4];
+    tree_mixer(0, 0.0f, mixed, mixed);
+    CHECK((mixed[0] == 0.0f) && (mixed[1] == 0.0f) && (mixed[2] == 0.0f) && (mixed[3] == 0.0f));
+  }
+#endif
   (void)printf("%.6f %.6f %.6f %.6f\n", lowest, highest, vehicle.x[0], vehicle.x[1]);
 }
 

@@ -5,19 +5,12 @@
 #include <cstdlib>
 
 extern "C" {
+#include "check.h"
 #include "vehicle.h"
 }
 #define private public
 #include MODULE
 #undef private
-
-#define CHECK(held)                                       \
-  do {                                                    \
-    if (!(held)) {                                        \
-      (void)printf("line %d: not %s\n", __LINE__, #held); \
-      exit(1);                                            \
-    }                                                     \
-  } while (0)
 
 #define DEFINED(name) orb_metadata name##_metadata{#name, 0, 0, {0}};
 TOPICS(DEFINED)

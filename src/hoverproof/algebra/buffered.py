@@ -25,9 +25,9 @@ class Buffered:
         self._given = [np.zeros(function.numel_in(i)) for i in range(function.n_in())]
         self._results = [np.zeros(function.numel_out(i)) for i in range(function.n_out())]
         for i, place in enumerate(self._given):
-            buffer.set_arg(i, memoryview(place))
+            buffer.set_arg(i, place.data)
         for i, place in enumerate(self._results):
-            buffer.set_res(i, memoryview(place))
+            buffer.set_res(i, place.data)
 
     def __call__(self, *given: Any) -> list[NDArray[np.float64]]:
         """Return the results, each a vector, in the units of the function.

@@ -18,7 +18,22 @@ from hoverproof.errors import InputError
 from hoverproof.mission.reading import with_tolerance
 from hoverproof.mission.sections import Mission
 
-Tolerance = Literal["thrust", "torque", "latency", "wind", "rotor_lag", "yaw_rate"]
+Tolerance = Literal[
+    "thrust",
+    "torque",
+    "latency",
+    "wind",
+    "rotor_lag",
+    "yaw_rate",
+    "control_period",
+    "force_lag",
+    "gust",
+    "noise.feature",
+    "noise.velocity",
+    "noise.force",
+    "noise.rate",
+    "noise.vertical",
+]
 Progress = Callable[[str], None]
 UNITS: dict[Tolerance, str] = {
     "thrust": "",
@@ -27,6 +42,14 @@ UNITS: dict[Tolerance, str] = {
     "wind": "m/s²",
     "rotor_lag": "s",
     "yaw_rate": "rad/s",
+    "control_period": "s",
+    "force_lag": "s",
+    "gust": "m/s²",
+    "noise.feature": "",
+    "noise.velocity": "m/s",
+    "noise.force": "N",
+    "noise.rate": "rad/s",
+    "noise.vertical": "rad",
 }
 """Tolerances that may be asked for, with the unit of each; of a share it is 1."""
 
@@ -58,7 +81,7 @@ class Largest:
     name : str
         Of the tolerance.
     value : Fraction
-        In its unit, s, m/s², rad/s or a share.
+        In its unit, s, m/s², m/s, N, rad/s, rad or a share; see `UNITS`.
     verdict : Attraction, Exponential, Sinks or Undecided
         About the mission with that value; not proved only if it is zero.
     fills : tuple of (value, fill)
@@ -92,7 +115,8 @@ def largest(
     ----------
     mission : Mission
         What it says of that tolerance is not looked at.
-    name : {"thrust", "torque", "latency", "wind", "rotor_lag", "yaw_rate"}
+    name : str
+        One of `UNITS`.
     starts : sequence of Start, optional
         Sets of states to be inside; by default the start of the mission.
     progress : callable, optional

@@ -117,7 +117,7 @@ def _library(sources: Path, progress: Callable[[str], None]) -> Path:
             beside.mkdir()
             for number, file in enumerate(files, 1):
                 progress(f"Coq proves {file.stem} ({number} of {len(files)}, the first time only)")
-                copied = shutil.copy(file, beside)
+                copied = str(shutil.copy(file, beside))
                 done = _call(["coqc", "-q", "-Q", str(beside), "Hoverproof", copied], check=False)
                 if done.returncode:
                     version = _version().partition("\n")[0]

@@ -53,8 +53,27 @@ def attraction(
         Parameter(help="Use that motions do not sink to the target; by default, if it helps."),
     ] = None,
     largest: Annotated[
-        Literal["thrust", "torque", "latency", "wind", "rotor_lag", "yaw_rate"] | None,
-        Parameter(help="Find the largest such tolerance with which the start is proved."),
+        Literal[
+            "thrust",
+            "torque",
+            "latency",
+            "wind",
+            "rotor_lag",
+            "yaw_rate",
+            "control_period",
+            "force_lag",
+            "gust",
+            "noise.feature",
+            "noise.velocity",
+            "noise.force",
+            "noise.rate",
+            "noise.vertical",
+        ]
+        | None,
+        Parameter(
+            help="Find the largest such tolerance, a key of [uncertainty], with which the start is "
+            "proved."
+        ),
     ] = None,
     out: Annotated[
         Path | None, Parameter(help="Certificate file to write.", validator=NO_FOLDER)

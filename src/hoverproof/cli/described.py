@@ -8,11 +8,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from hoverproof.cli.questions import Answers
-from hoverproof.mission.described import VehicleFile
+from hoverproof.cli.questions import Answers, in_layout, in_rotor, in_rotors
+from hoverproof.mission.described import RotorSaid, VehicleFile
 
 DIGITS = 6
-SMALL = 1e-9
+SMALL = 1e-6
 """Of the largest moment: a product of inertia below it is rounding."""
 
 
@@ -35,7 +35,10 @@ def answers_of_vehicle(found: VehicleFile) -> Answers:
     if found.rotors:
         squares = [x * x + y * y for x, y, _ in (r.position for r in found.rotors)]
         known["rotor_distance"] = f"{math.sqrt(sum(squares) / len(squares)):.4g}"
-        known["placed"] = _comments(found) + _placed(found)
+        known["placed"] = _comments(found) + in_rotors(
+            in_rotor(_row(r.position), "ccw" if r.spin > 0 else "cw", _most(r))
+            for r in found.rotors
+        )
     return known
 
 
@@ -53,6 +56,9 @@ def said_of_vehicle(found: VehicleFile) -> list[str]:
         said.append(f"inertia {_row(found.inertia.diagonal().tolist())} kg m² about the body axes")
     if found.rotors:
         said.append(f"{len(found.rotors)} rotors, positions in m")
+        if all(r.thrust_max for r in found.rotors):
+            most = sorted({_text(r.thrust_max or 0) for r in found.rotors})
+            said.append(f"highest thrust of a rotor {' to '.join([most[0], *most[1:][-1:]])} N")
     if found.drag_ratio:
         said.append(f"drag torque over thrust {_text(found.drag_ratio)} m")
     if found.rotor_lag:
@@ -70,8 +76,7 @@ def in_layout_of(found: VehicleFile, distance: str) -> str:
         Of a rotor, m, as TOML.
     """
     layout, *more = found.layout.splitlines()
-    arm = f"arm = {distance}  # m, from the centre of mass to a rotor"
-    return _comments(found) + "\n".join([f'layout = "{layout}"', arm, *more])
+    return _comments(found) + "\n".join([in_layout(layout, distance), *more])
 
 
 def _products(found: VehicleFile) -> list[str]:
@@ -112,13 +117,8 @@ def _comments(found: VehicleFile) -> str:
     return comment("; ".join([f"From a file ({found.kind})", *_products(found), *found.words]))
 
 
-def _placed(found: VehicleFile) -> str:
-    lines = [
-        f'  {{position = {_row(r.position)}, spin = "{"ccw" if r.spin > 0 else "cw"}"}},'
-        for r in found.rotors
-    ]
-    said = "# Body axes x forward, y right, z down, m; spin seen from above."
-    return "\n".join([said, "rotors = [", *lines, "]"])
+def _most(rotor: RotorSaid) -> str:
+    return f", thrust_max = {_text(rotor.thrust_max)}" if rotor.thrust_max else ""
 
 
 def _text(value: float) -> str:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import EXIT, print_json, tell
-from hoverproof.cli.console import Json, MissionName, Set, fail, load_mission
+from hoverproof.cli.console import Json, MissionName, Set, at_work, fail, load_mission
 from hoverproof.errors import InputError
 
 
@@ -27,6 +28,10 @@ def export(
     camera: Annotated[
         bool,
         Parameter(negative="", help="Keep the newest frame, and turn it with the gyroscope."),
+    ] = False,
+    pixels: Annotated[
+        bool,
+        Parameter(negative="", help="Let the adapters take raw pixels, by the mission's lens."),
     ] = False,
     interface: Annotated[
         Literal["torques", "rates"] | None,
@@ -47,6 +52,10 @@ def export(
             help="LOWEST,HIGHEST thrust of a rotor, N; by default the mission's, else 0 to m g/2."
         ),
     ] = None,
+    certificate: Annotated[
+        Path | None,
+        Parameter(help="Certificate of `attraction` about it, to be checked and put beside."),
+    ] = None,
     allow_uncertified: Annotated[
         bool,
         Parameter(negative="", help="Write it even if nothing is proved; each file says so."),
@@ -57,31 +66,44 @@ def export(
     """Certify a mission, and write its control law as C99 firmware with the certificate.
 
     The folder gets the C with a self-test, a README for whoever flashes it, an example that flies
-    (CMake), adapters for Crazyflie, PX4 and ArduPilot, and a manifest with hashes. Exit status 1
-    or 3 if the gains are refuted or undecided; then nothing is written.
+    (CMake), adapters for Crazyflie, PX4 and ArduPilot, and a manifest with hashes. Where the gains
+    alone are undecided, it is looked for a proof that the vehicle converges from its start, as by
+    `attraction`. Exit status 1 or 3 if that is refuted or undecided; then nothing is written.
 
     Example: `hoverproof export x4-flyer --out firmware`
 
+    Example: `hoverproof export x4-flyer --out firmware --certificate x4-flyer.attraction.cert.json`
+
     Example: `hoverproof export crazyflie-2.1 --out firmware --rotor-limits 0,0.15 --tunable`
     """
+    from hoverproof import checker
     from hoverproof.cli.answers.export import ExportAnswer, refused_as_json
     from hoverproof.export.package import NotCertified
     from hoverproof.firmware import export_c
 
     loaded = load_mission(mission, set_)
+    given = None if certificate is None else _read(certificate)
     try:
-        manifest = export_c(
-            loaded,
-            out,
-            precision=precision,
-            sensing=sensing,
-            camera=camera,
-            interface=interface,
-            tunable=tunable,
-            name=name,
-            rotor_limits=None if rotor_limits is None else _limits(rotor_limits),
-            allow_uncertified=allow_uncertified,
-        )
+        with at_work() as doing:
+            manifest = export_c(
+                loaded,
+                out,
+                certificate=given,
+                progress=doing,
+                precision=precision,
+                sensing=sensing,
+                camera=camera,
+                pixels=pixels,
+                interface=interface,
+                tunable=tunable,
+                name=name,
+                rotor_limits=None if rotor_limits is None else _limits(rotor_limits),
+                allow_uncertified=allow_uncertified,
+            )
+    except checker.Rejected as error:
+        if given is None:
+            raise
+        raise InputError(str(certificate), "", f"is rejected: {error}") from None
     except NotCertified as error:
         if not json_:
             fail(str(error), EXIT[error.status])
@@ -89,6 +111,17 @@ def export(
         return EXIT[error.status]
     answer = ExportAnswer(loaded.name, out, manifest, precision, rotor_limits is not None)
     return tell(answer, json_, loaded)
+
+
+def _read(path: Path) -> Mapping[str, Any]:
+    """Read a certificate of `attraction`; what it says is checked where it is written."""
+    from hoverproof import checker
+
+    try:
+        content: dict[str, Any] = checker.read(path)
+    except checker.Unreadable as error:
+        raise InputError(str(path), "", str(error)) from None
+    return content
 
 
 def _limits(text: str) -> tuple[Fraction, Fraction]:

@@ -166,8 +166,7 @@ def placed(vehicle: Vehicle) -> str:
     if vehicle.lever is not None:
         return f"lever = {decimal(vehicle.lever)}  # m, of each rotor about roll and pitch axis"
     if vehicle.rotors is not None:
-        rotors = map(_rotor, vehicle.rotors)
-        return "\n".join(["rotors = [  # m, body axes; spin seen from above", *rotors, "]"])
+        return in_rotors(map(_rotor, vehicle.rotors))
     arms = vehicle.arm if isinstance(vehicle.arm, tuple) else (vehicle.arm or Fraction(0),)
     lengths = ", ".join(map(decimal, arms))
     layout = in_layout(vehicle.layout or "", f"[{lengths}]" if len(arms) > 1 else lengths)
@@ -178,8 +177,21 @@ def _rotor(rotor: Rotor) -> str:
     from hoverproof.mission.writing import decimal
 
     position = ", ".join(map(decimal, rotor.position))
-    own = f", drag_ratio = {decimal(rotor.drag_ratio)}" if rotor.drag_ratio else ""
-    return f'  {{position = [{position}], spin = "{rotor.spin}"{own}}},'
+    keys = ("drag_ratio", "thrust_min", "thrust_max")
+    said = ((key, getattr(rotor, key)) for key in keys)
+    own = "".join(f", {key} = {decimal(value)}" for key, value in said if value is not None)
+    return in_rotor(f"[{position}]", f"{rotor.spin}", own)
+
+
+def in_rotor(position: str, spin: str, own: str = "") -> str:
+    """Write a rotor with its position, TOML, and what else is its own, as a line of `in_rotors`."""
+    return f'  {{position = {position}, spin = "{spin}"{own}}},'
+
+
+def in_rotors(lines: Iterable[str]) -> str:
+    """Write rotors, a line each, as lines of a mission file."""
+    axes = "x forward, y right, z down, m; spin seen from above"
+    return "\n".join([f"rotors = [  # body axes {axes}", *lines, "]"])
 
 
 def in_layout(layout: str, arm: str) -> str:

@@ -22,7 +22,7 @@ from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 
 Report = Callable[[int, int], None]
-TRADED: dict[str, str] = {**UNITS, "bandwidth": "rad/s", "distance": "m"}
+TRADED = {**{str(k): u for k, u in UNITS.items()}, "bandwidth": "rad/s", "distance": "m"}
 """What can be traded, tolerances first, and its unit; none of a share."""
 SLOWEST = 5
 """The highest bandwidth over the lowest."""

@@ -15,8 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hoverproof.certification.attraction.starts import Start
-from hoverproof.certification.cells import most_cells
-from hoverproof.certification.exponential.domain import COST, Domain
+from hoverproof.certification.exponential.domain import Domain
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import converge, require_question
 from hoverproof.certification.exponential.search import FAILED, OUTSIDE, SETTLED, Search
@@ -159,10 +158,11 @@ def is_shown(mission: Mission, whole: Search, d: float) -> bool:
         A bare number, dimensionless.
     """
     ball = whole.ball(d)
-    tree = None if ball is None else Domain.of(whole.scene, mission.target, d, ball).tree()
-    return tree is not None and tree.count("0") < OF_CELLS * most_cells(
-        len(whole.scene.points), COST
-    )
+    if ball is None:
+        return False
+    domain = Domain.of(whole.scene, mission.target, d, ball)
+    tree = domain.tree()
+    return tree is not None and tree.count("0") < OF_CELLS * domain.most_cells
 
 
 def _proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | str:

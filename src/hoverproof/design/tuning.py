@@ -39,6 +39,7 @@ from hoverproof.design.region_tuning import region_pareto, tune_region
 from hoverproof.design.start_trade import start_trade
 from hoverproof.design.start_tuning import tune_start
 from hoverproof.errors import InputError
+from hoverproof.mission.conditions import common_limits
 from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Gains, Mission
 from hoverproof.servo.loop import slowest_rate
@@ -160,10 +161,10 @@ class Wish:
         ----------
         mission : Mission
         """
-        rotors, most = mission.rotors, self.rotor_thrust
-        if most is None and rotors.max_thrust is not None:
-            most = float(rotors.max_thrust)
-        least = None if rotors.min_thrust is None else float(rotors.min_thrust)
+        (lowest, highest), most = common_limits(mission.rotor_limits), self.rotor_thrust
+        if most is None and highest is not None:
+            most = float(highest)
+        least = None if lowest is None else float(lowest)
         rate, known = self.rate, mission.sensors.control_rate
         if rate is None and self.objective == "start" and known is not None:
             rate = float(known)

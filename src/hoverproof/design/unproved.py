@@ -67,16 +67,18 @@ def unproved(
 
     Returns
     -------
-    Unproved, or None if it is decided, or for a mission without tolerances of the vehicle
+    Unproved, or None if it is decided, or for a mission without tolerances
     """
     mission = verdict.mission
-    if not isinstance(verdict, Undecided) or not mission.uncertainty.is_tolerant:
+    if not isinstance(verdict, Undecided) or mission.uncertainty.is_none:
         return None
     progress("looking for what refuses all weights")
     try:
         refusal = refused(mission, starts or [Start.of(mission)])
     except (ArithmeticError, ValueError, InputError):  # numbers beyond what can be computed with
         refusal = None
+    if not mission.uncertainty.is_tolerant:
+        return Unproved(refusal, None)
     progress("flying vehicles at the corners of the tolerances")
     if starts:
         middle = tuple((a + b) / 2 for a, b in starts[0].position)

@@ -16,6 +16,9 @@ from hoverproof.mission.vehicle import Vehicle
 POINTS_IN_A_PACKET = 6
 """That the 30 bytes of the Crazyflie's app channel hold, with a head of four bytes."""
 
+POINT_SCALE, PIXEL_SCALE = 8192, 8
+"""Units of a packet's int16 to 1, for points within 4, and to 1 px, for pixels within 4096."""
+
 SHORTEST, LONGEST = 100, 1000
 """ms: the bounds of the age beyond which an image is not flown by."""
 
@@ -46,6 +49,8 @@ class Adapter:
         What they are.
     of_points : bool
         Whether they are of points, and not the centroid.
+    packet_scale : int
+        How many units of a packet's whole numbers make 1, or 1 px.
     packet : str
         A packet of an image in the words of Python's `struct`.
     oldest_ms : int
@@ -67,6 +72,7 @@ class Adapter:
     seen_size: int
     seen_words: str
     of_points: bool
+    packet_scale: int
     packet: str
     oldest_ms: int
     oldest_from: str
@@ -100,14 +106,21 @@ def adapter(
         ardupilot_levers=", ".join(map(_single, ardupilot_levers(v))),
         inertia=", ".join(map(_single, v.inertia)),
         seen_size=2 * n if of_points else 3,
-        seen_words="x and y of each target point" if of_points else "the image centroid",
+        seen_words=_seen_words(of_points, options.pixels),
         of_points=of_points,
+        packet_scale=PIXEL_SCALE if options.pixels else POINT_SCALE,
         packet=f"<BBH{packed}",
         oldest_ms=oldest,
         oldest_from=origin,
         gains="{ " + ", ".join(map(_single, gains)) + " }",
         gain_units=list(units.items()),
     )
+
+
+def _seen_words(of_points: bool, pixels: bool) -> str:
+    if pixels:
+        return "u and v of each target point, raw pixels"
+    return "x and y of each target point" if of_points else "the image centroid"
 
 
 def oldest_image(mission: Mission) -> tuple[int, str]:

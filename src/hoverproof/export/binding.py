@@ -184,7 +184,8 @@ class Firmware:
         names = ("thrust", "thrust_rate", "torque", "rotor", "throttle", "rate_command")
         told = {name: getattr(out, name) for name in names if hasattr(out, name)}
         one: dict[str, Any] = {k: v for k, v in told.items() if isinstance(v, float)}
-        return Output(status, **one, **{k: tuple(told[k]) for k in told.keys() - one.keys()})
+        rows: dict[str, Any] = {k: tuple(told[k]) for k in told.keys() - one.keys()}
+        return Output(status, **one, **rows)
 
     def take_over(self, specific_force: Sequence[float], throttle: float) -> int:
         """Take over from an autopilot, of a package for a rate loop, and return the status.

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 import casadi as ca
 
@@ -20,6 +19,7 @@ from hoverproof.export.law_text import LawText, VehicleText, law_text, vehicle_t
 from hoverproof.export.lens import LensText, lens_text
 from hoverproof.export.options import Options
 from hoverproof.export.precision import FLOAT32
+from hoverproof.export.standing import Evidence, Standing, evidence
 from hoverproof.export.vectors import InputBox, Vector, test_vectors
 from hoverproof.mission.frame import Place, shares
 from hoverproof.mission.sections import Mission
@@ -28,47 +28,6 @@ from hoverproof.servo.hover_error import hover_error, rests_as_modelled
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.version import __version__
-
-
-@dataclass(frozen=True)
-class Standing:
-    """What is known of a mission before its firmware is written.
-
-    Attributes
-    ----------
-    thrust : (low, high)
-        Interval of T that is assumed in flight, N; that of a certificate takes its place.
-    certificate : mapping, optional
-        Content of a gain certificate; without one, every file says that nothing is proved.
-    """
-
-    thrust: tuple[Fraction, Fraction]
-    certificate: Mapping[str, Any] | None = None
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """What is proved of the gains, as the files tell it.
-
-    Attributes
-    ----------
-    certified : bool
-    sha256 : str
-        Of the certificate, or ``"none"``.
-    claim, statement : str
-        In a line, and in full.
-    interval : str
-        Whether the interval of thrusts is ``"certified"`` or ``"assumed"``.
-    eigenvalue_bounds : str or None
-        Whether the certificate assumes the bounds of Q or has them proved.
-    """
-
-    certified: bool
-    sha256: str
-    claim: str
-    statement: str
-    interval: str
-    eigenvalue_bounds: str | None
 
 
 @dataclass(frozen=True)
@@ -225,6 +184,16 @@ class Contents:
         return self.law.from_image or self.mission.target.weights is not None
 
     @property
+    def keeps_rotor_limits(self) -> bool:
+        """Whether every rotor is proved to be set to a thrust within its limits."""
+        proved, limits = self.evidence.rotor_thrusts, self.options.each_rotor
+        several = proved * (len(limits) if len(proved) == 1 else 1)
+        return bool(several) and all(
+            low <= least and most <= high
+            for (low, high), (least, most) in zip(limits, several, strict=True)
+        )
+
+    @property
     def tells_gains(self) -> bool:
         """Whether a step may have to say that nothing is proved of its gains."""
         return self.options.tunable or not self.evidence.certified
@@ -248,7 +217,7 @@ def contents(
     camera = camera_text(mission, law, options)
     sized = law.spread is not None or (camera is not None and bool(camera.spread))
     spread = _spread(mission, options) if sized else None
-    evidence, limits = _evidence(standing), _limits(mission, standing, law, spread)
+    proved, limits = evidence(standing, mission), _limits(mission, standing, law, spread)
     text, design = law_text(mission, options, law), _design(mission, options, law.source)
     return Contents(
         name=name,
@@ -256,8 +225,8 @@ def contents(
         real=options.precision.c_type,
         mission=mission,
         options=options,
-        evidence=evidence,
-        origin=_origin(mission, evidence, text, law.source),
+        evidence=proved,
+        origin=_origin(mission, proved, text, law.source),
         design=design,
         limits=limits,
         law=text,
@@ -274,32 +243,18 @@ def contents(
             options,
             standing.thrust,
             tilt_cosine=limits.tilt_cosine,
-            certified=evidence.certified,
+            certified=proved.certified,
         ),
     )
 
 
-def _evidence(standing: Standing) -> Evidence:
-    certificate = standing.certificate
-    if certificate is None:
-        nothing = "UNCERTIFIED: nothing is proved of these gains."
-        return Evidence(False, "none", nothing, f"**{nothing} Not for flight.**", "assumed", None)
-    sha = certificate["sha256"]
-    bounds = "assumed" if certificate["region"]["box"] is None else "proved over a box"
-    statement = f"**What is proved.** {certificate['statement']}"
-    claim = f"Certificate of the gains, SHA-256 {sha}."
-    return Evidence(True, sha, claim, statement, "certified", bounds)
-
-
-def _origin(mission: Mission, evidence: Evidence, text: LawText, law: Law) -> Origin:
+def _origin(mission: Mission, proved: Evidence, text: LawText, law: Law) -> Origin:
     flies = "" if law.name == HAMEL_MAHONY.name else f", law {law.name}"
     made = f"Made by hoverproof {__version__} from the mission {mission.name}{flies}. Do not edit."
-    in_c = (
-        f"mission {mission.name}; certificate SHA-256 {evidence.sha256}; law SHA-256 {text.sha256}"
-    )
+    in_c = f"mission {mission.name}; certificate SHA-256 {proved.sha256}; law SHA-256 {text.sha256}"
     return Origin(
-        text=made if evidence.certified else f"{made} UNCERTIFIED.",
-        banner=f"/* {made}\n * {evidence.claim} */",
+        text=made if proved.certified else f"{made} UNCERTIFIED.",
+        banner=f"/* {made}\n * {proved.claim} */",
         size=len(in_c) + 1,
     )
 
@@ -331,7 +286,7 @@ def _limits(
     spread: tuple[Fraction, Fraction] | None,
 ) -> Limits:
     low, high = (thrust - mission.vehicle.weight for thrust in standing.thrust)
-    cosine, words = _tilt(mission, high)
+    cosine, words = _tilt(mission, high, standing.tilt_cosine)
     return Limits(
         thrust=standing.thrust,
         excess=(low, high),
@@ -377,11 +332,12 @@ def _longest_feature(law: Law, n: Fraction, spread: tuple[Fraction, Fraction] | 
     return Fraction(101, 100) * Fraction(float(ca.norm_2(feature) + beside))
 
 
-def _tilt(mission: Mission, excess: Fraction) -> tuple[Fraction, str]:
+def _tilt(mission: Mission, excess: Fraction, proved: Fraction | None) -> tuple[Fraction, str]:
     """Return the lowest cosine of the tilt that is certified, and the tilt in words."""
     sine = excess / mission.vehicle.weight  # a level gives |F| <= excess, of which m g sin(tilt)
-    if mission.bounds.level is None or sine >= 1:  # is the horizontal part
+    if proved is None and (mission.bounds.level is None or sine >= 1):  # is the horizontal part
         return Fraction(0), "90 degrees (the certificate sets no bound of its own)"
-    cosine = decimal_below(sqrt_enclosure(1 - sine**2)[0], 9)
+    cosine = proved or decimal_below(sqrt_enclosure(1 - sine**2)[0], 9)
     degrees = math.degrees(math.acos(float(cosine)))
-    return cosine, f"{degrees:.4g} degrees (follows from the level)"
+    origin = "follows from the level" if proved is None else "proved on the way"
+    return cosine, f"{degrees:.4g} degrees ({origin})"

@@ -23,10 +23,12 @@ class Options:
         apart from the step, the ``"feature"`` of the law.
     tunable : bool
         Whether the gains stay parameters.
-    rotor_limits : (low, high)
-        Thrust of one rotor, N.
+    each_rotor : tuple of (low, high)
+        The thrust of each, N: the same unless the mission has limits of its own for some.
     rotor_limits_from : str
         Where these limits come from, in words.
+    pixels : bool
+        Whether the glue for autopilots takes raw pixels, and sees them through the mission's lens.
     camera : str or None
         What a frame that is kept holds, ``"points"`` or ``"centroid"``; None without.
     rates : bool
@@ -36,9 +38,10 @@ class Options:
     precision: Precision
     sensing: str
     tunable: bool
-    rotor_limits: tuple[Fraction, Fraction]
+    each_rotor: tuple[tuple[Fraction, Fraction], ...]
     rotor_limits_from: str
     camera: str | None = None
+    pixels: bool = False
     rates: bool = False
 
     @classmethod
@@ -51,6 +54,7 @@ class Options:
         tunable: bool,
         rotor_limits: tuple[Fraction, Fraction] | None,
         camera: bool = False,
+        pixels: bool = False,
         interface: str | None = None,
     ) -> Options:
         """Take the options of a user.
@@ -66,6 +70,8 @@ class Options:
             N.
         camera : bool
             Whether frames are kept and turned between steps.
+        pixels : bool
+            Whether autopilots are given raw pixels.
         interface : str, optional
             What is commanded, ``"torques"`` or ``"rates"``; by default rates where the mission has
             the bandwidth of a rate loop.
@@ -79,12 +85,26 @@ class Options:
             raise InputError("--precision", "", f"must be float32 or float64, not {precision!r}")
         if sensing not in ("points", "centroid"):
             raise InputError("--sensing", "", f"must be points or centroid, not {sensing!r}")
-        limits = _rotor_limits(mission, rotor_limits)
+        if pixels and (mission.camera.lens is None or sensing != "points"):
+            needs = "camera.lens in the mission" if sensing == "points" else "--sensing points"
+            raise InputError("--pixels", "", f"needs {needs}")
+        limits = _each_rotor(mission, rotor_limits)
         origin = _origin_of_limits(mission, given=rotor_limits is not None)
         kept = sensing if camera else None
         taken = "feature" if camera else sensing
         rates = _commands_rates(mission, interface)
-        return cls(PRECISIONS[precision], taken, tunable, limits, origin, kept, rates)
+        return cls(PRECISIONS[precision], taken, tunable, limits, origin, kept, pixels, rates)
+
+    @property
+    def rotor_limits(self) -> tuple[Fraction, Fraction]:
+        """The thrusts that each rotor can make, N."""
+        lows, highs = zip(*self.each_rotor, strict=True)
+        return max(lows), min(highs)
+
+    @property
+    def rotors_differ(self) -> bool:
+        """Whether some rotors have other limits than others."""
+        return len({*self.each_rotor}) > 1
 
     @property
     def of_points(self) -> bool:
@@ -142,21 +162,22 @@ def _commands_rates(mission: Mission, interface: str | None) -> bool:
     return True
 
 
-def _rotor_limits(
+def _each_rotor(
     mission: Mission, limits: tuple[Fraction, Fraction] | None
-) -> tuple[Fraction, Fraction]:
-    weight, rotors = mission.vehicle.weight, mission.rotors
-    shares = mission.vehicle.hover_thrusts
-    twice = 2 * weight / len(shares)
-    low, high = limits or (rotors.min_thrust or Fraction(0), rotors.max_thrust or twice)
-    if not (0 <= low < min(shares) and max(shares) < high <= weight * 5 / 2):
-        where = ("--rotor-limits", "") if limits else (mission.source, "rotors")
-        raise InputError(
-            *where,
-            f"must hold the share of a rotor in hover, {float(max(shares)):g} N, be at least 0 and "
-            f"at most 2.5 times the weight, not [{float(low):g}, {float(high):g}] N",
-        )
-    return low, high
+) -> tuple[tuple[Fraction, Fraction], ...]:
+    weight, shares = mission.vehicle.weight, mission.vehicle.hover_thrusts
+    twice, held = 2 * weight / len(shares), []
+    for (least, most), share in zip(mission.rotor_limits, shares, strict=True):
+        low, high = limits or (least or Fraction(0), most or twice)
+        if not (0 <= low < share < high <= weight * 5 / 2):
+            where = ("--rotor-limits", "") if limits else (mission.source, "rotors")
+            raise InputError(
+                *where,
+                f"must hold the share of a rotor in hover, {float(share):g} N, be at least 0 and "
+                f"at most 2.5 times the weight, not [{float(low):g}, {float(high):g}] N",
+            )
+        held.append((low, high))
+    return tuple(held)
 
 
 def _origin_of_limits(mission: Mission, *, given: bool) -> str:
@@ -164,6 +185,8 @@ def _origin_of_limits(mission: Mission, *, given: bool) -> str:
     low, high = mission.rotors.min_thrust, mission.rotors.max_thrust
     if given:
         return "given to the export"
+    if mission.vehicle.own_limits and all(most is not None for _, most in mission.rotor_limits):
+        return "from vehicle.rotors of the mission, each its own"
     if high is None:
         half = "half the weight" if len(mission.vehicle.frame.names) == 4 else "twice its share"
         half += "" if low is None else " at most"

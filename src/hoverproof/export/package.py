@@ -5,23 +5,22 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from hoverproof import checker
 from hoverproof.errors import InputError
-from hoverproof.export.contents import Contents, Standing, contents
+from hoverproof.export.contents import Contents, contents
 from hoverproof.export.flight_law import flight_law
 from hoverproof.export.heading import check_sees_points
 from hoverproof.export.names import package_name
 from hoverproof.export.options import Options
+from hoverproof.export.standing import Standing, checked
 from hoverproof.export.targets import TARGETS, titles
 from hoverproof.files import write_text
-from hoverproof.mission.sections import LawChoice, Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import choices_of
 from hoverproof.servo.laws.heading import flown_law
@@ -58,7 +57,7 @@ STACK_BUDGET = 160
 
 
 class NotCertified(Exception):
-    """Firmware was asked for, but its gains are refuted or undecided.
+    """Firmware was asked for, but nothing is proved of its mission.
 
     Parameters
     ----------
@@ -74,7 +73,8 @@ class NotCertified(Exception):
         self.status = status
         super().__init__(
             f"{mission}: {why or f'the gains are {status}'}, so no firmware is written "
-            f"(see `hoverproof certify`; --allow-uncertified writes a package that says so)"
+            f"(see `hoverproof certify`; --certificate takes a proof of `hoverproof attraction`, "
+            "--allow-uncertified writes a package that says so)"
         )
 
 
@@ -89,6 +89,7 @@ def write_package(
     name: str | None = None,
     rotor_limits: tuple[Fraction, Fraction] | None = None,
     camera: bool = False,
+    pixels: bool = False,
     interface: str | None = None,
     law: Law | None = None,
 ) -> dict[str, Any]:
@@ -100,7 +101,7 @@ def write_package(
     out : str or Path
         Folder to write to; made if needed. A package in it is replaced, files of other names stay.
     standing : Standing
-        The certificate, which is checked here once more, or none.
+        The certificates, which are checked here once more, or none.
     precision : {"float32", "float64"}
     sensing : {"points", "centroid"}
         What the camera delivers.
@@ -114,6 +115,8 @@ def write_package(
         weight.
     camera : bool
         Keep the newest frame of a slow camera, and turn it with the gyroscope from step to step.
+    pixels : bool
+        Let the glue for autopilots take raw pixels, seen through the mission's lens.
     interface : {"torques", "rates"}, optional
         What is commanded; by default body rates and thrust where the mission has the bandwidth of a
         rate loop, `interface.rate_bandwidth`.
@@ -126,7 +129,7 @@ def write_package(
         If an argument cannot be used, or the folder cannot be written to or holds files of no
         package by the names of ours.
     checker.Rejected
-        If the certificate does not prove that the gains of this mission work with this law.
+        If a certificate does not prove that the gains of this mission work with this law.
     """
     options = Options.of(
         mission,
@@ -135,26 +138,48 @@ def write_package(
         tunable=tunable,
         rotor_limits=rotor_limits,
         camera=camera,
+        pixels=pixels,
         interface=interface,
     )
     law = (law or flown_law(mission)).flying(mission)
     check_sees_points(law, options)
-    if standing.certificate is not None:
-        own = flown_law(mission)
-        about = f"a certificate of {mission.name} is about {own.name}, not about {law.name}"
-        checker.require(law == own, about)
-        standing = replace(standing, thrust=_check(standing.certificate, mission))
+    standing = checked(standing, mission, law)
     sensing, rates = options.sensing, options.rates
     flown = flight_law(mission, sensing=sensing, tunable=tunable, law=law, rates=rates)
     filled = contents(mission, standing, flown, package_name(name, mission.name), options)
     texts = _rendered(filled)
-    if standing.certificate is not None:
-        sealed = json.dumps(dict(standing.certificate), indent=2, ensure_ascii=False) + "\n"
-        texts[f"{filled.name}.cert.json"] = sealed
+    texts |= standing.texts(filled.name)
     manifest = _manifest(filled, texts, law)
     texts["manifest.json"] = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
     _write(out, texts)
     return manifest
+
+
+def check_options(
+    mission: Mission,
+    *,
+    precision: str = "float32",
+    sensing: str = "points",
+    tunable: bool = False,
+    name: str | None = None,
+    **more: Any,
+) -> None:
+    """Refuse what `write_package` would.
+
+    Parameters
+    ----------
+    mission : Mission
+    precision, sensing, tunable, name, **more
+        As there.
+
+    Raises
+    ------
+    InputError
+        If one of them cannot be used.
+    """
+    given: dict[str, Any] = {"rotor_limits": None, **more}
+    Options.of(mission, precision=precision, sensing=sensing, tunable=tunable, **given)
+    package_name(name, mission.name)
 
 
 def _write(out: str | Path, texts: Mapping[str, str]) -> None:
@@ -172,19 +197,6 @@ def _write(out: str | Path, texts: Mapping[str, str]) -> None:
         except OSError as error:
             raise InputError(str(out), "", f"cannot be made: {error.strerror}") from None
         write_text(folder / path, text)
-
-
-def _check(certificate: Mapping[str, Any], mission: Mission) -> tuple[Fraction, Fraction]:
-    """Check a certificate and return the interval of thrusts that it is about, N."""
-    checker.check(certificate)
-    checker.require(certificate["kind"] == "gains", "this is no certificate of gains")
-    theirs = LawChoice(**certificate["mission"].get("law", {})).name
-    about = f"the certificate is about the law {theirs}, not about {mission.law.name}"
-    checker.require(theirs == mission.law.name, about)
-    same = certificate["mission"] == mission.exact()
-    checker.require(same, "the certificate is about another mission")
-    low, high = checker.claim_of(certificate).thrust
-    return low, high
 
 
 @cache
@@ -211,6 +223,7 @@ def _rendered(filled: Contents) -> dict[str, str]:
         "centroid_words": filled.centroid_words,
         "in_order": filled.in_order,
         "tells_gains": filled.tells_gains,
+        "keeps_rotor_limits": filled.keeps_rotor_limits,
         "lit": filled.options.precision.lit,
         "braces": filled.options.precision.braces,
         "targets": targets,
@@ -240,18 +253,27 @@ def _manifest(filled: Contents, texts: Mapping[str, str], law: Law) -> dict[str,
         "certified": evidence.certified,
         "eigenvalue_bounds": evidence.eigenvalue_bounds,
         "certificate_sha256": evidence.sha256 if evidence.certified else None,
+        "theorems": {str(proof.theorem): proof.sha256 for proof in evidence.proofs},
+        "covers": list(evidence.covers),
         "law_sha256": filled.law.sha256,
         "precision": options.precision.name,
         "sensing": options.sensing,
         **({"camera": options.camera} if options.camera else {}),
         **({"lens": filled.lens.model} if filled.lens else {}),
+        **({"pixels": True} if options.pixels else {}),
         **({"rate_bandwidth": filled.rate_bandwidth} if filled.rate_bandwidth else {}),
         "tunable": options.tunable,
         "tools": {"hoverproof": __version__, "casadi": version("casadi")},
         "thrust": [float(t) for t in limits.thrust],
         "tilt_cosine": float(limits.tilt_cosine),
         "rotor_limits": [float(r) for r in options.rotor_limits],
+        **(
+            {"each_rotor": [[float(end) for end in ends] for ends in options.each_rotor]}
+            if options.rotors_differ
+            else {}
+        ),
         "rotor_limits_from": options.rotor_limits_from,
+        "rotor_limits_kept": filled.keeps_rotor_limits,
         "input_box": limits.box.as_json(options.sensing, _whole(filled.mission)),
         "budgets": {
             "target": "Cortex-M4F, float32, gcc -O2 -fno-math-errno -ffp-contract=off",

@@ -271,7 +271,8 @@ def test_vectors(
     """
     draw, precision = np.random.default_rng(0), options.precision
     weight = mission.vehicle.weight
-    highest = len(mission.vehicle.frame.names) * options.rotor_limits[1] - weight
+    highest = sum(high for _, high in options.each_rotor) - weight
+    limits = [[precision.round(end) for end in ends] for ends in options.each_rotor]
     write = partial(_written, precision, body_sensors(law.source))
     scale = precision.round(options.throttle_per_newton(len(mission.vehicle.frame.names)))
 
@@ -290,8 +291,8 @@ def test_vectors(
             given = replace(step, heading=np.full(2, precision.scalar(1e30)))
         out = law_at(law, step, precision)
         following = step.excess + step.dt * out["thrust_rate"][0]
-        low, high = (precision.round(r) for r in options.rotor_limits)
-        inside = all(low < r < high for r in out["rotor"])
+        made = zip(limits, out["rotor"], strict=True)
+        inside = all(low < r < high for (low, high), r in made)
         if inside and abs(float(following)) < 0.9 * float(min(highest, weight / 2)):
             out["thrust"] = [precision.round(weight) + step.excess]
             out |= throttled(out["thrust"])

@@ -81,7 +81,7 @@ class Codec:
         rates : (3,)
             Body axes: forward, right, down; rad/s.
         throttle : float
-            0 to 1.
+            A number from 0 to 1.
         """
         values = ([1.0, 0.0, 0.0, 0.0], *rates, throttle)
         return self._set_attitude_target(time, system, ATTITUDE_IGNORE, *values)
@@ -98,7 +98,7 @@ class Codec:
         yaw : float
             rad.
         throttle : float
-            0 to 1.
+            A number from 0 to 1.
         """
         values = ([math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)], 0.0, 0.0, 0.0, throttle)
         return self._set_attitude_target(time, system, RATES_IGNORE, *values)
@@ -118,7 +118,7 @@ class Codec:
         system, message : int
             The vehicle and the number of the message, bare numbers.
         rate : float
-            Hz.
+            Hz: 1/s.
         """
         interval = [message, 1e6 / rate, 0, 0, 0, 0, 0]
         command = dialect().MAV_CMD_SET_MESSAGE_INTERVAL

@@ -50,9 +50,6 @@ ASK_AGAIN = 2.0
 FELT = (0.7, 1.3)
 """Thrust that is felt over m g in a flight that the law may take over."""
 
-HOVER_TOLD = 0.5
-"""s: the age up to which a throttle of the autopilot is that of now."""
-
 REPORT = 0.5
 """s between reports."""
 
@@ -64,8 +61,8 @@ class Flight:
     Attributes
     ----------
     guide : Guide
-    weight, gravity : float
-        m g, N, and g, m/s².
+    gravity : float
+        m/s².
     link : Link
     sight : Sight
     clock : Clock
@@ -78,19 +75,27 @@ class Flight:
         After so long of its own flight it hands back, s.
     report : callable
         Takes a `Report` twice a second.
+    told : Told
+        By the vehicle, so far.
+    log : Logbook
+    phase, why : str
+        See `Report`.
+    fault : bool
+        Whether a fault ended it.
+    sent : int
+        Setpoints so far: a bare number.
     """
 
     guide: Guide
-    weight: float
     gravity: float
     link: Link
     sight: Sight
     clock: Clock
     rate: float
     hover: HoverThrottle
+    report: Callable[[Report], None]
     system: int | None = None
     duration: float | None = None
-    report: Callable[[Report], None] = lambda report: None
     told: Told = field(default_factory=Told)
     log: Logbook = field(default_factory=Logbook)
     phase: str = "waiting"
@@ -161,7 +166,7 @@ class Flight:
             elif wanted.fault:
                 self._over(self._faulty(wanted, now), fault=True)
             else:
-                self._send(now, wanted, wanted.thrust)
+                self._send(now, wanted)
         else:
             self._wait(now, missing, wanted)
         sent = self._last_sent if self.sent > before else None
@@ -237,7 +242,7 @@ class Flight:
 
     def _guided(self, measured: Measured, dt: float) -> Wanted:
         if self.phase != "flying":
-            self.guide.start(None)  # until then it commands the thrust of hover
+            self._begin()  # until then it commands the thrust of the hover so far
         return self.guide.step(measured, dt)
 
     def _age(self, now: float) -> float | None:
@@ -255,7 +260,7 @@ class Flight:
         in_mode = beat is not None and beat.armed and beat.in_mode
         if in_mode and ready and self._outside and not why:
             self.phase, self.why, self._took_over = "flying", "", now
-            self.guide.start(self._thrust_now())
+            self._begin()
             self._outside = False
             return  # the first setpoint of the law goes out at the next step
         if not in_mode:
@@ -265,7 +270,7 @@ class Flight:
         self.phase = "waiting" if why else "ready"
         self.why = why or f"the pilot to enter {self._mode}"
         if self.phase == "ready" and wanted is not None and self._streams_first():
-            self._send(now, wanted, self.weight)
+            self._send(now, wanted)
 
     @property
     def autopilot(self) -> Autopilot | None:
@@ -326,20 +331,12 @@ class Flight:
         for message, rate in wishes.items():
             self.link.send(self._codec.request(self._peer[1], message, rate), self._peer[0])
 
-    def _thrust_now(self) -> float:
-        """Return the thrust that the vehicle's own controllers ask for now, N."""
-        asked, hover = self.told.thrust_setpoint, self.hover.value
-        if asked is None or hover is None or self.clock.now() - asked.at > HOVER_TOLD:
-            return self.weight
-        share = float(asked.value[0]) / hover
-        return self.weight * min(max(share, FELT[0]), FELT[1])
+    def _begin(self) -> None:
+        if self.hover.steady is not None:
+            self.guide.take_over(*self.hover.steady)
 
-    def _send(self, now: float, wanted: Wanted, thrust: float) -> None:
-        hover = self.hover.value
-        if hover is None:
-            return
-        rates = [float(rate) for rate in wanted.rates]
-        throttle = min(max(hover * thrust / self.weight, 0.0), 1.0)
+    def _send(self, now: float, wanted: Wanted) -> None:
+        rates, throttle = [float(rate) for rate in wanted.rates], float(wanted.throttle)
         setpoint = self._codec.setpoint(now - self._start, self._peer[1], rates, throttle)
         self.link.send(setpoint, self._peer[0])
         self._last_sent = (rates, throttle)

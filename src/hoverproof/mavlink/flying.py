@@ -6,6 +6,7 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from hoverproof.errors import InputError
 from hoverproof.export.adapter import oldest_image
@@ -22,9 +23,6 @@ from hoverproof.mavlink.throttle import PLAUSIBLE, HoverThrottle
 from hoverproof.mission.sections import Mission
 from hoverproof.simulation.timing import fastest_rate
 
-RATE_LOOP = 25.0
-"""rad/s: bandwidth of the rate loop of a multicopter's autopilot."""
-
 SLOWEST, FASTEST = 20.0, 400.0
 """Hz of the setpoints."""
 
@@ -36,9 +34,9 @@ class Wish:
     Attributes
     ----------
     rate : float
-        Of steps and setpoints, Hz.
+        Of steps and setpoints, Hz: 1/s.
     hover_throttle : float or None
-        0 to 1; learned if there is none.
+        A number from 0 to 1; learned if there is none.
     system : int or None
         Number of the vehicle; by default the first that is heard.
     duration : float or None
@@ -104,7 +102,8 @@ def package_of(
     dialect()  # before the work of it
     if folder is None:
         with tempfile.TemporaryDirectory() as made:
-            export_c(mission, made, allow_uncertified=allow_uncertified, camera=True, name="flown")
+            own: dict[str, Any] = {"allow_uncertified": allow_uncertified, "interface": "rates"}
+            export_c(mission, made, camera=True, name="flown", **own)
             return Firmware(made)
     firmware = Firmware(folder)
     if not (firmware.manifest["certified"] or allow_uncertified):
@@ -135,8 +134,7 @@ def flight_of(
     gravity = float(mission.vehicle.gravity)
     link, sight, clock = ends
     return Flight(
-        Guide(mission, firmware, oldest=oldest, bandwidth=RATE_LOOP),
-        float(mission.vehicle.weight),
+        Guide(mission, firmware, oldest=oldest),
         gravity,
         link,
         sight,

@@ -11,13 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.buffered import Buffered
-from hoverproof.algebra.derived import kept_graph
-from hoverproof.algebra.linear import solve_affine
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
 from hoverproof.mavlink.sight import Sighting
 from hoverproof.mission.sections import Mission
-from hoverproof.plant.rigid_body import heading, torque_balance
+from hoverproof.plant.rigid_body import heading
 from hoverproof.servo.laws.hamel_mahony import choices_of
 from hoverproof.servo.laws.heading import flown_law
 from hoverproof.servo.loop import LoopNumbers
@@ -79,6 +77,8 @@ class Wanted:
         Body rates to ask for, rad/s.
     thrust : float
         N.
+    throttle : float
+        A number from 0 to 1.
     feature : (3,)
         What the law makes of the image, body axes, dimensionless.
     """
@@ -86,6 +86,7 @@ class Wanted:
     status: int
     rates: Array
     thrust: float
+    throttle: float
     feature: Array
 
     @property
@@ -99,18 +100,8 @@ class Wanted:
         return [words for bit, words in WATCHED.items() if self.status & bit]
 
 
-@kept_graph
-def _angular_acceleration(moments: int) -> ca.Function:
-    """Return (Ω in rad/s, Γ in N m, inertia in kg m²) ↦ Ω̇, (3, 1), rad/s²."""
-    rate, torque = ca.SX.sym("rate", 3), ca.SX.sym("torque", 3)
-    inertia, wanted = ca.SX.sym("inertia", moments), ca.SX.sym("alpha", 3)
-    found = solve_affine(torque_balance(rate, wanted, inertia, torque), wanted)
-    given = [rate, torque, inertia]
-    return ca.Function("angular_acceleration", given, [ca.densify(found)])
-
-
 class Guide:
-    """A package in flight, its torque told as body rates: Ω_c = Ω + α/ω.
+    """A package in flight, one that commands body rates and throttle.
 
     Parameters
     ----------
@@ -119,8 +110,6 @@ class Guide:
         Of the mission, with a camera.
     oldest : float
         Age beyond which an image is not flown by, s.
-    bandwidth : float
-        ω, of the rate loop of the autopilot, rad/s.
 
     Raises
     ------
@@ -128,15 +117,11 @@ class Guide:
         If the package is another one, or its self-test does not hold here.
     """
 
-    def __init__(
-        self, mission: Mission, firmware: Firmware, *, oldest: float, bandwidth: float
-    ) -> None:
+    def __init__(self, mission: Mission, firmware: Firmware, *, oldest: float) -> None:
         self.law = flown_law(mission)
         _check(mission, firmware)
-        self._firmware, self._bandwidth = firmware, bandwidth
+        self._firmware = firmware
         self.manifest = firmware.manifest
-        self._inertia = [float(moment) for moment in mission.vehicle.moments]
-        self._accelerate = Buffered(_angular_acceleration(len(self._inertia)))
         rotation = ca.SX.sym("R", 3, 3)
         self._heading = Buffered(ca.Function("heading", [rotation], [heading(rotation)]))
         numbers = LoopNumbers.of(mission)
@@ -147,15 +132,17 @@ class Guide:
         self.newest: float | None = None
         firmware.watch(oldest)
 
-    def start(self, thrust: float | None) -> None:
-        """Begin from a thrust, N, by default that of hover.
+    def take_over(self, felt: float, throttle: float) -> None:
+        """Begin from a steady flight, whose throttle is from now on worth what it was there.
 
         Parameters
         ----------
-        thrust : float, optional
-            N.
+        felt : float
+            Thrust over mass that the vehicle felt, m/s².
+        throttle : float
+            That it flew with, a number from 0 to 1.
         """
-        self._firmware.reset(thrust)
+        self._firmware.take_over((0.0, 0.0, -felt), throttle)
 
     def see(self, sighting: Sighting, now: float, gravity_direction: Array) -> None:
         """Take in a sighting; one that cannot be used is left out, and the last one grows old.
@@ -208,9 +195,8 @@ class Guide:
             target_seen=seen == 0,
             **told,
         )
-        (asked,) = self._accelerate(rate, out.torque, self._inertia)
-        rates = np.clip(rate + asked / self._bandwidth, -FASTEST, FASTEST)
-        return Wanted(out.status | seen, rates, out.thrust, np.array(feature))
+        rates = np.clip(out.rate_command, -FASTEST, FASTEST)
+        return Wanted(out.status | seen, rates, out.thrust, out.throttle, np.array(feature))
 
     def error(self, feature: Array, down: Array) -> tuple[float, float | None]:
         """Return the image error, and about how many metres that is, if the feature tells.
@@ -241,11 +227,8 @@ def _check(mission: Mission, firmware: Firmware) -> None:
         raise InputError(mission.source, "", f"is not the mission of the firmware {name}")
     if manifest.get("camera") != "points":
         raise InputError("--package", name, "keeps no frames of points: export it with --camera")
-    if flown_law(mission).force.sensed is None:
-        reason = (
-            "must be 'measured': no autopilot turns a throttle into the thrust that a modelled "
-            "force takes for granted"
-        )
-        raise InputError(mission.source, "law.force", reason)
+    if manifest.get("rate_bandwidth") != str(mission.interface.rate_bandwidth):
+        reason = "commands no body rates for this rate loop: export it with --interface rates"
+        raise InputError("--package", name, reason)
     if failed := firmware.selftest():
         raise InputError(name, "", f"computes wrong on this computer: self-test vector {failed}")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 import socket
 import time
-from typing import Any, Protocol
+from abc import ABC, abstractmethod
+from typing import Any
 
 from hoverproof.errors import InputError
 
@@ -16,15 +17,18 @@ AT_ONCE = 512
 """Pieces that are read at a step, so that a flood does not keep a step from coming."""
 
 
-class Clock(Protocol):
+class Clock(ABC):
     """A clock that only goes forward."""
 
+    @abstractmethod
     def now(self) -> float:
         """Return the time, s."""
 
+    @abstractmethod
     def wall(self) -> float:
         """Return the time of day, s since 1970."""
 
+    @abstractmethod
     def wait(self, until: float) -> None:
         """Wait until a time, s; at once if it is past.
 
@@ -35,12 +39,14 @@ class Clock(Protocol):
         """
 
 
-class Link(Protocol):
+class Link(ABC):
     """A way for bytes to a vehicle and back."""
 
+    @abstractmethod
     def receive(self) -> list[tuple[bytes, Any]]:
         """Return what has come in, each with its sender, without waiting."""
 
+    @abstractmethod
     def send(self, data: bytes, to: Any) -> None:
         """Send without waiting.
 
@@ -51,11 +57,12 @@ class Link(Protocol):
             A sender, as `receive` names it.
         """
 
+    @abstractmethod
     def close(self) -> None:
         """Let go of it."""
 
 
-class RealClock:
+class RealClock(Clock):
     """The clock of this computer."""
 
     def now(self) -> float:
@@ -79,13 +86,13 @@ class RealClock:
             time.sleep(left)
 
 
-class Udp:
+class Udp(Link):
     """Datagrams: listened for at an address, or sent to one first.
 
     Parameters
     ----------
     place : (str, int)
-        Host and port.
+        Host, and the number of a port.
     listens : bool
         Whether the vehicle sends there; else it is where the vehicle listens.
     """
@@ -138,7 +145,7 @@ class Udp:
         self._socket.close()
 
 
-class Serial:
+class Serial(Link):
     """A serial port.
 
     Parameters

@@ -51,7 +51,13 @@ UNITS = {
 
 @dataclass
 class Logbook:
-    """Rows of a flight, in the order of `WIDTHS`."""
+    """The steps of a flight.
+
+    Attributes
+    ----------
+    rows : list of tuples
+        Each (k,), in the order of `WIDTHS` and the units of `UNITS`.
+    """
 
     rows: list[tuple[float, ...]] = field(default_factory=list)
 

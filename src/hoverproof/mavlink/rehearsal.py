@@ -8,7 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from hoverproof.mavlink.sight import Sighting
+from hoverproof.mavlink.link import Clock, Link
+from hoverproof.mavlink.sight import Sight, Sighting
 from hoverproof.mavlink.stand_in import STEP, TAKES, StandIn, Wire
 
 UNIX = 1.7e9
@@ -16,10 +17,10 @@ UNIX = 1.7e9
 
 
 @dataclass
-class Rehearsal:
+class Rehearsal(Clock, Link, Sight):
     """A vehicle that is not there, with its link, its camera and its clock.
 
-    It is a `Clock`, a `Link` and a `Sight` at once: whoever waits lets it fly on.
+    It is clock, link and sight at once: whoever waits lets it fly on.
 
     Attributes
     ----------

@@ -29,7 +29,7 @@ class Report:
     rates : tuple of float or None
         That are sent, rad/s.
     throttle, hover_throttle : float or None
-        That is sent, and that hovers, from 0 to 1.
+        That is sent, and that hovers: numbers from 0 to 1.
     watched : tuple of str
         What the monitor of the package says that ends no flight.
     sent : int

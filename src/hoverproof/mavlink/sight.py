@@ -10,9 +10,10 @@ import math
 import os
 import socket
 import sys
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,13 +45,18 @@ class Sighting:
     in_pixels: bool = False
 
 
-class Sight(Protocol):
-    """A source of sightings."""
+class Sight(ABC):
+    """A source of sightings.
 
-    @property
-    def remark(self) -> str:
-        """What is wrong with it, in words; empty if nothing is."""
+    Attributes
+    ----------
+    remark : str
+        What is wrong with it, in words; empty if nothing is.
+    """
 
+    remark: str = ""
+
+    @abstractmethod
     def newest(self, now: float) -> list[Sighting]:
         """Return what has come in since it was asked last, oldest first, without waiting.
 
@@ -60,11 +66,12 @@ class Sight(Protocol):
             By the clock of the flight, s.
         """
 
+    @abstractmethod
     def close(self) -> None:
         """Let go of what it holds."""
 
 
-class Lines:
+class Lines(Sight):
     """Sightings as lines of JSON, of bytes that come in as they do.
 
     A line is an object with ``"age"`` (s from the exposure to when it was written) or ``"time"``
@@ -91,8 +98,7 @@ class Lines:
         wall: Callable[[], float],
     ) -> None:
         self._source, self._points, self._wall = source, points, wall
-        self.close = close
-        self.remark = ""
+        self._close = close
         self._rest = b""
 
     def newest(self, now: float) -> list[Sighting]:
@@ -113,6 +119,10 @@ class Lines:
             if line.strip():
                 self._take(line, now, found)
         return sorted(found, key=lambda sighting: sighting.at)
+
+    def close(self) -> None:
+        """Let go of what they come by."""
+        self._close()
 
     def _take(self, line: bytes, now: float, found: list[Sighting]) -> None:
         try:

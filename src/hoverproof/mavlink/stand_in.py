@@ -19,19 +19,13 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.buffered import Buffered
 from hoverproof.algebra.derived import kept_graph
-from hoverproof.algebra.linear import solve_affine
 from hoverproof.export.vehicle import sense_function
 from hoverproof.mavlink.autopilots import ARMED, PX4, Autopilot
 from hoverproof.mavlink.dialect import ATTITUDE_IGNORE, AUTOPILOT, RATES_IGNORE, Codec, dialect
 from hoverproof.mavlink.sight import Sighting
 from hoverproof.mission.sections import Mission
-from hoverproof.plant.rigid_body import (
-    BODY_SIZE,
-    RigidBodyState,
-    held_rate,
-    specific_force,
-    torque_balance,
-)
+from hoverproof.plant.rate_loop import loop_torque
+from hoverproof.plant.rigid_body import BODY_SIZE, RigidBodyState, held_rate, specific_force
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation.numbers import euler_angles
 from hoverproof.simulation.step import nearest_rotation, runge_kutta
@@ -40,6 +34,9 @@ Array = NDArray[np.float64]
 
 STEP = 1 / 400
 """s."""
+
+RATE_LOOP = 25.0
+"""rad/s, of a mission that does not say."""
 
 SYSTEM = 1
 HOLD, TAKES = "hold", "takes setpoints"
@@ -67,11 +64,10 @@ def _step_function(moments: int) -> ca.Function:
         return RigidBodyState.from_vector(ca.vertcat(state, thrust))
 
     def rate(state: ca.SX, half: int) -> ca.SX:
-        body, torque = body_of(state), ca.SX.sym("torque", 3)
-        balance = torque_balance(body.rate, loop * (wanted - body.rate), inertia, torque)
+        body = body_of(state)
         return held_rate(
             body,
-            torque=solve_affine(balance, torque),
+            torque=loop_torque(wanted, body.rate, loop, inertia),
             mass=mass,
             inertia=inertia,
             gravity=gravity,
@@ -102,11 +98,12 @@ class Habits:
     ----------
     autopilot : Autopilot
     loop : float
-        Bandwidth of its rate loop, rad/s.
+        Bandwidth of its rate loop over that of the mission, dimensionless.
     hover_throttle : float
-        0 to 1.
+        A number from 0 to 1.
     thrust : float
-        What its rotors give over what they gave when the throttle of hover was learned.
+        What its rotors give over what they gave when the throttle of hover was learned,
+        dimensionless.
     wind : (3,)
         Force over its mass, world frame, m/s².
     gyro, velocity, force, image : float
@@ -116,11 +113,11 @@ class Habits:
     jitter : float
         That is added at random, at most, s: messages overtake one another.
     lost : float
-        Share of the messages that are lost, both ways.
+        Share of the messages that are lost, both ways, a number from 0 to 1.
     """
 
     autopilot: Autopilot = PX4
-    loop: float = 30.0
+    loop: float = 1.0
     hover_throttle: float = 0.45
     thrust: float = 1.0
     wind: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -159,7 +156,7 @@ class StandIn:
     switched_on : float
         When its autopilot started last, s.
     landed : int
-        MAV_LANDED_STATE: 2 is in the air.
+        MAV_LANDED_STATE, a bare number: 2 is in the air.
     silent : set of int
         Numbers of messages that it does not send.
     """
@@ -187,6 +184,7 @@ class StandIn:
         self._vehicle = [self._mass, float(v.gravity), *map(float, v.moments)]
         self._step = Buffered(_step_function(len(v.moments)))
         self._look = sense_function(self._numbers.target_size, "points", self._numbers.law)
+        self._bandwidth = float(self.mission.interface.rate_bandwidth or RATE_LOOP)
         self._codec = Codec(SYSTEM, AUTOPILOT)
         self._rates, self._next = dict(FIRST_RATES), dict.fromkeys(FIRST_RATES, 0.0)
         self._hold = self.state[:3].copy()
@@ -243,7 +241,8 @@ class StandIn:
         left = math.exp(-STEP / self._lag) if self._lag else 0.0
         self.thrust = aim + (self.thrust - aim) * left
         wind = self._mass * np.array(self.habits.wind)
-        given = (self.state, self.thrust, self._wanted, self.habits.loop, wind)
+        loop = self.habits.loop * self._bandwidth
+        given = (self.state, self.thrust, self._wanted, loop, wind)
         self.state, self._felt = self._step(*given, self._vehicle, STEP)
         self.time += STEP
 

@@ -30,7 +30,7 @@ class HoverThrottle:
     gravity : float
         m/s².
     given : float or None
-        From 0 to 1; learned if there is none.
+        A number from 0 to 1; learned if there is none.
     """
 
     gravity: float
@@ -45,7 +45,7 @@ class HoverThrottle:
         at : float
             s.
         throttle : float
-            That the autopilot asks for, 0 to 1.
+            That the autopilot asks for, a number from 0 to 1.
         felt : float
             Thrust over mass that the accelerometer feels, m/s².
         """
@@ -54,15 +54,19 @@ class HoverThrottle:
             self._heard.popleft()
 
     @property
-    def value(self) -> float | None:
-        """The throttle of hover, 0 to 1; None if it is not known."""
+    def steady(self) -> tuple[float, float] | None:
+        """Thrust over mass, m/s², and the throttle that gives it, 0 to 1; None if not known."""
         if self.given is not None:
-            return self.given
+            return self.gravity, self.given
         heard = self._heard
         if len(heard) < FEWEST or heard[-1][0] - heard[0][0] < LEARNED_FROM / 2:
             return None
-        throttle, felt = (math.fsum(row[k] for row in heard) for k in (1, 2))
-        if felt <= 0:
-            return None
-        found = throttle / felt * self.gravity
-        return found if PLAUSIBLE[0] <= found <= PLAUSIBLE[1] else None
+        throttle, felt = (math.fsum(row[k] for row in heard) / len(heard) for k in (1, 2))
+        within = felt > 0 and PLAUSIBLE[0] <= throttle / felt * self.gravity <= PLAUSIBLE[1]
+        return (felt, throttle) if within else None
+
+    @property
+    def value(self) -> float | None:
+        """The throttle of hover, 0 to 1; None if it is not known."""
+        steady = self.steady
+        return None if steady is None else steady[1] / steady[0] * self.gravity

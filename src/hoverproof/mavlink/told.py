@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -73,7 +72,15 @@ class Stamps:
 
 @dataclass(frozen=True)
 class Reading:
-    """What was told, and when it was true by our clock, s; the unit is that of what it is of."""
+    """What was told.
+
+    Attributes
+    ----------
+    value : ndarray, any shape
+        In the unit of what it is of.
+    at : float
+        When it was true by our clock, s.
+    """
 
     value: Array
     at: float
@@ -81,13 +88,25 @@ class Reading:
 
 @dataclass(frozen=True)
 class Heartbeat:
-    """Armed or not, in which mode, what vehicle, and when that was told by our clock, s."""
+    """What a heartbeat tells.
+
+    Attributes
+    ----------
+    autopilot : Autopilot or None
+        None if it is not known.
+    kind : int
+        MAV_TYPE, a bare number.
+    armed : bool
+    in_mode : bool
+        Whether the mode is the one that takes setpoints.
+    at : float
+        When it came in by our clock, s.
+    """
 
     autopilot: Autopilot | None
     kind: int
     armed: bool
     in_mode: bool
-    custom_mode: int
     at: float
 
 
@@ -109,7 +128,7 @@ class Told:
     thrust_setpoint : Reading or None
         The throttle, 0 to 1, that its own controllers ask for, (1,).
     landed : int
-        MAV_LANDED_STATE; 0 if it does not say.
+        MAV_LANDED_STATE, a bare number; 0 if it does not say.
     refused : dict
         Messages that cannot be used, and why.
     """
@@ -122,7 +141,6 @@ class Told:
     thrust_setpoint: Reading | None = None
     landed: int = 0
     refused: dict[str, str] = field(default_factory=dict)
-    said: deque[str] = field(default_factory=lambda: deque(maxlen=5))
     _clocks: dict[str, Stamps] = field(default_factory=dict)
 
     @property
@@ -149,7 +167,7 @@ class Told:
         taken = getattr(self, f"_{kind.lower()}", None)
         if taken is None:
             return
-        if kind in ("HEARTBEAT", "EXTENDED_SYS_STATE", "STATUSTEXT"):
+        if kind in ("HEARTBEAT", "EXTENDED_SYS_STATE"):
             taken(message, now)
             return
         boot = getattr(message, "time_boot_ms", None)
@@ -170,15 +188,11 @@ class Told:
     def _heartbeat(self, message: Any, now: float) -> None:
         known = AUTOPILOTS.get(message.autopilot)
         armed = bool(message.base_mode & ARMED)
-        mode = message.custom_mode
-        takes = known is not None and known.takes(mode)
-        self.heartbeat = Heartbeat(known, message.type, armed, takes, mode, now)
+        takes = known is not None and known.takes(message.custom_mode)
+        self.heartbeat = Heartbeat(known, message.type, armed, takes, now)
 
     def _extended_sys_state(self, message: Any, now: float) -> None:
         self.landed = message.landed_state
-
-    def _statustext(self, message: Any, now: float) -> None:
-        self.said.append(message.text)
 
     def _attitude(self, message: Any, at: float) -> None:
         rotation = rotation_matrix(message.roll, message.pitch, message.yaw)

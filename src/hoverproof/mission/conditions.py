@@ -13,6 +13,8 @@ from pydantic import BeforeValidator, model_validator
 
 from hoverproof.mission.fields import Section, array, one_of, quantity, reject, shown, true_or_false
 
+Ends = tuple[Fraction | None, Fraction | None]
+"""The lowest and the highest of something, without a limit where it is None."""
 _ZERO = Fraction(0)
 _ZEROS = (_ZERO, _ZERO, _ZERO)
 
@@ -150,6 +152,46 @@ class Rotors(Section):
         if low is not None and high is not None and low >= high:
             raise reject(f"must be below max_thrust, {shown(high)} N", key="min_thrust")
         return self
+
+    def of_each(self, own: tuple[Ends, ...], count: int) -> tuple[Ends, ...]:
+        """Return the lowest and the highest thrust of each rotor, N.
+
+        Parameters
+        ----------
+        own : tuple of (low, high)
+            What rotors have of their own, N; may be empty.
+        count : int
+            Number of rotors.
+        """
+        low, high = self.min_thrust, self.max_thrust
+        return tuple(
+            (low if least is None else least, high if most is None else most)
+            for least, most in own or ((None, None),) * count
+        )
+
+
+def common_limits(limits: tuple[Ends, ...]) -> Ends:
+    """Return the thrusts that every rotor can make, N.
+
+    Parameters
+    ----------
+    limits : tuple of (low, high)
+        Of each, N.
+    """
+    lows, highs = ([end for end in ends if end is not None] for ends in zip(*limits, strict=True))
+    return max(lows, default=None), min(highs, default=None)
+
+
+def out_of_order(limits: tuple[Ends, ...]) -> int | None:
+    """Return the place of a rotor whose lowest thrust is not below its highest, if there is one.
+
+    Parameters
+    ----------
+    limits : tuple of (low, high)
+        Of each, N.
+    """
+    wrong = (i for i, (a, b) in enumerate(limits) if a is not None and b is not None and a >= b)
+    return next(wrong, None)
 
 
 class Wind(Section):

@@ -5,6 +5,7 @@ It is turned into body axes x forward, y right, z down, about the centre of mass
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,10 +27,13 @@ class RotorSaid:
         Body axes, m.
     spin : int
         A bare number: 1 to the left, seen from above, -1 to the right, 0 if the file does not say.
+    thrust_max : float or None
+        N.
     """
 
     position: tuple[float, float, float]
     spin: int
+    thrust_max: float | None = None
 
 
 @dataclass(frozen=True)
@@ -86,7 +90,7 @@ def of_bodies(bodies: list[tuple[float, Array, Array]]) -> tuple[float, Array, A
 def down(
     kind: str,
     bodies: list[tuple[float, Array, Array]],
-    rotors: list[tuple[Array, int]],
+    rotors: Sequence[tuple[Array, int, float | None]],
     **more: float | tuple[str, ...] | None,
 ) -> VehicleFile:
     """Return a vehicle of a file whose axes are x forward, y left, z up.
@@ -97,7 +101,7 @@ def down(
         Of the file.
     bodies : list of (mass, centre, inertia about it)
         kg, (3,) in m and (3, 3) in kg m².
-    rotors : list of (position, spin)
+    rotors : sequence of (position, spin, thrust_max)
         (3,) in m, and as in `RotorSaid`.
     **more
         Further attributes of `VehicleFile`, in their units: m, s.
@@ -107,7 +111,7 @@ def down(
         raise ValueError(f"{kind} has no mass")
     mass, centre, inertia = of_bodies(bodies)
     said = []
-    for place, spin in rotors:
+    for place, spin, most in rotors:
         x, y, z = (DOWN @ (place - centre)).tolist()
-        said.append(RotorSaid((x, y, z), spin))
+        said.append(RotorSaid((x, y, z), spin, most))
     return VehicleFile(kind, mass, DOWN @ inertia @ DOWN, tuple(said), **more)  # type: ignore[arg-type]

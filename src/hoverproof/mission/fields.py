@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from fractions import Fraction
+from typing import Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 from pydantic_core import PydanticCustomError
@@ -160,3 +161,17 @@ class Section(BaseModel):
     def __dir__(self) -> list[str]:
         """Return what a section is for, without what its making takes."""
         return [name for name in super().__dir__() if name not in _OF_THE_LIBRARY]
+
+
+def as_text(value: Any) -> Any:
+    """Write all numbers of nested dicts and lists as strings.
+
+    Parameters
+    ----------
+    value : object
+    """
+    if isinstance(value, dict):
+        return {key: as_text(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [as_text(entry) for entry in value]
+    return str(value).lower() if isinstance(value, bool) else str(value)

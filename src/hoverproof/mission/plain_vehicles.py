@@ -11,8 +11,15 @@ from typing import Any
 import numpy as np
 
 from hoverproof.mission.described import RotorSaid, VehicleFile, down
+from hoverproof.mission.frame import PLUS, X
 
 MAX_NODES = 20_000
+LEAN = 0.05
+"""Of a rotor's axis, from which on it does not push straight up."""
+PX4S_KM = 0.05
+"""m: what PX4 takes for the drag ratio of a rotor where nobody has said it."""
+PX4S_CT = 6.5
+"""N: what PX4 takes a rotor to give at full output where nobody has said it."""
 _OPERATIONS: dict[type[ast.AST], Any] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -44,7 +51,7 @@ def read_plain(text: str) -> VehicleFile:
     """
     if re.search(r"(?m)\bCA_ROTOR\d+_P[XY]\b", text):
         return _px4(text)
-    if re.search(r"(?m)^\s*(mixer \w+|set yaw_motors_reversed)", text):
+    if re.search(r"(?m)^\s*(mixer \w+|set yaw_motors_reversed|# Betaflight /|board_name )", text):
         return _betaflight(text)
     for value in _values(text).values():
         if isinstance(value, dict) and "mass" in value:
@@ -121,11 +128,13 @@ def _rotorpy(held: dict[str, Any]) -> VehicleFile:
     if len(signs) != len(places):
         raise ValueError("rotor_pos and rotor_directions are not of as many rotors")
     thrust, torque = number("k_eta"), number("k_m")
+    speed = number("rotor_speed_max")
+    most = [None if not thrust or not speed else thrust * speed**2] * len(places)
     words = () if places else ("no positions of rotors (rotor_pos)",)
     return down(
         "RotorPy",
         [(mass, np.zeros(3), inertia)],
-        list(zip(places, signs, strict=True)),
+        list(zip(places, signs, most, strict=True)),
         drag_ratio=torque / thrust if thrust and torque else None,
         rotor_lag=number("tau_m"),
         words=words,
@@ -138,27 +147,48 @@ def _rotorpy(held: dict[str, Any]) -> VehicleFile:
 def _px4(text: str) -> VehicleFile:
     found: dict[str, float] = {}
     for name, value in re.findall(
-        r"(?m)\b((?:CA_ROTOR(?:\d+_(?:P[XYZ]|KM|CT)|_COUNT))|MPC_THR_HOVER)[\s,]+([-+.\deE]+)", text
+        r"(?m)\b(CA_ROTOR(?:\d+_(?:P[XYZ]|A[XYZ]|KM|CT)|_COUNT))[\s,]+([-+.\deE]+)", text
     ):
         found[name] = float(value)
     numbers = sorted({int(n) for n in re.findall(r"CA_ROTOR(\d+)_P[XY]", text)})
     count = int(found.get("CA_ROTOR_COUNT", len(numbers)))
+    for name in (f"CA_ROTOR{i}_A{axis}" for i in range(count) for axis in "XY"):
+        if abs(found.get(name, 0.0)) > LEAN:
+            raise ValueError(f"{name} turns a rotor aside: each is to push straight up")
     rotors, ratios = [], []
     for i in numbers[:count]:
         x, y, z = (found.get(f"CA_ROTOR{i}_P{axis}", 0.0) for axis in "XYZ")
-        turning = found.get(f"CA_ROTOR{i}_KM", 0.05)
-        rotors.append(RotorSaid((x, y, z), 1 if turning > 0 else -1))
+        turning, most = found.get(f"CA_ROTOR{i}_KM", PX4S_KM), found.get(f"CA_ROTOR{i}_CT", PX4S_CT)
+        rotors.append(
+            RotorSaid((x, y, z), 1 if turning > 0 else -1, None if most == PX4S_CT else most)
+        )
         ratios.append(abs(turning))
     words = []
     if any(max(map(abs, r.position)) >= 1 for r in rotors):
         words.append(
             "positions of 1 and more: PX4 also takes them without a unit; they are to be m"
         )
-    if all(
-        f"CA_ROTOR{i}_KM" not in found or abs(found[f"CA_ROTOR{i}_KM"]) == 0.05 for i in numbers
-    ):
-        words.append("KM is PX4's default of 0.05 m, not measured")
-    return VehicleFile("PX4", rotors=tuple(rotors), drag_ratio=ratios[0], words=tuple(words))
+    measured = any(abs(found.get(f"CA_ROTOR{i}_KM", PX4S_KM)) != PX4S_KM for i in numbers)
+    if not measured:
+        words.append("KM is PX4's default of 0.05 m, which nobody has measured: it is not taken")
+    ratio = ratios[0] if measured else None
+    if (layout := _normalized(rotors)) is not None:
+        words = [w for w in words if "positions" not in w]
+        words.append("positions are of 1, without a unit: they say the layout, and no length")
+        return VehicleFile("PX4", drag_ratio=ratio, words=tuple(words), layout=layout)
+    return VehicleFile("PX4", rotors=tuple(rotors), drag_ratio=ratio, words=tuple(words))
+
+
+def _normalized(rotors: list[RotorSaid]) -> str | None:
+    """Return the layout of four rotors whose places are of 1 m, as PX4 has generic frames."""
+    turns = {(x, y): rotor.spin for rotor in rotors for x, y, _ in [rotor.position]}
+    for name, frame in (("x", X), ("plus", PLUS)):
+        own = {(float(x), float(y)): int(t) for (x, y), t in zip(*frame[1:], strict=True)}
+        if turns == own:
+            return name
+        if turns == {place: -turn for place, turn in own.items()}:
+            return f"{name}\nreversed = true"
+    return None
 
 
 def _betaflight(text: str) -> VehicleFile:
@@ -169,6 +199,7 @@ def _betaflight(text: str) -> VehicleFile:
         raise ValueError(f"its mixer {name} is none of {', '.join(kinds)}")
     backwards = re.search(r"(?m)^\s*set yaw_motors_reversed\s*=\s*ON", text) is not None
     words = ["Betaflight knows no lengths, mass or inertia"]
+    words += [] if mixer else ["no mixer is named, so it is Betaflight's own, QUADX"]
     words += ["propellers are reversed"] if backwards else []
     layout = kinds[name] + ("\nreversed = true" if backwards else "")
     return VehicleFile("Betaflight", words=tuple(words), layout=layout)

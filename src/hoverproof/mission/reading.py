@@ -119,16 +119,17 @@ def with_tolerance(mission: Mission, name: str, value: Fraction) -> Mission:
     ----------
     mission : Mission
     name : str
-        Such as ``"latency"``.
+        Such as ``"latency"``, or ``"noise.rate"``.
     value : Fraction
-        In its unit, s, m/s², rad/s or a share, dimensionless.
+        In its unit, as in a mission file; a share is dimensionless.
 
     Raises
     ------
     InputError
         If a mission cannot have it.
     """
-    section = dict(mission.uncertainty) | {name: value}
+    section, (group, _, key) = dict(mission.uncertainty), name.partition(".")
+    section[group] = dict(section[group]) | {key: value} if key else value
     try:
         return Mission(**(dict(mission) | {"uncertainty": section}))
     except ValidationError as error:

@@ -12,9 +12,10 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from hoverproof.mission.camera import Camera
-from hoverproof.mission.conditions import ModelError, Rotors, Scatter, Sensors, Wind
+from hoverproof.mission.conditions import ModelError, Rotors, Scatter, Sensors, Wind, out_of_order
 from hoverproof.mission.fields import Section as _Section
 from hoverproof.mission.fields import array as _array
+from hoverproof.mission.fields import as_text
 from hoverproof.mission.fields import one_of as _one_of
 from hoverproof.mission.fields import quantity as _quantity
 from hoverproof.mission.fields import reject as _reject
@@ -308,6 +309,11 @@ class Mission(_Section):
                 f"must be a list [{', '.join(names)}], not {len(shares)} entries",
                 key="model_error.rotors",
             )
+        if (wrong := out_of_order(self.rotor_limits)) is not None:
+            raise _reject(
+                f"the lowest thrust of the rotor {names[wrong]} must be below its highest, N",
+                key="vehicle.rotors",
+            )
         return self
 
     @model_validator(mode="after")
@@ -355,19 +361,18 @@ class Mission(_Section):
 
     def _covers_its_inertia(self) -> None:
         """Refuse tolerances that a vehicle with products of inertia cannot have covered."""
-        asked = self.uncertainty
-        keys = {
-            "torque": asked.torque,
-            "rotor_lag": asked.rotor_lag,
-            "noise.rate": asked.noise.rate,
-        }
-        for key, value in keys.items():
-            if value and self.vehicle.products is not None:
-                raise _reject(
-                    "must be 0 for a vehicle with products of inertia: the theorem about other "
-                    "torques is there for principal moments alone, three numbers",
-                    key=f"uncertainty.{key}",
-                )
+        key = self.uncertainty.of_torques
+        if key and self.vehicle.products is not None:
+            raise _reject(
+                "must be 0 for a vehicle with products of inertia: another torque, or a late one, "
+                "then turns that about yaw, and squares of the rates, into roll and pitch",
+                key=f"uncertainty.{key}",
+            )
+
+    @property
+    def rotor_limits(self) -> tuple[tuple[Fraction | None, Fraction | None], ...]:
+        """The lowest and the highest thrust of each rotor, N: its own, else that of all."""
+        return self.rotors.of_each(self.vehicle.own_limits, len(self.vehicle.frame.names))
 
     @property
     def title(self) -> str:
@@ -425,7 +430,7 @@ class Mission(_Section):
             numbers["vehicle"] |= {} if self.vehicle.products is None else self.vehicle.as_matrix()
             if not self.vehicle.reversed:
                 del numbers["vehicle"]["reversed"]
-        text: dict[str, Any] = _as_text(numbers)
+        text: dict[str, Any] = as_text(numbers)
         for part, key in (
             *((text.get("uncertainty"), key) for key in ("gust", "control_period", "force_lag")),
             (text.get("uncertainty", {}).get("noise"), "vertical"),
@@ -433,7 +438,7 @@ class Mission(_Section):
             if part and part[key] == "0":  # as in the missions before these keys
                 del part[key]
         if "camera" in text:
-            text["camera"] = _as_text(self.camera.told())
+            text["camera"] = as_text(self.camera.told())
         if self.holds_old_axes:
             text["uncertainty"]["gyro_turned"] = "false"
         if text["goal"].get("heading_from") == "compass":
@@ -443,15 +448,8 @@ class Mission(_Section):
     def conditions(self) -> dict[str, Any]:
         """Return what the mission adds to the model and how it scatters, in the way of `exact`."""
         sections = {name: getattr(self, name) for name in CONDITIONS}
-        text: dict[str, Any] = _as_text(
-            {k: v.model_dump(exclude_defaults=True) for k, v in sections.items()}
-        )
+        held = {k: v.model_dump(exclude_defaults=True) for k, v in sections.items()}
+        if self.vehicle.own_limits:
+            held["rotors"]["each"] = self.rotor_limits
+        text: dict[str, Any] = as_text(held)
         return {name: keys for name, keys in text.items() if keys}
-
-
-def _as_text(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _as_text(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_as_text(entry) for entry in value]
-    return str(value).lower() if isinstance(value, bool) else str(value)

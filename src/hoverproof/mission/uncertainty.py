@@ -92,6 +92,12 @@ class Uncertainty(Section):
         return bool(self.gust) or self.noise != Noise()
 
     @property
+    def of_torques(self) -> str | None:
+        """The first key in doubt by which another torque is made than the one that is meant."""
+        asked = {"torque": self.torque, "rotor_lag": self.rotor_lag, "noise.rate": self.noise.rate}
+        return next((key for key, value in asked.items() if value), None)
+
+    @property
     def is_tolerant(self) -> bool:
         """Whether something is in doubt of the vehicles themselves: one of `TOLERANCES`."""
         return any(getattr(self, name) for name in TOLERANCES)

@@ -20,6 +20,7 @@ _ARM = "a length in m, from the centre of mass to each rotor"
 _WANTED = dict.fromkeys(LAYOUTS, _ARM) | {
     "h": "[forward, sideways] in m, from the centre of mass to each rotor"
 }
+_Thrust = Annotated[Fraction, quantity("N", "0", "1e9")]
 _MOMENT = quantity("kg m²", "-1e6", "1e6")
 _ASIDE = (0, 1), (0, 2), (1, 2)
 _TURN = {"ccw": 1, "cw": -1}
@@ -63,7 +64,7 @@ class Rotor(Section):
     """A rotor: position m (body axes, x forward, y right, z down), spin, drag_ratio m.
 
     The spin is "ccw" (or 1) or "cw" (or -1), seen from above. The drag ratio is that of the
-    vehicle, unless it is said here.
+    vehicle, unless it is said here; thrust_min and thrust_max, N, are those of `[rotors]`.
     """
 
     position: Annotated[
@@ -71,6 +72,15 @@ class Rotor(Section):
     ]
     spin: Annotated[Any, PlainValidator(_spin)]
     drag_ratio: _PositiveLength | None = None
+    thrust_min: _Thrust | None = None
+    thrust_max: _Thrust | None = None
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        low, high = self.thrust_min, self.thrust_max
+        if low is not None and high is not None and low >= high:
+            raise reject(f"must be below thrust_max, {shown(high)} N", key="thrust_min")
+        return self
 
 
 class Vehicle(Section):
@@ -228,6 +238,12 @@ class Vehicle(Section):
         if self.layout is None:
             return self.lever or Fraction(0)
         return frames.lever_of(arm) if self.layout == "x" else arm
+
+    @property
+    def own_limits(self) -> tuple[tuple[Fraction | None, Fraction | None], ...]:
+        """What each rotor of a list says of its thrust, N; nothing if none says anything."""
+        own = tuple((r.thrust_min, r.thrust_max) for r in self.rotors or ())
+        return own if any(end is not None for ends in own for end in ends) else ()
 
     @property
     def distance(self) -> float:

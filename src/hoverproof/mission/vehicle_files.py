@@ -8,6 +8,7 @@ from pathlib import Path
 
 from hoverproof.errors import InputError
 from hoverproof.mission.described import VehicleFile
+from hoverproof.mission.frame import ROTORS
 from hoverproof.mission.plain_vehicles import read_plain
 from hoverproof.mission.xml_vehicles import read_xml
 
@@ -40,7 +41,7 @@ def read_vehicle(path: str | Path) -> VehicleFile:
     if len(data) > MAX_BYTES:
         raise InputError(where, "", f"is larger than {MAX_BYTES} bytes")
     try:
-        found = read_xml(text) if text.lstrip().startswith("<") else read_plain(text)
+        found = read_xml(text, Path(path)) if text.lstrip().startswith("<") else read_plain(text)
     except (ValueError, RecursionError) as error:
         raise InputError(where, "", f"describes no vehicle: {error}") from None
     return checked(_turning(found), where)
@@ -60,6 +61,12 @@ def checked(found: VehicleFile, where: str) -> VehicleFile:
     numbers = [found.mass or 1.0, *(c for r in found.rotors for c in r.position)]
     if not all(map(math.isfinite, numbers)) or not 0 < numbers[0] < 1e6:
         raise InputError(where, "", "has a number that is none, or no mass above 0 kg")
+    least, most = ROTORS
+    if found.rotors and not least <= len(found.rotors) <= most:
+        said = (
+            f"{found.kind} has {len(found.rotors)} rotors: vehicles of {least} to {most} are taken"
+        )
+        raise InputError(where, "", said)
     words = list(found.words)
     if found.mass and found.inertia is not None and found.rotors:
         reach = max(math.hypot(*r.position[:2]) for r in found.rotors)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree as ET
 
@@ -15,7 +17,11 @@ from hoverproof.mission.described import VehicleFile, down
 
 Array = NDArray[np.float64]
 
+GRAVITY = 9.8
+"""m/s², of gym-pybullet-drones."""
 ROTOR = re.compile(r"rotor|prop|motor", re.IGNORECASE)
+MOST_LEAN = 0.09
+"""Sine of the lean of a rotor's axis beyond which it does not push straight up."""
 ENTRIES = ("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz")
 MAX_DEPTH = 100
 
@@ -47,28 +53,60 @@ class Pose(NamedTuple):
 HERE = Pose(np.zeros(3), np.eye(3))
 
 
-def read_xml(text: str) -> VehicleFile:
+def read_xml(text: str, path: Path) -> VehicleFile:
     """Read URDF, SDF or MJCF.
 
     Parameters
     ----------
     text : str
+    path : Path
+        Of the file: models that one of SDF includes are looked for beside its folder.
 
     Raises
     ------
     ValueError
         If it is none of these.
     """
-    if "<!ENTITY" in text or "<!DOCTYPE" in text:
-        raise ValueError("it declares entities, which are not read")
-    try:
-        root = ET.fromstring(text)
-    except ET.ParseError as error:
-        raise ValueError(f"it is not valid XML: {error}") from None
+    root = _root(text)
+    for model in root.iter("model"):
+        _include(model, path)
     readers = {"robot": _urdf, "sdf": _sdf, "mujoco": _mjcf}
     if root.tag not in readers:
         raise ValueError(f"<{root.tag}> is neither <robot> (URDF), <sdf> nor <mujoco>")
     return readers[root.tag](root)
+
+
+def _root(text: str) -> ET.Element:
+    if "<!ENTITY" in text or "<!DOCTYPE" in text:
+        raise ValueError("it declares entities, which are not read")
+    try:
+        return ET.fromstring(text)
+    except ET.ParseError as error:
+        raise ValueError(f"it is not valid XML: {error}") from None
+
+
+def _include(model: ET.Element, path: Path) -> None:
+    """Put links and motors of models that one of SDF includes into it, if they lie beside it."""
+    for include in model.findall("include"):
+        name = (include.findtext("uri") or "").strip().removeprefix("model://")
+        beside = path.resolve().parent.parent / name / "model.sdf"
+        if include.findtext("pose", "").strip(" 0.\n") or not re.fullmatch(r"[\w-]+", name):
+            continue  # a sensor, for one, that is mounted somewhere
+        if not beside.is_file():
+            if model.find("link") is None:
+                raise ValueError(f"it includes {name}, and there is no {name}/model.sdf beside it")
+            continue
+        for other in _root(beside.read_text(encoding="utf-8")).findall("model"):
+            model.extend(other)
+
+
+def _upright(axis: Array, name: str) -> None:
+    """Refuse a rotor that does not push along the z axis of the body."""
+    sine = float(np.linalg.norm(axis[:2]) / np.linalg.norm(axis))
+    if sine > MOST_LEAN:
+        lean = math.degrees(math.asin(min(sine, 1)))
+        told = f"its rotor {name} leans by {lean:.3g} degrees"
+        raise ValueError(f"{told}: each is to push straight up")
 
 
 def _numbers(text: str | None, count: int) -> Array:
@@ -145,10 +183,27 @@ def _urdf(root: ET.Element) -> VehicleFile:
             entries = {} if moments is None else dict(moments.attrib)
             value = 0.0 if mass is None else float(mass.get("value", "0"))
             bodies.append(_body(at, value, _matrix(entries)))
+            here = at
         above = joints.get(name)
         if above is not None and ROTOR.search(name) and above.get("type") != "prismatic":
-            rotors.append((here.place, 0))
-    return down("URDF", bodies, _apart(rotors))
+            axis = None if above.get("type") == "fixed" else above.find("axis")
+            along = "0 0 1" if axis is None else axis.get("xyz", "1 0 0")
+            _upright(pose(name).turn @ _numbers(along, 3), name)
+            rotors.append((here.place, 0, None))
+    return _with_properties(down("URDF", bodies, _apart(rotors)), root.find("properties"))
+
+
+def _with_properties(found: VehicleFile, said: ET.Element | None) -> VehicleFile:
+    """Add what gym-pybullet-drones says of rotors: thrust and torque over speed², and the most."""
+    if said is None or not {"kf", "km", "thrust2weight"} <= set(said.keys()) or not found.rotors:
+        return found
+    kf, km, times = (float(said.get(key, "0")) for key in ("kf", "km", "thrust2weight"))
+    most = times * (found.mass or 0) * GRAVITY / len(found.rotors)
+    return replace(
+        found,
+        drag_ratio=km / kf if kf else None,
+        rotors=tuple(replace(rotor, thrust_max=most) for rotor in found.rotors),
+    )
 
 
 # --- SDF: links with poses in the model; motors are plugins ---------------------------------------
@@ -182,8 +237,10 @@ def _sdf(root: ET.Element) -> VehicleFile:
             entries = {e.tag: e.text or "0" for e in inertial.findall("inertia/*")}
             bodies.append(_body(here.then(own(inertial)), mass, _matrix(entries)))
         if name in motors or (not motors and ROTOR.search(name)):
-            turning = motors.get(name, {}).get("turningDirection", "")
-            rotors.append((here.place, {"ccw": 1, "cw": -1}.get(turning.strip(), 0)))
+            _upright(here.turn[:, 2], name)  # its thrust is along z of the link
+            motor = motors.get(name, {})
+            turning = motor.get("turningDirection", "").strip()
+            rotors.append((here.place, {"ccw": 1, "cw": -1}.get(turning, 0), _most(motor)))
     constants = next(iter(motors.values()), {})
     ratio, lag = constants.get("momentConstant"), constants.get("timeConstantUp")
     return down(
@@ -193,6 +250,13 @@ def _sdf(root: ET.Element) -> VehicleFile:
         drag_ratio=float(ratio) if ratio else None,
         rotor_lag=float(lag) if lag else None,
     )
+
+
+def _most(motor: dict[str, str]) -> float | None:
+    """Return the thrust of a motor at its highest speed, N, if that is said."""
+    if "maxRotVelocity" not in motor:
+        return None
+    return float(motor["motorConstant"]) * float(motor["maxRotVelocity"]) ** 2
 
 
 def _motors(root: ET.Element) -> Iterator[tuple[str, dict[str, str]]]:
@@ -209,7 +273,7 @@ def _mjcf(root: ET.Element) -> VehicleFile:
     defaults = dict(_defaults(root.find("default"), {}))
     by_geoms = (root.find("compiler") or ET.Element("c")).get("inertiafromgeom", "auto")
     bodies: list[tuple[float, Array, Array]] = []
-    sites: dict[str, Array] = {}
+    sites: dict[str, Pose] = {}
 
     def said(element: ET.Element, childclass: str) -> dict[str, str]:
         of = defaults.get(element.get("class") or childclass, {})
@@ -237,7 +301,7 @@ def _mjcf(root: ET.Element) -> VehicleFile:
             if (mass := float(entries.get("mass", "0"))) > 0:
                 bodies.append(_body(here.then(pose(entries)), mass, mass * _solid(entries)))
         for site in body.findall("site"):
-            sites[site.get("name") or ""] = here.then(pose(said(site, childclass))).place
+            sites[site.get("name") or ""] = here.then(pose(said(site, childclass)))
         for inner in body.findall("body"):
             walk(inner, here, childclass, depth + 1)
 
@@ -253,7 +317,10 @@ def _mjcf(root: ET.Element) -> VehicleFile:
             continue
         force, turning = _numbers(gear, 6)[2], _numbers(gear, 6)[5]
         if force and turning:  # thrust up; the body is turned against the rotor
-            rotors.append((sites[site], int(-math.copysign(1, turning / force))))
+            _upright(sites[site].turn @ _numbers(gear, 6)[:3], site)
+            span = motor.get("ctrlrange")
+            most = None if span is None else force * _numbers(span, 2)[1]
+            rotors.append((sites[site].place, int(-math.copysign(1, turning / force)), most))
             ratios.append(abs(turning / force))
     return down("MJCF", bodies, rotors, drag_ratio=ratios[0] if ratios else None)
 
@@ -294,10 +361,10 @@ def _solid(entries: dict[str, str]) -> Array:
     raise ValueError(f"a geom of type {kind!r} has a mass, and its inertia is not known here")
 
 
-def _apart(rotors: list[tuple[Array, int]]) -> list[tuple[Array, int]]:
+def _apart(rotors: list[tuple[Array, int, None]]) -> list[tuple[Array, int, None]]:
     """Drop rotors that stand where another one does, as a propeller on its motor."""
-    kept: list[tuple[Array, int]] = []
-    for place, spin in rotors:
-        if all(np.linalg.norm((place - other)[:2]) > 1e-6 for other, _ in kept):
-            kept.append((place, spin))
+    kept: list[tuple[Array, int, None]] = []
+    for rotor in rotors:
+        if all(np.linalg.norm((rotor[0] - other)[:2]) > 1e-6 for other, *_ in kept):
+            kept.append(rotor)
     return kept

@@ -19,9 +19,9 @@ from hoverproof.certification.over_box import BoundsVerdict, certify_region
 from hoverproof.certification.region import default_box
 from hoverproof.design.atlas import axis, cell_values, chart
 from hoverproof.errors import InputError
-from hoverproof.export.contents import Standing
 from hoverproof.export.cost import Footprint, Rounding, footprint, rounding
 from hoverproof.export.package import NotCertified, write_package
+from hoverproof.export.standing import Standing
 from hoverproof.mission.sections import Mission
 from hoverproof.paper.conditions import Demand, demands_of, where_met
 from hoverproof.paper.judge import Judgement

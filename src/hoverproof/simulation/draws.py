@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.servo.layout import place
 from hoverproof.simulation import gyro, noise
@@ -92,6 +93,18 @@ def lag_shares(time_constant: float, step: float) -> tuple[float, float]:
     return 1 - taken, 1 - taken * time_constant / step
 
 
+def _limits(mission: Mission) -> dict[str, Any]:
+    """Return the limits of each rotor and of all together, N."""
+    values: dict[str, Any] = {}
+    ends = zip(*mission.rotor_limits, strict=True)
+    for name, missing, each in zip(("min", "max"), (-UNLIMITED, UNLIMITED), ends, strict=True):
+        own = [missing if end is None else float(end) for end in each]
+        alike = len({*own}) == 1  # rounded once, as they are for rotors that are all the same
+        values[f"rotor_{name}"] = np.array(own)
+        values[f"total_{name}"] = len(own) * own[0] if alike else sum(own)
+    return values
+
+
 def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) -> dict[str, Array]:
     """Return the numbers of all that may surround runs, (count, size) each."""
     m, count = plan.mission, len(runs)
@@ -130,8 +143,7 @@ def _surroundings(plan: Plan, runs: NDArray[np.int64], drawn: dict[str, Array]) 
         "left_whole": lag[2],
         "gust_kept": kept,
         "gust_added": gust * math.sqrt(1 - kept * kept),
-        "rotor_min": -UNLIMITED if r.min_thrust is None else float(r.min_thrust),
-        "rotor_max": UNLIMITED if r.max_thrust is None else float(r.max_thrust),
+        **_limits(m),
         "image_noise": float(s.pixel_noise) / focal,
         "image_resolution": float(s.pixel_resolution) / focal,
         "half_width": UNLIMITED if s.width is None else float(s.width) / 2 / focal,

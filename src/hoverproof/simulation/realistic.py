@@ -336,8 +336,7 @@ def decide(
     thrust_rate, torque = command(measured, design, law)
     low, high = around.rotor_min, around.rotor_max
     thrust = measured.thrust + around.period * thrust_rate
-    n = len(frame.names)
-    thrust = ca.fmin(ca.fmax(thrust, n * low), n * high)
+    thrust = ca.fmin(ca.fmax(thrust, around.total_min), around.total_max)
     wanted = rotors.rotor_thrusts(frame, thrust, torque, around.arm, around.drag_ratio)
     lever = law.lever(law.force.thrust(measured, design), design)
     changes = {

@@ -84,7 +84,9 @@ class Surroundings(Packed):
     gust_kept, gust_added : SX
         A gust's share kept over a step, dimensionless, and the deviation added, m/s.
     rotor_min, rotor_max : SX
-        N.
+        Of each rotor, (n, 1), N.
+    total_min, total_max : SX
+        Of all together, N.
     image_noise, image_resolution, half_width, half_height : SX
         In focal lengths, dimensionless.
     gyro_noise, velocity_noise, gravity_noise : SX
@@ -110,8 +112,10 @@ class Surroundings(Packed):
     left_whole: ca.SX = scalar("1")
     gust_kept: ca.SX = scalar("1")
     gust_added: ca.SX = scalar("m/s")
-    rotor_min: ca.SX = scalar("N")
-    rotor_max: ca.SX = scalar("N")
+    rotor_min: ca.SX = column("N", 4)
+    rotor_max: ca.SX = column("N", 4)
+    total_min: ca.SX = scalar("N")
+    total_max: ca.SX = scalar("N")
     image_noise: ca.SX = scalar("1")
     image_resolution: ca.SX = scalar("1")
     half_width: ca.SX = scalar("1")
@@ -292,7 +296,8 @@ def of_vehicle(around: type[Surroundings], rotors: int, moments: int) -> type[Su
     moments : int
         Number of moments of inertia, with products of inertia if there are any.
     """
-    return resized(around, (("inertia", moments), ("rotor_shares", rotors)))
+    of_each = ("rotor_min", "rotor_max", "rotor_shares")
+    return resized(around, (("inertia", moments), *((name, rotors) for name in of_each)))
 
 
 @dataclass(frozen=True)

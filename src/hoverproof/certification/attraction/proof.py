@@ -14,6 +14,7 @@ import numpy as np
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.algebra.surd import sqrt_enclosure
+from hoverproof.certification.attraction.at_goal import no_weights
 from hoverproof.certification.attraction.draft import NotShown, draft, force_within
 from hoverproof.certification.attraction.form import derive_form
 from hoverproof.certification.attraction.inequality import Loop
@@ -42,6 +43,7 @@ from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import law_of
 
 Progress = Callable[[str], None]
+NO_WEIGHTS = "no weights were found that satisfy the inequality"
 
 
 def attraction(
@@ -152,8 +154,14 @@ def _search_and_prove(
         if not isinstance(verdict, str):
             return verdict
         reasons.append(("with" if with_barrier else "without") + f" a barrier: {verdict}")
+    nowhere = no_weights(mission) if all(NO_WEIGHTS in reason for reason in reasons) else None
+    if nowhere is not None:
+        return Undecided(mission=mission, reason=nowhere[0], advice=nowhere[1])
     advice = _advice(mission, bool(asked.starts))
     return Undecided(mission=mission, reason="; ".join(reasons), advice=advice)
+
+
+INSTEAD = "theorem 5 covers it: law.feature = 'scaled' has it at its best"
 
 
 def _why_noisy(mission: Mission) -> str:
@@ -162,7 +170,8 @@ def _why_noisy(mission: Mission) -> str:
     if may.is_shaken:
         return (
             "bounded noise and gusts are not covered by a region of attraction: the motion ends "
-            "near the goal"
+            "near the goal, and the potential falls by |q - q3* ρ|², not by a share of itself, so "
+            f"nothing bounds what is left of it; {INSTEAD}"
         )
     if may.control_period or may.force_lag:
         return (
@@ -197,7 +206,8 @@ def why_not_covered(mission: Mission) -> str:
     if mission.uncertainty.wind and mission.law.goal == "image":
         return (
             "wind moves the hover of a goal that is fixed in the image, and the natural potential "
-            "with it, which is not covered; law.goal = 'inertial' is"
+            "with it, another one for each wind, which is not covered; law.goal = 'inertial' is, "
+            f"or {INSTEAD}"
         )
     return ""
 
@@ -280,7 +290,7 @@ def _attempt(
         found = find(asked.search(slack, barrier), objective, terms)
         if found is None:
             below = ", with a barrier below the starts" if barrier and starts else ""
-            return reason or f"no weights were found that satisfy the inequality{below}"
+            return reason or f"{NO_WEIGHTS}{below}"
         if starts and found.fill > 1:
             return (
                 f"Λ at the start is {found.fill:.3g} times the highest level found "

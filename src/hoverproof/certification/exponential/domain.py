@@ -205,8 +205,13 @@ class Domain:
             told |= inner
             return told
 
+        return grow_tree(whole, hold, self.most_cells, self._scale)
+
+    @property
+    def most_cells(self) -> int:
+        """Into how many cells its box may be halved."""
         cost = COST_BESIDE if self.scene.arm else COST
-        return grow_tree(whole, hold, most_cells(len(self.scene.points), cost), self._scale)
+        return most_cells(len(self.scene.points), cost)
 
     def _steep(self, cells: Array) -> Array:
         """Return the least cosine of the angle to the vertical of all points at the corners."""

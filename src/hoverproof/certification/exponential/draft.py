@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import binary_above, binary_below, decimal_above, decimal_below
 from hoverproof.certification.attraction.draft import NotShown
@@ -18,6 +19,7 @@ from hoverproof.certification.exponential.rotors import thrusts
 from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.vehicles import Limits
 from hoverproof.certification.problem import wanted
+from hoverproof.mission.frame import X
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 
@@ -165,6 +167,18 @@ def _seen(domain: Domain, r: Rounded) -> tuple[str | None, Fraction | None]:
     return plain or domain.tree(), None
 
 
+def _rotors(mission: Mission, ends: NDArray[np.float64]) -> list[Any]:
+    """Round the ends of the thrust of each rotor, N: one interval for rotors of an X frame."""
+    spare = SPARE * ends[:, 1].max()
+    rounded = [
+        [decimal_below(low - spare, 6), decimal_above(high + spare, 6)]
+        for low, high in ends.tolist()
+    ]
+    if mission.vehicle.frame != X:
+        return rounded
+    return [min(low for low, _ in rounded), max(high for _, high in rounded)]
+
+
 def _ultimate(r: Rounded, low: float) -> dict[str, Fraction]:
     """Return where the vehicle is in the end, low a lower bound of J about the goal, 1/m."""
     offset = decimal_above(float(r.tilted.offset(r.weights, r.floor)) * (1 + SPARE), DIGITS)
@@ -224,8 +238,9 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
     for name, tree in trees.items():
         if tree is None:
             raise NotShown(f"the {name} takes more cells than are checked")
-    low, high = thrusts(r.limits, np.array(r.weights, float), float(r.level), mission)
-    rotors = [decimal_below(low - SPARE * high, 6), decimal_above(high * (1 + SPARE), 6)]
+    rotors = _rotors(
+        mission, thrusts(r.limits, np.array(r.weights, float), float(r.level), mission)
+    )
     content: dict[str, Any] = {
         "weights": list(r.weights),
         "lag": None if r.lag is None else dict(zip(("torque", "thrust"), r.lag, strict=True)),

@@ -11,6 +11,7 @@ from dataclasses import replace
 import casadi as ca
 
 from hoverproof.algebra.identity import prove_equal, prove_zero
+from hoverproof.algebra.linear import lie_derivative
 from hoverproof.certification.attraction.lemmas import Lemma
 from hoverproof.certification.exponential.form import (
     ROWS,
@@ -20,7 +21,9 @@ from hoverproof.certification.exponential.form import (
     derive_form,
 )
 from hoverproof.certification.exponential.noise_lemmas import axes, held, noise
+from hoverproof.plant import rigid_body
 from hoverproof.plant.rigid_body import E3, skew
+from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.lagged import (
     LaggedLoop,
     Rotors,
@@ -385,6 +388,31 @@ def _natural() -> dict[str, bool]:
     }
 
 
+def _height() -> dict[str, bool]:
+    """The vertical motion with an inertial goal and no tolerance of the thrust."""
+    law = LAWS["centroid", "inertial", "modelled"]
+    control, Q = derive_controller(law), ca.tril2symm(ca.SX.sym("Q", ca.Sparsity.lower(3)))
+    at, d = control.measured, control.design
+    rho, aim = at.gravity_direction, at.centroid - d.goal_centroid[2] * at.gravity_direction
+    rate = law.measured_rate(
+        at,
+        d,
+        angular_acceleration=control.angular_acceleration,
+        thrust_rate=control.thrust_rate,
+        depth_flow=Q @ at.velocity,
+    )
+    rises = ca.dot(rho, at.velocity)
+    second = ca.dot(rho, rigid_body.force(at.thrust, rho, d.mass, d.gravity)) / d.mass
+    third = lie_derivative(second, at.vector(), rate)
+    change = rises + d.mass / (d.k1 * d.k2) * (second + third / kappa(d))
+    w = ca.dot(rho, aim) + ca.dot(rho[:2], law.errors(at, d).d4)
+    return {
+        "inertial: N' = (k1/m) (ρᵀ(q - q3* ρ) + (Pρ)ᵀδ4)": bool(
+            prove_equal(change, d.k1 / d.mass * w)
+        )
+    }
+
+
 LEMMAS = (
     Lemma(
         "late",
@@ -558,8 +586,10 @@ LEMMAS = (
         "the natural potential and vehicles within tolerance",
         "For 0 ⪯ Q ⪯ λI, y = QV has yᵀ(λV - y) >= 0. With the centroid as feature and e = q - q3* "
         "ρ, δ1 = e for an inertial goal and δ1 = e + q3*(ρ - e3) for one in the image; δ1 is in "
-        "no other rate than its own, but through y.",
-        "|H| <= 1 in the first identity.",
-        _natural,
+        "no other rate than its own, but through y. For an inertial goal, with the thrust as "
+        "commanded, N of the lemma on the vertical motion obeys N' = (k1/m) w, w = qz - q3* + "
+        "(Pρ)ᵀδ4: so w <= qz - q3* + sin φ √(2ℓ/a4) while Λ <= ℓ.",
+        "|H| <= 1 in the first identity. |ρ| = 1, |Pρ| = sin φ, and a4|δ4|² <= 2ℓ as W >= 0.",
+        lambda: _natural() | _height(),
     ),
 )

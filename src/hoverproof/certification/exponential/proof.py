@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,7 +113,9 @@ def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> 
     require_question(mission, starts)
     whole = Search.of(Vehicles.of(mission), Scene.of(mission), tuple(starts))
     wider, highest = ROOMS[0]
-    search = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
+    settled = SETTLED[-1 if whole.vehicles.is_shaken else 0]
+    search = replace(whole, wider=wider, highest=highest, settled=settled)
+    search = replace(search, half_angle=_half_angle(mission))
     found = search.deepest(search.terms(), near)
     return found if found is not None and search.sees(found) else None
 
@@ -196,9 +200,17 @@ def _verdict(
         thrust=(decimal_below(low, 6), decimal_above(high, 6)),
         field_of_view=None if cone is None else decimal_above(math.acos(cone), 4),
         ultimate_radius=claim["ultimate"]["radius"] if "ultimate" in claim else None,
-        rotor_thrust=tuple(claim["rotors"]),
+        rotor_thrusts=_each(claim["rotors"], mission),
         starts=starts,
     )
+
+
+def _each(rotors: list[Any], mission: Mission) -> tuple[tuple[Fraction, Fraction], ...]:
+    """Return the bounds of the thrust of each rotor, N."""
+    if isinstance(rotors[0], list):
+        return tuple((low, high) for low, high in rotors)
+    low, high = rotors
+    return ((low, high),) * len(mission.vehicle.frame.names)
 
 
 def _advice(mission: Mission) -> tuple[str, ...]:

@@ -241,12 +241,16 @@ class Refusal:
         Of ℓ - Ψ at the start, a bare number.
     vectors : (4,) tuples of vectors
         Of the matrices of `REACH`, bare numbers.
+    left_out : tuple of str
+        What the mission asks to be covered and is not looked at, in words: the theorem asks for
+        more with it.
     """
 
     asked: Asked
     corners: tuple[Corner, ...]
     start: Fraction
     vectors: tuple[tuple[Vector, ...], ...]
+    left_out: tuple[str, ...] = ()
 
     def total(self) -> Sum:
         """Return the sum."""
@@ -268,10 +272,13 @@ class Refusal:
     def words(self) -> str:
         """What it shows."""
         states, (j, radius) = sum(len(c.states) for c in self.corners), self.asked.ball
+        beside = ""
+        if self.left_out:
+            beside = f" (even without {' and '.join(self.left_out)}, with which it asks for more)"
         return (
             f"all weights of theorem 5 are refused by {_count(states, 'state')} of "
             f"{_count(len(self.corners), 'vehicle')} within tolerance, by exact arithmetic, for "
-            f"this start, |J - {float(j):.3g} I| <= {float(radius):.3g} 1/m, r = "
+            f"this start{beside}, |J - {float(j):.3g} I| <= {float(radius):.3g} 1/m, r = "
             f"{float(self.asked.rate):.3g} 1/s and the bounds of the errors in the file: so "
             "it proves nothing there, which is not to say that a vehicle does not converge"
         )

@@ -20,8 +20,8 @@ from hoverproof.mission.vehicle import Vehicle
 Array = NDArray[np.float64]
 
 
-def thrusts(limits: Limits, weights: Array, level: float, mission: Mission) -> tuple[float, float]:
-    """Return the ends of the thrust of each rotor, N.
+def thrusts(limits: Limits, weights: Array, level: float, mission: Mission) -> Array:
+    """Return the ends of the thrust of each rotor, (n, 2), N.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def thrusts(limits: Limits, weights: Array, level: float, mission: Mission) -> t
         beside = np.hypot(x, y) * plain + np.abs(z) * about_it
         beside += uneven * np.linalg.norm(way, axis=0) * ((h * turn) ** 2 + v.yaw_rate**2)
     ends = np.stack([by_thrust * (least - ahead), by_thrust * (most + ahead)])
-    return float((ends.min(axis=0) - beside).min()), float((ends.max(axis=0) + beside).max())
+    return np.stack([ends.min(axis=0) - beside, ends.max(axis=0) + beside], axis=1)
 
 
 def _shares(vehicle: Vehicle) -> Array:

@@ -69,7 +69,7 @@ class Exponential(Proved):
         where it is not shown to be below a right angle.
     ultimate_radius : Fraction or None
         In the end the vehicle is within that of the hover point, m; without noise it comes to it.
-    rotor_thrust : (low, high)
+    rotor_thrusts : tuple of (low, high)
         Bounds of what each rotor makes, and is set to make, on the way, N; see `rotors`.
     starts : tuple of Start
     """
@@ -86,8 +86,13 @@ class Exponential(Proved):
     thrust: tuple[Fraction, Fraction]
     field_of_view: Fraction | None
     ultimate_radius: Fraction | None
-    rotor_thrust: tuple[Fraction, Fraction]
+    rotor_thrusts: tuple[tuple[Fraction, Fraction], ...]
     starts: tuple[Start, ...]
+
+    @property
+    def rotor_thrust(self) -> tuple[Fraction, Fraction]:
+        """Bounds of the thrust of every rotor on the way, N."""
+        return min(low for low, _ in self.rotor_thrusts), max(h for _, h in self.rotor_thrusts)
 
     @property
     def gist(self) -> str:

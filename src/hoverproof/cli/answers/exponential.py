@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from typing import Any
 
 from hoverproof.certification.certificate import exact
@@ -40,6 +41,10 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
         angle = f"{number(verdict.field_of_view)} rad ({math.degrees(verdict.field_of_view):.3g}°)"
         yield f"  target points           within {angle} of the {verdict.mission.camera.axis_seen}"
     yield f"  thrust of each rotor    in {interval(verdict.rotor_thrust)} N"
+    if verdict.mission.vehicle.own_limits:
+        names = verdict.mission.vehicle.frame.names
+        for name, ends in zip(names, verdict.rotor_thrusts, strict=True):
+            yield f"    {name:20}  in {interval(ends)} N"
     yield from map("  {}".format, beyond(verdict))
     symbol = "J" if verdict.mission.law.feature == "scaled" else "Q"
     ball = f"j = {number((low + high) / 2)}, ϱ = {number((high - low) / 2)} 1/m"
@@ -64,17 +69,22 @@ def beyond(verdict: Exponential) -> list[str]:
     ----------
     verdict : Exponential
     """
-    (low, high), rotors = verdict.rotor_thrust, verdict.mission.rotors
-    said = []
-    if rotors.min_thrust is not None and low < rotors.min_thrust:
-        short = number(rotors.min_thrust - low)
-        said.append(
-            f"min_thrust is not shown to be kept, by {short} N: the proof has no such limit"
-        )
-    if rotors.max_thrust is not None and high > rotors.max_thrust:
-        over = number(high - rotors.max_thrust)
-        said.append(f"max_thrust is not shown to be kept, by {over} N: the proof has no such limit")
-    return said
+    names = verdict.mission.vehicle.frame.names
+    own = verdict.mission.vehicle.own_limits
+    below: dict[str, Fraction] = {}
+    above: dict[str, Fraction] = {}
+    each = zip(names, verdict.mission.rotor_limits, verdict.rotor_thrusts, strict=True)
+    for name, (least, most), (low, high) in each:
+        of = f" of the {name} rotor" if own else ""
+        if least is not None and low < least:
+            below[of] = max(least - low, below.get(of, least - low))
+        if most is not None and high > most:
+            above[of] = max(high - most, above.get(of, high - most))
+    return [
+        f"{limit}{of} is not shown to be kept, by {number(far)} N: the proof has no such limit"
+        for limit, beside in (("min_thrust", below), ("max_thrust", above))
+        for of, far in beside.items()
+    ]
 
 
 def as_json(verdict: Exponential) -> dict[str, Any]:

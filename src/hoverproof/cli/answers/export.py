@@ -22,26 +22,38 @@ class ExportAnswer(Answer):
     precision: str
     limits_given: bool
 
+    @property
+    def considered(self) -> list[str]:
+        """What its theorems cover of what the mission asks for."""
+        return list(self.manifest["covers"])
+
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""
         manifest = self.manifest
         standing = "UNCERTIFIED: nothing is proved"
         if manifest["certified"]:
             symbol = "J" if manifest["law"]["feature"] == "scaled" else "Q"
-            standing = f"certified (bounds of {symbol} {manifest['eigenvalue_bounds']})"
+            numbers = manifest["theorems"]
+            standing = f"certified (theorem{'s' * (len(numbers) > 1)} {', '.join(numbers)})"
+            if manifest["eigenvalue_bounds"]:
+                bounds = f"bounds of {symbol} {manifest['eigenvalue_bounds']}"
+                standing = standing.replace(")", f"; {bounds})")
         yield f"{self.mission}: firmware written, {self.precision}, {standing}"
         yield f"  folder  {self.out}"
         yield f"  thrust  {interval(manifest['thrust'])} N, monitored"
         option = "" if self.limits_given else " (--rotor-limits)"
-        yield f"  rotors  {interval(manifest['rotor_limits'])} N each{option}"
-        yield f"          {manifest['rotor_limits_from']}"
+        each = manifest.get("each_rotor")
+        limits = f"{interval(manifest['rotor_limits'])} N each{option}"
+        yield f"  rotors  {', '.join(map(interval, each)) + ' N' if each else limits}"
+        kept = ", proved to be kept" if manifest["rotor_limits_kept"] else ""
+        yield f"          {manifest['rotor_limits_from']}{kept}"
         if "rate_bandwidth" in manifest:
             bandwidth = float(Fraction(manifest["rate_bandwidth"]))
             yield f"  rates   and throttle are commanded, to a rate loop of {bandwidth:g} rad/s"
-        yield "SHA-256 of the law, and of the certificate if there is one:"
+        yield "SHA-256 of the law, and of the certificates if there are any:"
         yield f"  {manifest['law_sha256']}"
-        if manifest["certified"]:
-            yield f"  {manifest['certificate_sha256']}"
+        for sha256 in manifest["theorems"].values():
+            yield f"  {sha256}"
         yield f"Next: cd {self.out} && cmake -B build && cmake --build build --target fly"
 
     def as_json(self) -> dict[str, Any]:

@@ -12,6 +12,11 @@ from hoverproof.certification.exponential.refusal import Corner, Refusal
 from hoverproof.cli.answers.words import number
 from hoverproof.design.unproved import Unproved
 
+NO_REFUSAL = (
+    "no states were found that refuse all weights of theorem 5, so others may prove it; noise, "
+    "gusts, steps and a low-pass are left out where such states are looked for"
+)
+
 
 def lines(found: Unproved, path: Path | None) -> Iterator[str]:
     """Yield the lines for people.
@@ -27,6 +32,8 @@ def lines(found: Unproved, path: Path | None) -> Iterator[str]:
         for corner in found.refusal.corners:
             yield from _filled(f"vehicle: {vehicle(found.refusal, corner)}", "    ")
         yield f"    in exact numbers    {path}"
+    else:
+        yield from _filled(NO_REFUSAL)
     if found.flown is not None:
         flown = found.flown
         yield from _filled(
@@ -74,6 +81,7 @@ def as_json(found: Unproved, path: Path | None) -> dict[str, Any]:
             "shows": refusal.words,
             "vehicles": [vehicle(refusal, corner) for corner in refusal.corners],
             "states": sum(len(corner.states) for corner in refusal.corners),
+            "left_out": list(refusal.left_out),
         },
         "flight": flown
         and {
