@@ -61,6 +61,7 @@ bench: .venv/installed-dev
 	$(BIN)/python benchmarks/design.py --write
 	$(BIN)/python benchmarks/commands.py --write
 	$(BIN)/python benchmarks/tolerances.py --write
+	$(BIN)/python benchmarks/eyes.py --write
 
 # Ten million calls of the firmware with hostile inputs, under sanitizers (needs clang).
 fuzz: .venv/installed-dev
