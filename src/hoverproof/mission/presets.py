@@ -35,11 +35,7 @@ def preset_text(name: str) -> str:
 
 
 def conditions_text() -> str:
-<<<<<<< HEAD
-    """Return a TOML text, all comments, with the keys of law, sensors, interface and so on."""
-=======
     """Return a TOML text, all comments, with the keys of law, sensors, rotors, interface, ..."""
->>>>>>> s-rates
     return (resources.files("hoverproof") / "conditions.toml").read_text(encoding="utf-8")
 
 
