@@ -24,6 +24,7 @@ VEHICLE = HERE.parent / "examples" / "vehicles" / "hummingbird.toml"
 RATIOS = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
 HEIGHTS = (0.6, 1.2, 2.4, 4.8)  # m
 HEIGHT, RATIO = 1.2, 0.2
+TIMES = (2, 3, 5, 10, 20)  # s
 FEATURES = ("scaled", "centroid")
 
 
@@ -82,13 +83,18 @@ def draw(rows: list[Row]) -> Figure:
         by_size.loglog([r.ratio for r in own], [r.flown for r in own], "o:", color=colour)
         by_size.lines[-1].set_label(f"{feature}, flown")
     high = [r for r in rows if r.feature == FEATURES[0] and r.ratio == RATIO and r.proved]
+    high.sort(key=lambda r: r.height)
     by_height.loglog([r.height for r in high], [r.proved for r in high], "o-", color=COLOURS[0])
     by_height.loglog([r.height for r in high], [r.flown for r in high], "o:", color=COLOURS[0])
     by_size.set_xlabel(f"edge of the tag / height, at {HEIGHT:g} m")
     by_height.set_xlabel(f"height (m), tag of {RATIO:g} heights")
     by_size.set_ylabel("settling time (s)")
+    by_size.set_xticks(RATIOS, [f"{r:g}" for r in RATIOS])
+    by_height.set_xticks(HEIGHTS, [f"{h:g}" for h in HEIGHTS])
+    by_size.set_yticks(TIMES, [f"{t:g}" for t in TIMES])
     for axes in (by_size, by_height):
-        axes.grid(alpha=0.3, which="both")
+        axes.minorticks_off()
+        axes.grid(alpha=0.3)
     figure.legend(loc="outside lower center", ncols=4, fontsize="small")
     return figure
 

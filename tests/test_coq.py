@@ -20,6 +20,8 @@ import pytest
 from firmware_kit import tool
 from hoverproof import checker
 from hoverproof.certification import replay
+from hoverproof.certification.gains import certify
+from hoverproof.mission.reading import load
 from sampling import share_of
 
 PROOFS = Path(__file__).parents[1] / "proofs"
@@ -49,14 +51,29 @@ def literals():
 
 
 @pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    """A copy of the library, built, and what its build says of the certificates shipped."""
+def library(tmp_path_factory, whole):
+    """A copy of the library, built, and what its build says of the certificates shipped.
+
+    Of gains of two presets; with `make trials` of all, and of vehicles within tolerances too.
+    """
     tool("coqc")
     folder = tmp_path_factory.mktemp("proofs") / "coq"
     shutil.copytree(PROOFS / "coq", folder, ignore=shutil.ignore_patterns("*.vo*", "*.glob"))
-    for path in PROOFS.glob("*.cert.json"):
+    shutil.copy(checker.__file__, folder.parent)
+    for path in shipped(whole):
         shutil.copy(path, folder.parent)
     return folder, make(folder)
+
+
+def shipped(whole):
+    """Return certificates: all, or those of gains of two presets with other laws."""
+    found = sorted(PROOFS.glob("*.cert.json"))
+    few = ("x4-flyer.", "racer-250.")
+    return [p for p in found if whole or (p.name.startswith(few) and kind_of(p) == "gains")]
+
+
+def kind_of(path):
+    return json.loads(path.read_text(encoding="utf-8"))["kind"]
 
 
 def make(folder, *targets):
@@ -96,9 +113,7 @@ def test_check_has_coq_decide_a_certificate_and_says_what_it_covers(kept):
         "lyapunov_decays",
         "target_sound",
     ]
-    assert "over the box is left to checker.py" in coq["left"]
-    for name in ("gains_sound", "lyapunov_decays", "target_sound"):
-        assert any(f"Theorem {name} " in path.read_text() for path in PROOFS.glob("coq/*.v"))
+    assert "over the box, and at the goal, is left to checker.py" in coq["left"]
 
 
 def test_check_says_of_a_kind_that_coq_does_not_know_it(kept):
@@ -144,17 +159,76 @@ def decided(folder, certificates):
     return [(a == "true", b == "true") for a, b in re.findall(r"= \((\w+), (\w+)\)", out)]
 
 
-def test_it_replays_every_certificate_of_gains_that_is_shipped(library):
+def test_it_replays_every_certificate_that_is_shipped_of_the_kinds_that_it_knows(library, whole):
     _, said = library
-    kinds = [json.loads(path.read_text())["kind"] for path in PROOFS.glob("*.cert.json")]
-    assert kinds.count("gains") >= 8
+    kinds = [kind_of(path) for path in shipped(whole)]
+    assert kinds.count("gains") >= 4
     assert f"Replayed: {kinds.count('gains')} certificates of gains" in said
+    assert f"and the matrices of {kinds.count('exponential')} of vehicles" in said
+
+
+def test_it_decides_a_matrix_of_a_vehicle_within_tolerances_and_none_that_claims_more(
+    library, literals
+):
+    """At one corner as it is; not at a higher rate, in a larger ball, or with more torque."""
+    folder, _ = library
+    path = PROOFS / "racer-250.attraction.cert.json"
+    trials, known = [], literals.tolerant_of(json.loads(path.read_text()), "racer")
+    corner = [*known.corners()][-1]
+    hint = known.hint(corner)
+    known.hint, known.corners = lambda _: hint, lambda: [corner]
+    changes = {"constants": (9, 10), "ball": (1, Fraction(3, 2)), "radii": (0, 3)}
+    for key, (place, by) in [(None, (0, 1)), *changes.items()]:
+        other = copy.copy(known)
+        if key:
+            value = [*getattr(known, key)]
+            value[place] *= by
+            setattr(other, key, value)
+        trials.append(other.literal())
+    lines = ["From Hoverproof Require Import Forms Gains Tolerant.", "Require Import QArith List."]
+    lines += ["Import ListNotations.", "Definition at_one (c : matrices) :="]
+    lines += ["  shown c [last (corners_of c) (Corner 0 0 0 0 0)%Q] (hints_of c)."]
+    lines += [f"Eval vm_compute in at_one ({term})." for term in trials]
+    (folder / "Corner.v").write_text("\n".join(lines), encoding="utf-8")
+    command = ["coqc", "-q", "-Q", ".", "Hoverproof", "Corner.v"]
+    out = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout
+    assert re.findall(r"= (\w+)", out) == ["true", "false", "false", "false"]
 
 
 def test_nothing_is_admitted_and_the_axioms_are_those_of_the_real_numbers(library):
     _, said = library
     allowed = (PROOFS / "coq" / "allowed.txt").read_text().split()
     assert said.split("real numbers:")[1].split()[: len(allowed)] == allowed
+
+
+OTHERS = [
+    ({"bounds": "{eigenvalues = [0.01, 5], level = 20}"}, "level_sound"),
+    ({"target.weights": "[1, 2, 1, 2]"}, "target_sound"),
+    ({"goal": "{centroid = [0.1, -0.2, 3.5]}"}, "given_sound"),
+    ({"law": '{feature = "centroid", goal = "inertial", force = "measured"}'}, "given_sound"),
+]
+
+
+def test_it_replays_levels_weights_goals_by_centroid_and_other_laws(library, literals, tmp_path):
+    """Each names the theorem that it is there for, which stands in the library."""
+    folder, _ = library
+    paths = []
+    for number, (settings, theorem) in enumerate(OTHERS):
+        verdict = certify(load("x4-flyer", settings))
+        said = literals.about(verdict.certificate.content)
+        assert any(words.startswith(f"{theorem}: ") for words in said["shown"])
+        for words in said["shown"]:
+            name = words.partition(":")[0]
+            assert any(f"Theorem {name} " in path.read_text() for path in PROOFS.glob("coq/*.v"))
+        paths.append(str(tmp_path / f"other{number}.cert.json"))
+        verdict.certificate.save(paths[-1])
+    made = subprocess.run(
+        ["make", "-s", "-C", str(folder), "replay", f"CERTIFICATES={' '.join(paths)}"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "Replayed: 4 certificates of gains, 4 of them" in made.stdout, made.stderr
 
 
 def forged(literals, name):

@@ -248,7 +248,7 @@ def test_the_longest_still_stretch_is_found_and_too_short_a_one_is_none():
     for k, pixels in enumerate(seen.pixels):
         pixels += 5.0 * k
     assert at_rest(seen) is None
-    with pytest.raises(InputError, match="--still: has 4 frames"):
+    with pytest.raises(InputError, match="still: has 4 frames"):
         at_rest(seen, (0.0, 0.1))
 
 

@@ -86,7 +86,7 @@ def test_the_law_is_the_derived_controller_exactly(overrides, tunable):
 def test_a_law_with_one_number_changed_is_not_the_controller(x4):
     law = flight_law(x4, sensing="centroid")
     goal = hover_goal(x4).centroid_midpoint
-    design = [*Design.values(x4, goal), x4.vehicle.reach, x4.vehicle.drag_ratio]
+    design = [*Design.values(x4, goal), x4.vehicle.reach, x4.vehicle.drag_ratio, Fraction(1)]
     numbers = list(law.coefficients.values())
     assert_is_the_controller(law.function, design, numbers)
     for i in range(len(numbers)):

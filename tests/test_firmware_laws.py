@@ -80,7 +80,7 @@ def test_the_law_is_the_derived_controller_exactly(choices, tunable):
     assert law.function.n_instructions() < 250
     numbers, source = list(law.coefficients.values()), law_of(mission)
     vehicle, goal = mission.vehicle, source.goal_feature(mission)
-    design = [*source.design.values(mission, goal), vehicle.reach, vehicle.drag_ratio]
+    design = [*source.design.values(mission, goal), vehicle.reach, vehicle.drag_ratio, Fraction(1)]
     assert_is_the_controller(law.function, design, numbers, source)
     for i in range(len(numbers)):
         changed = [*numbers[:i], numbers[i] * (1 + Fraction(1, 10**12)), *numbers[i + 1 :]]

@@ -214,6 +214,21 @@ def test_each_rotor_has_its_own_limits_in_flight_and_in_the_c(tmp_path):
     assert (np.array(out.rotor) <= np.minimum(high, 25)).all()
 
 
+def test_a_throttle_is_of_all_rotors_at_their_own_limits(tmp_path):
+    law = {"feature": "scaled", "goal": "inertial", "force": "measured"}
+    loop = {"law": law, "interface.rate_bandwidth": "40", "rotors.max_thrust": "26"}
+    options = {
+        "name": "fw",
+        "allow_uncertified": True,
+        "interface": "rates",
+        "precision": "float64",
+    }
+    export_c(load(limited(tmp_path, *OWN), loop), tmp_path / "fw", **options)
+    assert Firmware(tmp_path / "fw").selftest() == 0
+    told = (tmp_path / "fw" / "fw_params.h").read_text().split("THROTTLE_PER_NEWTON (")[1]
+    assert float(told.split(")")[0]) == pytest.approx(1 / sum(high for _, high in ENDS))
+
+
 def test_limits_of_a_rotor_that_are_none_are_refused(tmp_path):
     with pytest.raises(InputError, match="thrust_min: must be below thrust_max"):
         load(limited(tmp_path, ", thrust_min = 3, thrust_max = 2", "", "", ""))

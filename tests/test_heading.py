@@ -230,7 +230,7 @@ def test_the_printed_law_is_the_derived_one_exactly(choices, tunable):
     law = flight_law(mission, sensing="feature", tunable=tunable)
     numbers, source = list(law.coefficients.values()), flown_law(mission)
     vehicle, goal = mission.vehicle, source.goal_feature(mission)
-    design = [*source.design.values(mission, goal), vehicle.reach, vehicle.drag_ratio]
+    design = [*source.design.values(mission, goal), vehicle.reach, vehicle.drag_ratio, Fraction(1)]
     for i, name in enumerate(law.coefficients):
         if "heading" in name:
             changed = [*numbers[:i], numbers[i] * (1 + Fraction(1, 10**12)), *numbers[i + 1 :]]

@@ -26,6 +26,7 @@ from hoverproof.mission.presets import preset_text, with_conditions
 from hoverproof.mission.reading import load
 from hoverproof.mission.uncertainty import Noise, Uncertainty
 from hoverproof.simulation.flight import simulate, summary
+from new_trials import outcome
 from sampling import mostly_whole
 
 PROGRAM = Path(sys.executable).parent / "hoverproof"
@@ -289,3 +290,12 @@ def test_what_it_names_next_are_commands_as_they_stand(options, verbs, capsys):
     assert [words[1] for words in named] == verbs
     for words in named:
         app.parse_args(words[1:], exit_on_error=False, print_error=False)
+
+
+@pytest.mark.slow
+@pytest.mark.whole
+@pytest.mark.parametrize("number", range(300))
+def test_sensible_answers_at_random_are_proved_and_fly_there(number):
+    became = outcome(number)
+    assert became.startswith("proved"), became
+    assert "flown in" in became, became

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import re
+import shlex
+from pathlib import Path
 
 import pytest
 
 from hoverproof import cli
+from hoverproof.certification import convergence
+from hoverproof.certification.verdict import Undecided
 from hoverproof.cli.console import app
+from hoverproof.design import unproved as design
+from hoverproof.design.unproved import Unproved
 from hoverproof.mission.flown import beyond_tolerances
 from hoverproof.mission.reading import load
+from small_kit import small_vehicle
 
 LAW = {"law.force": "measured"}
 
@@ -74,3 +81,23 @@ def test_after_a_flight_that_came_to_its_goal_none_is(capsys):
 def test_region_comes_next_where_bounds_are_assumed(option, assumed, capsys):
     _, out = run(capsys, "certify", "x4-flyer", *option)
     assert ("Then: hoverproof region x4-flyer" in out) is assumed
+
+
+@pytest.mark.parametrize(
+    ("option", "named"), [((), "hoverproof tune far.toml"), (("--start", "0,0,-9"), None)]
+)
+def test_gains_come_next_where_the_start_is_not_proved(option, named, capsys, monkeypatch):
+    mission_file = Path("far.toml")
+    mission_file.write_text(small_vehicle("[4, 16]", "[0.9, 0, -2.2]"))
+    sets = ["--set", "uncertainty.thrust=0.2", "--set", "law.feature=scaled"]
+    sets += ["--set", "law.goal=inertial", "--set", "law.force=measured"]
+    mission = load(mission_file, dict(setting.split("=", 1) for setting in sets[1::2]))
+    verdict = Undecided(mission=mission, reason="too far")
+    monkeypatch.setattr(convergence, "attraction", lambda *_, **__: verdict)
+    monkeypatch.setattr(design, "unproved", lambda *_: Unproved(None, None))
+    status, out = run(capsys, "attraction", str(mission_file), *sets, *option)
+    assert status == 3
+    found = re.findall(r"(?m)^Next: (hoverproof tune .*)$", out)
+    assert found == ([] if named is None else [shlex.join([*shlex.split(named), *sets])])
+    for command in found:
+        app.parse_args(shlex.split(command)[1:], exit_on_error=False, print_error=False)

@@ -177,7 +177,7 @@ def test_the_package_says_what_it_relies_on_and_has_no_adapter_for_torques(loop)
     ("overrides", "interface", "told"),
     [
         ({}, "rates", "interface.rate_bandwidth: is missing"),
-        ({"interface.rate_bandwidth": "25"}, "rate", "--interface: must be torques or rates"),
+        ({"interface.rate_bandwidth": "25"}, "rate", "interface: must be torques or rates"),
         (
             {"law.force": "modelled", "interface.rate_bandwidth": "25"},
             None,

@@ -31,7 +31,7 @@ ELSEWHERE = ("wide.", "--objective region", "--animate")
 def test_the_commands_run_as_written(whole):
     """All in `make trials`; else without some that take long, and are tried by other tests."""
     scripts = [block for block in blocks("sh") if "make " not in block]
-    assert len(scripts) == 4
+    assert len(scripts) == 3
     (Path.cwd() / "src").symlink_to(ROOT / "src")
     lines = [line.split(" #")[0].rstrip() for script in scripts for line in script.splitlines()]
     if not any(map(shutil.which, ("cc", "gcc", "clang"))):  # the firmware flies as compiled C only

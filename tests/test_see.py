@@ -118,6 +118,26 @@ def test_the_exported_c_flies_on_images_as_on_ideal_points(mission, capsys):
     assert 0 < np.linalg.norm(np.subtract(*(f["final_position"] for f in flights))) < 1e-4
 
 
+@pytest.mark.whole
+def test_a_flight_on_images_keeps_to_what_is_proved_of_its_noise(mission, capsys):
+    larger = "[400, 0, 319.5, 0, 400, 239.5, 0, 0, 1]"
+    told = INFO.replace("[150, 0, 160, 0, 150, 120, 0, 0, 1]", larger)
+    told = told.replace("320", "640").replace("240", "480")
+    Path("info.yaml").write_text(told, encoding="utf-8")
+    noisy = ("--set", "uncertainty.noise.feature=0.03")
+    _, out, _ = run(capsys, "attraction", mission, "--no-figure", "--json", *noisy)
+    proved = json.loads(out)
+    end = proved["settling_time"] + 5
+    status, out, _ = run(capsys, *FLY, "--duration", end, "--out", "f.nc", *noisy)
+    flown = json.loads(out)
+    assert (proved["verdict"], status, flown["images"]["frames_missed"]) == ("proved", 0, 0)
+    assert flown["images"]["feature_largest"] < 0.03  # so the theorem is about it
+    flight = xr.load_dataset("f.nc")
+    away = np.linalg.norm(flight.position - flight.attrs["goal_position"], axis=1)
+    assert away[flight.time >= proved["settling_time"]].max() < proved["settling_radius"]
+    assert away[-1] < proved["ultimate_radius"]
+
+
 def test_late_images_are_late_by_jitter(mission, capsys):
     flights = []
     for jitter in (0, 0.05):

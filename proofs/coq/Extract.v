@@ -2,4 +2,4 @@
 From Hoverproof Require Import Gains Target.
 Require Import Extraction ExtrOcamlBasic ExtrOcamlNatInt ExtrOcamlZBigInt.
 Extraction Language OCaml.
-Extraction "extracted/decide.ml" certificate_ok target_ok.
+Extraction "extracted/decide.ml" certificate_ok target_ok given_ok.

@@ -61,17 +61,18 @@ Qed.
 Definition distance (point xi : vec) : R := sqrt ((point - xi)%vec · (point - xi)).
 Definition ray (r : rotation) (point xi : vec) : vec := (/ distance point xi * back r (point - xi))%vec.
 
-(** q = Σ pᵢ, and Q v = Σ (v - pᵢ pᵢᵀv)/rᵢ. *)
-Fixpoint centroid (points : list vec) (r : rotation) (xi : vec) : vec :=
-  match points with
+(** q = Σ ωᵢ pᵢ, and Q v = Σ ωᵢ (v - pᵢ pᵢᵀv)/rᵢ; ωᵢ is how much a point counts. *)
+Definition points := list (R * vec).
+Fixpoint centroid (ps : points) (r : rotation) (xi : vec) : vec :=
+  match ps with
   | [] => zero
-  | p :: points => (ray r p xi + centroid points r xi)%vec
+  | (k, p) :: ps => (k * ray r p xi + centroid ps r xi)%vec
   end.
-Fixpoint image_slope (points : list vec) (r : rotation) (xi : vec) (v : vec) : vec :=
-  match points with
+Fixpoint image_slope (ps : points) (r : rotation) (xi : vec) (v : vec) : vec :=
+  match ps with
   | [] => zero
-  | p :: points =>
-      (/ distance p xi * (v - (ray r p xi · v) * ray r p xi) + image_slope points r xi v)%vec
+  | (k, p) :: ps =>
+      (k * (/ distance p xi * (v - (ray r p xi · v) * ray r p xi)) + image_slope ps r xi v)%vec
   end.
 
 Definition off (point xi : vec) : Prop := 0 < (point - xi)%vec · (point - xi).
@@ -111,34 +112,118 @@ Proof.
 Qed.
 
 (** The image moves as q' = -Ω × q - Q V (equation 7). *)
-Theorem slope_centroid : forall points r xi v om t,
+Theorem slope_centroid : forall ps r xi v om t,
   orthonormal (r t) -> turns r om t -> vslope xi t (turned (r t) (v t)) ->
-  (forall p, In p points -> off p (xi t)) ->
-  vslope (fun s => centroid points (r s) (xi s)) t
-    (- 1 * (om t × centroid points (r t) (xi t)) - image_slope points (r t) (xi t) (v t))%vec.
+  (forall k p, In (k, p) ps -> off p (xi t)) ->
+  vslope (fun s => centroid ps (r s) (xi s)) t
+    (- 1 * (om t × centroid ps (r t) (xi t)) - image_slope ps (r t) (xi t) (v t))%vec.
 Proof.
-  intros points r xi v om t O T X. induction points as [|p points IH]; intros P.
+  intros ps r xi v om t O T X. induction ps as [|[k p] ps IH]; intros P.
   - eapply vslope_is; [apply (vslope_const zero)|]. cbn [centroid image_slope]. vector.
   - eapply vslope_is.
-    + apply (vslope_plus (fun s => ray (r s) p (xi s)) (fun s => centroid points (r s) (xi s)));
-        [apply slope_ray with (v := v) (om := om); auto; apply P; left; reflexivity|].
-      apply IH. intros q I. apply P. right. exact I.
+    + apply (vslope_plus (fun s => (k * ray (r s) p (xi s))%vec)
+        (fun s => centroid ps (r s) (xi s))).
+      * apply vslope_scale, slope_ray with (v := v) (om := om); auto.
+        apply (P k). left. reflexivity.
+      * apply IH. intros j q I. apply (P j). right. exact I.
     + cbn [centroid image_slope]. vector.
 Qed.
 
 (** Q is linear and symmetric. *)
-Lemma image_linear : forall points r xi, linear (image_slope points r xi).
+Lemma image_linear : forall ps r xi, linear (image_slope ps r xi).
 Proof.
-  intros points r xi. induction points as [|p points [A S]]; split; intros; cbn [image_slope].
+  intros ps r xi. induction ps as [|[k p] ps [A S]]; split; intros; cbn [image_slope].
   - vector.
   - vector.
   - rewrite A. vector.
   - rewrite S. vector.
 Qed.
-Lemma image_symmetric : forall points r xi u v,
-  u · image_slope points r xi v = image_slope points r xi u · v.
+Lemma image_symmetric : forall ps r xi u v,
+  u · image_slope ps r xi v = image_slope ps r xi u · v.
 Proof.
-  intros points r xi u v. induction points as [|p points IH]; cbn [image_slope]; [number|].
+  intros ps r xi u v. induction ps as [|[k p] ps IH]; cbn [image_slope]; [number|].
   rewrite dot_plus, plus_dot, IH. f_equal. number.
 Qed.
 
+(** * The feature: the centroid, or the scaled centroid
+
+    s = φ(a) q/a, a = |q|, φ(a) = 1/√(2 (1 - a/n)), n the sum of all ωᵢ. It moves as s' = -Ω × s - J V,
+    J v = (φ/a) Q v + κ (q·Q v) q. *)
+
+Inductive feature := Centroid | Scaled.
+
+Definition room (n : R) (q : vec) : R := sqrt (2 * (1 - sqrt (q · q) / n)).
+Definition stretch (n : R) (q : vec) : R := / (sqrt (q · q) * room n q).
+(** The derivative of φ/a is κ q·q'. *)
+Definition stretching (n : R) (q : vec) : R :=
+  - (room n q / sqrt (q · q) - / (n * room n q))
+  / ((sqrt (q · q) * room n q) * (sqrt (q · q) * room n q)).
+
+Definition feature_of (k : feature) (n : R) (q : vec) : vec :=
+  match k with Centroid => q | Scaled => (stretch n q * q)%vec end.
+Definition feature_slope (k : feature) (n : R) (q : vec) (Q : vec -> vec) (v : vec) : vec :=
+  match k with
+  | Centroid => Q v
+  | Scaled => (stretch n q * Q v + (stretching n q * (q · Q v)) * q)%vec
+  end.
+(** Where it is defined. *)
+Definition featured (k : feature) (n : R) (q : vec) : Prop :=
+  match k with Centroid => True | Scaled => 0 < q · q < n * n /\ 0 < n end.
+
+Lemma feature_linear : forall k n q Q, linear Q -> linear (feature_slope k n q Q).
+Proof.
+  intros [|] n q Q [A S]; [split; assumption|].
+  split; intros; cbn [feature_slope].
+  - rewrite A. vector.
+  - rewrite S. vector.
+Qed.
+
+Lemma slope_stretch : forall n q t dq, vslope q t dq -> featured Scaled n (q t) ->
+  slope (fun s => stretch n (q s)) t (stretching n (q t) * (q t · dq)).
+Proof.
+  intros n q t dq D [[P L] N].
+  set (a := fun s => sqrt (q s · q s)).
+  assert (A : 0 < a t) by (apply sqrt_lt_R0; exact P).
+  assert (AN : a t < n).
+  { unfold a. rewrite <- (sqrt_square n) by lra. apply sqrt_lt_1_alt. lra. }
+  assert (DA : slope a t ((q t · dq) / a t)).
+  { eapply slope_is; [apply (slope_sqrt (fun s => q s · q s)); [apply slope_dot; exact D|exact P]|].
+    fold (a t). replace (dq · q t + q t · dq) with (2 * (q t · dq)) by number. field. apart. }
+  set (b := fun s => sqrt (2 * (1 - a s / n))).
+  assert (B0 : 0 < 2 * (1 - a t / n)).
+  { apply Rmult_lt_0_compat; [lra|]. apply Rlt_Rminus.
+    apply Rmult_lt_reg_r with n; [exact N|]. unfold Rdiv. rewrite Rmult_assoc, Rinv_l; lra. }
+  assert (B : 0 < b t) by (apply sqrt_lt_R0; exact B0).
+  assert (DB : slope b t (- ((q t · dq) / a t) / (n * b t))).
+  { eapply slope_is.
+    - apply (slope_sqrt (fun s => 2 * (1 - a s / n))); [|exact B0].
+      apply slope_scale, (slope_minus (fun _ => 1) (fun s => a s / n)); [apply slope_const|].
+      apply (slope_ext (fun s => / n * a s)); [intros; unfold Rdiv; ring|].
+      apply slope_scale. exact DA.
+    - fold (b t). field. apart. }
+  eapply slope_is.
+  - apply (slope_inv (fun s => a s * b s)); [apply slope_mult; [exact DA|exact DB]|].
+    apply Rgt_not_eq, Rmult_lt_0_compat; assumption.
+  - cbv beta. unfold stretching, room. fold (a t). fold (b t). field. apart.
+Qed.
+
+(** s' = -Ω × s - J V, for both. *)
+Theorem slope_feature : forall k n ps r xi v om t,
+  orthonormal (r t) -> turns r om t -> vslope xi t (turned (r t) (v t)) ->
+  (forall j p, In (j, p) ps -> off p (xi t)) ->
+  featured k n (centroid ps (r t) (xi t)) ->
+  vslope (fun s => feature_of k n (centroid ps (r s) (xi s))) t
+    (- 1 * (om t × feature_of k n (centroid ps (r t) (xi t)))
+     - feature_slope k n (centroid ps (r t) (xi t)) (image_slope ps (r t) (xi t)) (v t))%vec.
+Proof.
+  intros k n ps r xi v om t O T X P F.
+  pose proof (slope_centroid ps r xi v om t O T X P) as S.
+  destruct k; [exact S|]. cbn [feature_of feature_slope].
+  eapply vslope_is.
+  - apply (vslope_times (fun s => stretch n (centroid ps (r s) (xi s)))
+      (fun s => centroid ps (r s) (xi s))); [|exact S].
+    exact (slope_stretch n (fun s => centroid ps (r s) (xi s)) t _ S F).
+  - cbv beta. generalize (stretching n (centroid ps (r t) (xi t))) (stretch n (centroid ps (r t) (xi t)))
+      (image_slope ps (r t) (xi t) (v t)) (centroid ps (r t) (xi t)) (om t).
+    intros a b y q w. vector.
+Qed.

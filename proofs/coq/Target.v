@@ -27,10 +27,18 @@ Fixpoint join (s : Q) (ray : place) (g : groups) : groups :=
   | (t, sum) :: g => if Qeq_bool s t then (t, plus_place ray sum) :: g else (t, sum) :: join s ray g
   end.
 
-Fixpoint gather (points : list place) (xi : place) : groups :=
-  match points with
+Definition times_place (k : Q) (p : place) : place :=
+  let '(x, y, z) := p in (Qred (k * x), Qred (k * y), Qred (k * z))%Q.
+
+(** Points, and how much each counts. *)
+Definition counted := list (Q * place).
+Definition real_points (ps : counted) : points := map (fun p => (Q2R (fst p), real_place (snd p))) ps.
+
+Fixpoint gather (ps : counted) (xi : place) : groups :=
+  match ps with
   | [] => []
-  | p :: points => let ray := minus_place p xi in join (square ray) ray (gather points xi)
+  | (k, p) :: ps =>
+      let ray := minus_place p xi in join (square ray) (times_place k ray) (gather ps xi)
   end.
 
 Definition seen_of (g : groups) : vec :=
@@ -53,11 +61,11 @@ Qed.
 (** A level camera, at no yaw. *)
 Definition level : rotation := Rotation (V 1 0 0) (V 0 1 0) (V 0 0 1).
 
-Lemma gather_correct : forall points xi,
-  centroid (map real_place points) level (real_place xi) = seen_of (gather points xi).
+Lemma gather_correct : forall ps xi,
+  centroid (real_points ps) level (real_place xi) = seen_of (gather ps xi).
 Proof.
-  intros points xi. induction points as [|p points IH]; [reflexivity|].
-  cbn [map centroid gather]. rewrite join_correct, IH. f_equal.
+  intros ps xi. induction ps as [|[k p] ps IH]; [reflexivity|].
+  cbn [real_points map centroid gather fst snd]. rewrite join_correct, <- IH.
   unfold ray, distance.
   assert (M : real_place (minus_place p xi) = (real_place p - real_place xi)%vec).
   { destruct p as [[a b] c], xi as [[x y] z]. cbn [minus_place real_place].
@@ -66,7 +74,11 @@ Proof.
     = (real_place p - real_place xi)%vec · (real_place p - real_place xi)).
   { rewrite <- M. destruct (minus_place p xi) as [[a b] c]. cbn [square real_place].
     rewrite red, !Q2R_plus, !Q2R_mult. unfold dot. cbn [px py pz]. ring. }
-  rewrite S, M. f_equal. unfold back, level. vector.
+  assert (K : real_place (times_place k (minus_place p xi))
+    = (Q2R k * (real_place p - real_place xi))%vec).
+  { rewrite <- M. destruct (minus_place p xi) as [[a b] c]. cbn [times_place real_place].
+    rewrite !red, !Q2R_mult. vector. }
+  rewrite S, K. fold (real_points ps). f_equal. unfold back, level. vector.
 Qed.
 
 (** * Enclosures *)
@@ -145,7 +157,7 @@ Proof.
 Qed.
 
 (** A target, where its goal is, and a pair of rationals around each distance of a group. *)
-Record target := Target { points_of : list place; goal : place; roots : list (Q * Q) }.
+Record target := Target { points_of : counted; goal : place; roots : list (Q * Q) }.
 
 Definition inside_ok (low high : Q) (found : option (Q * Q)) : bool :=
   match found with
@@ -161,7 +173,7 @@ Definition target_ok (t : target) (c : certificate) : bool :=
 
 (** What a level camera sees from the goal is in the box of the certificate. *)
 Theorem target_sound : forall t c, target_ok t c = true ->
-  inside c (centroid (map real_place (points_of t)) level (real_place (goal t))).
+  inside c (centroid (real_points (points_of t)) level (real_place (goal t))).
 Proof.
   intros t c H. unfold target_ok in H.
   apply andb_prop in H. destruct H as [H H3]. apply andb_prop in H. destruct H as [H1 H2].
@@ -183,4 +195,21 @@ Proof.
       ltac:(reflexivity) ltac:(reflexivity) ltac:(reflexivity) eq_refl H2).
   - apply (One snd pz _ _ _ ltac:(intros [[x y] z]; reflexivity)
       ltac:(reflexivity) ltac:(reflexivity) ltac:(reflexivity) eq_refl H3).
+Qed.
+
+(** What is fixed in the image is given by its numbers: a centroid that the mission names, or, of a goal
+    fixed to the vertical, nothing. *)
+Definition given_ok (p : place) (c : certificate) : bool :=
+  let '(x, y, z) := p in
+  inside_ok (q1_low c) (q1_high c) (Some (x, x)) && inside_ok (q2_low c) (q2_high c) (Some (y, y))
+  && inside_ok (q3_low c) (q3_high c) (Some (z, z)).
+
+Theorem given_sound : forall p c, given_ok p c = true -> inside c (real_place p).
+Proof.
+  intros [[x y] z] c H. unfold given_ok, inside_ok in H.
+  repeat (apply andb_prop in H; let E := fresh "E" in destruct H as [H E]).
+  repeat match goal with B : (_ && _)%bool = true |- _ =>
+    let E := fresh "E" in apply andb_prop in B; destruct B as [B E] end.
+  repeat match goal with B : Qle_bool _ _ = true |- _ => apply Qle_bool_iff, Qle_Rle in B end.
+  unfold inside, within. cbn [real_place px py pz]. repeat split; assumption.
 Qed.

@@ -8,6 +8,7 @@ Standard library only. What is written is no part of what is believed: Coq decid
 numbers are right, and the hints of each certificate are tested there as well.
 """
 
+import importlib.util
 import itertools
 import json
 import math
@@ -40,24 +41,25 @@ class Hint(NamedTuple):
         return f"{self.scaling} {self.times_more} {len(self.parts)}\n{parts}"
 
 
-def unit(i: int) -> list[Fraction]:
-    """Return a linear form that is one component of X, or zero."""
-    return [Fraction(int(k == i)) for k in range(N)]
+def unit(i: int, n: int = N) -> list[Fraction]:
+    """Return a linear form that is one of n components, or zero."""
+    return [Fraction(int(k == i)) for k in range(n)]
 
 
-def vector(i: int) -> Forms:
-    """Return δ, whose first component is the i-th of X."""
-    return [unit(k if k < N else -1) for k in range(i, i + 3)]
+def vector(i: int, n: int = N) -> Forms:
+    """Return a vector whose first component is the i-th."""
+    return [unit(k if k < n else -1, n) for k in range(i, i + 3)]
 
 
 def plus(*terms: tuple[Fraction, Forms]) -> Forms:
     """Return a sum of multiples of vectors of linear forms."""
-    return [[sum((c * u[k][i] for c, u in terms), Fraction(0)) for i in range(N)] for k in range(3)]
+    n = len(terms[0][1][0])
+    return [[sum((c * u[k][i] for c, u in terms), Fraction(0)) for i in range(n)] for k in range(3)]
 
 
 def flat(u: Forms) -> Forms:
     """Return P u."""
-    return [u[0], u[1], [Fraction(0)] * N]
+    return [u[0], u[1], [Fraction(0)] * len(u[0])]
 
 
 class Gains:
@@ -70,21 +72,50 @@ class Gains:
         self.k = [number(mission["gains"][key]) for key in ("k1", "k2", "k3", "k4")]
         self.weights = [number(w) for w in c["weights"]]
         self.low, self.high = map(number, c["region"]["eigenvalues"])
-        self.thrust = [number(x) for x in mission["bounds"]["thrust"]]
+        self.gravity, bounds = number(mission["vehicle"]["gravity"]), mission["bounds"]
+        self.level = number(bounds["level"]) if "level" in bounds else None
+        self.root = Fraction(0)
+        if self.level is None:
+            self.thrust = [number(x) for x in bounds["thrust"]]
+        else:
+            k1, k2, *_ = self.k
+            _, w2, w3, _ = self.weights
+            self.root = root(2 * self.level * (1 / w2 + 1 / w3))[1]
+            reach, weight = k1**2 * k2 / self.mass * self.root, self.mass * self.gravity
+            self.thrust = [weight - reach, weight + reach]
         self.box = [[number(x) for x in side] for side in hints["centroid"]]
         self.factor = [number(x) for x in hints["factor"]]
         self.margin = number(c["claim"]["margin"])
         self.multipliers = [number(vertex["multiplier"]) for vertex in c["vertices"]]
         self.goal = c["goal_position"] and [number(x) for x in c["goal_position"]]
-        self.points = [[number(x) for x in point] for point in mission["target"]["points"]]
-        law = mission.get("law", {})
-        choices = law.get("feature"), law.get("goal"), law.get("force")
-        self.papers = choices in ((None, None, None), ("centroid", "image", "modelled"))
+        target = mission["target"]
+        self.points = [[number(x) for x in point] for point in target["points"]]
+        self.counts = [number(x) for x in target.get("weights", ["1"] * len(self.points))]
+        law = {"feature": "centroid", "goal": "image", **mission.get("law", {})}
+        self.given = self.known(law, mission["goal"])
         self.of_target = (
-            self.goal is not None
-            and "weights" not in mission["target"]
-            and choices[:2] in ((None, None), ("centroid", "image"))
+            self.given is None
+            and self.goal is not None
+            and law["feature"] == "centroid"
+            and not any(x for ray in self.rays().values() for x in ray[:2])
         )
+
+    def known(self, law: dict[str, str], goal: dict[str, Any]) -> list[Fraction] | None:
+        """Return what is fixed in the image, if it is known by numbers."""
+        if law["goal"] == "inertial":
+            return [Fraction(0)] * 3
+        if law["feature"] == "centroid" and "centroid" in goal:
+            return [Fraction(x) for x in goal["centroid"]]
+        return None
+
+    def rays(self) -> dict[Fraction, list[Fraction]]:
+        """Return the sums of the rays from the goal of each length, by its square."""
+        found: dict[Fraction, list[Fraction]] = {}
+        for point, count in zip(reversed(self.points), reversed(self.counts), strict=True):
+            ray = [a - b for a, b in zip(point, self.goal, strict=True)]
+            sums = found.setdefault(sum(x * x for x in ray), [Fraction(0)] * 3)
+            sums[:] = [a + count * x for a, x in zip(sums, ray, strict=True)]
+        return found
 
     def terms(self, f: Fraction, q: list[Fraction], tau: Fraction) -> list[tuple]:
         """Return the terms of `Gains.bound`."""
@@ -136,17 +167,13 @@ class Gains:
 
     def roots(self) -> list[tuple[Fraction, Fraction]]:
         """Enclose the distances of the target's points from the goal, each once."""
-        squares: list[Fraction] = []
-        for point in reversed(self.points):
-            square = sum((a - b) ** 2 for a, b in zip(point, self.goal, strict=True))
-            if square not in squares:
-                squares.append(square)
-        return list(map(root, squares))
+        return list(map(root, self.rays()))
 
     def target(self) -> str:
         """Return the target as a term of `Target.target`."""
         roots = "; ".join(f"({q(low)}, {q(high)})" for low, high in self.roots())
-        points = "; ".join(map(place, self.points))
+        each = zip(self.counts, self.points, strict=True)
+        points = "; ".join(f"({q(count)}, {place(point)})" for count, point in each)
         return f"Target [{points}] {place(self.goal)}\n  [{roots}]"
 
     def plain(self) -> str:
@@ -154,9 +181,12 @@ class Gains:
         its, rest = self.numbers()
         hints = "\n".join(hint.plain() for hint in self.hints())
         text = f"{self.name}\n{' '.join(map(str, its + rest))}\n{hints}\n"
+        if self.given is not None:
+            return f"{text}given {' '.join(map(str, self.given))}\n"
         if not self.of_target:
             return f"{text}none\n"
-        roots, points = self.roots(), [*itertools.chain(*self.points), *self.goal]
+        each = zip(self.counts, self.points, strict=True)
+        roots, points = self.roots(), [*(x for k, p in each for x in (k, *p)), *self.goal]
         ends = " ".join(map(str, itertools.chain(*roots)))
         where = " ".join(map(str, points))
         return f"{text}target {len(self.points)} {where} {len(roots)} {ends}\n"
@@ -166,7 +196,8 @@ def root(square: Fraction) -> tuple[Fraction, Fraction]:
     """Enclose a square root."""
     unit = 2**128
     low = math.isqrt(square.numerator * unit**2 // square.denominator)
-    return Fraction(low, unit), Fraction(low + 1, unit)
+    exact = Fraction(low, unit) ** 2 == square
+    return Fraction(low, unit), Fraction(low + (not exact), unit)
 
 
 def place(p: list[Fraction]) -> str:
@@ -174,12 +205,145 @@ def place(p: list[Fraction]) -> str:
     return f"({', '.join(map(q, p))})"
 
 
-def products(terms: list[tuple]) -> list[list[list[Fraction]]]:
+class Tolerant:
+    """A certificate of every vehicle within tolerances, with the numbers of `Tolerant.matrices`.
+
+    What `checker.py` derives is taken from it, rounded to the side that proves less.
+    """
+
+    def __init__(self, claim: Any, name: str) -> None:
+        self.name, c, may = name, claim.c, claim.may
+        one, t, rate = Fraction(1), c.multipliers, c.claim.rate
+        late, x = claim.late, rate * claim.late
+        self.late, self.memory = late, c.memory
+        fading = (1 - x / 64) ** 64  # as `Late.fades`
+        spent, regained = (c.memory * late, c.memory * fading / late) if late else (0 * one, one)
+        a5, a6 = c.lag.torque, c.lag.thrust
+        stiff, speed = claim.kappa + claim.damping, claim.k[0] / claim.m
+        fixed = [claim.kappa, stiff, claim.k12, speed, *c.weights, a5, a6, rate]
+        self.constants = [*fixed, up(spent), down(regained)]
+        self.ball = [claim.low, claim.high]
+        self.slope = t.slope
+        self.radii = [up(r) for r in radii(claim)]
+        known = iter(t.terms)
+        multipliers = [next(known) if r else one for r in self.radii]
+        self.prices = [(up(t), up(1 / up(t))) for t in multipliers]
+        self.chi = [down(1 - claim.tipped), up(1 + claim.tipped)]
+        self.drag = [down(claim.drag[0]), up(claim.drag[1])]
+        self.gain = [1 - may.thrust, 1 + may.thrust]
+        self.lag, self.pace = may.rotor_lag, up(claim.pace)
+
+    def corners(self) -> Iterator[tuple[Fraction, ...]]:
+        """Yield χ, s3 h, ς, τ and π in the order of `Tolerant.corners_of`."""
+        ends = self.chi, self.drag, self.gain, [Fraction(0), self.lag], [-self.pace, self.pace]
+        return itertools.product(*(sorted(set(each)) for each in ends))
+
+    def terms(self, corner: tuple[Fraction, ...]) -> list[tuple]:
+        """Return the terms of `Tolerant.lower`."""
+        chi, drag, gain, tau, pi = corner
+        kap, stiff, k12, speed, v2, v3, v4, a5, a6, pace, spent, regained = self.constants
+        one = Fraction(1)
+        d1, d2, d3, y, n = (vector(i, M) for i in (0, 3, 6, 11, 14))
+        zero = [Fraction(0)] * M
+        d4, mu = [unit(9, M), unit(10, M), zero], [unit(17, M), unit(18, M), zero]
+        lift = [zero, zero, unit(19, M)]
+        zeta, strain = plus((one, d4), (-one, flat(d3))), plus((one, d3), (-one, d2))
+        moved = plus((one, y), (k12, strain))
+        go3 = plus((one, moved), (kap * chi, zeta), (-gain * kap, upright(d3)), (-gain, lift))
+        asked = plus((one, mu), (-stiff, d4), (-k12, flat(strain)))
+        turning = kap * chi + (gain - 1) * pi / 2 + pi
+        go4 = plus((one, flat(moved)), (turning, zeta), (one, asked))
+        turned = plus((stiff, go4), (k12 * (kap * chi + drag), zeta))
+        lag_turn = plus((stiff, flat(n)), (-pi, zeta), (-one, mu), (tau, turned))
+        lag_lift = plus((-kap, upright(n)), (-one, lift), (-tau * kap, upright(go3)))
+        ahead = tau * stiff * a5
+        first = plus((v4, d4), (ahead, mu))
+        lag = plus((a5, mu))
+        pairs = [
+            (first, asked),
+            (first, zeta),
+            (plus((v4, zeta), (ahead, mu)), flat(d3)),
+            (lag, zeta),
+            (lag, flat(plus((one, d3), (-one, n)))),
+            (lag, flat(strain)),
+            (plus((a6, lift)), zeta),
+            (lag, asked),
+        ]
+        v = plus((speed, d1), (speed, d2))
+        j, reach = sum(self.ball) / 2, (self.ball[1] - self.ball[0]) / 2
+        out, half = plus((one, y), (-j, v)), -pace / 2
+        found = [
+            (-one, d1, plus((drag, zeta), (-one, y))),
+            (-v2, d2, plus((one, moved), (-drag, zeta))),
+            *((-v3, d3, go3), (-v4, d4, go4), (-a5, mu, lag_turn), (-a6, lift, lag_lift)),
+            *((half, d1, d1), (half * v2, d2, d2), (half * v3, d3, d3), (half * v4, d4, d4)),
+            *((half * tau * a5, mu, mu), (half * tau * a6, lift, lift)),
+            *((-spent, y, y), (regained, n, n)),
+            *((-self.slope * reach**2, v, v), (self.slope, out, out)),
+        ]
+        for (t, s), r, (u, w) in zip(self.prices, self.radii, pairs, strict=True):
+            found += [(-r / 2 * t, w, w), (-r / 2 * s, u, u)]
+        return found
+
+    def hint(self, corner: tuple[Fraction, ...]) -> Hint:
+        """Return a hint for the matrix at a corner."""
+        parts = products(self.terms(corner), M)
+        denominators = {x.denominator for m in parts for row in m for x in row}
+        return hint(parts, math.lcm(*denominators))
+
+    def literal(self) -> str:
+        """Return the certificate as a term of `Tolerant.matrices`."""
+        constants = " ".join(map(q, self.constants))
+        prices = "; ".join(f"({q(t)}, {q(s)})" for t, s in self.prices)
+        ends = " ".join(f"({q(a)}, {q(b)})" for a, b in (self.chi, self.drag, self.gain))
+        hints = ";\n  ".join(self.hint(corner).literal() for corner in self.corners())
+        return (
+            f"Matrices (Constants {constants})\n  {' '.join(map(q, (*self.ball, self.slope)))}"
+            f" [{prices}] [{'; '.join(map(q, self.radii))}]\n  {ends} {q(self.lag)} {q(self.pace)}"
+            f"\n  [{hints}]"
+        )
+
+
+M = 20
+
+
+def radii(claim: Any) -> list[Fraction]:
+    """Return the radii of the eight terms of theorem 5 that are known by bounds alone."""
+    may, yaw, late = claim.may, claim.may.yaw_rate, claim.may.rotor_lag
+    gain = 1 + may.torque
+    turned = claim.quick * claim.sunk + may.thrust * claim.cross / 2
+    turned += (1 + may.thrust) * 2 * claim.sinking + yaw * (gain * claim.gyroscopic + may.torque)
+    return [
+        *(may.torque, turned, yaw),
+        yaw * claim.gyroscopic + late * claim.k12 * claim.quick * claim.spread,
+        *(yaw, late * claim.k12 * yaw),
+        late * claim.kappa * claim.quick * claim.sink,
+        late * ((1 + may.thrust) * claim.sinking + claim.cross),
+    ]
+
+
+def up(x: Fraction) -> Fraction:
+    """Round a number to one with few digits that is not below."""
+    return -down(-x)
+
+
+def down(x: Fraction) -> Fraction:
+    """Round a number to one with few digits that is not above."""
+    unit = Fraction(2) ** (28 + x.denominator.bit_length() - x.numerator.bit_length())
+    return math.floor(x * unit) / unit
+
+
+def upright(u: Forms) -> Forms:
+    """Return what stands along e3."""
+    return [[Fraction(0)] * len(u[2]), [Fraction(0)] * len(u[2]), u[2]]
+
+
+def products(terms: list[tuple], n: int = N) -> list[list[list[Fraction]]]:
     """Return twice the symmetric matrix of each product of two linear forms."""
     return [
         [
-            [c * (x[i] * y[k] + x[k] * y[i]) if y[k] or y[i] else y[k] for k in range(N)]
-            for i in range(N)
+            [c * (x[i] * y[k] + x[k] * y[i]) if y[k] or y[i] else y[k] for k in range(n)]
+            for i in range(n)
         ]
         for c, u, v in terms
         for x, y in zip(u, v, strict=True)
@@ -188,14 +352,14 @@ def products(terms: list[tuple]) -> list[list[list[Fraction]]]:
 
 def factors(m: list[list[Fraction]]) -> list[tuple[Fraction, list[Fraction]]] | None:
     """Return (d, r) with M = Σ d r rᵀ, d > 0, or None where M is not positive definite."""
-    found, rest = [], [row[:] for row in m]
-    for k in range(N):
+    found, rest, n = [], [row[:] for row in m], len(m)
+    for k in range(n):
         d = rest[k][k]
         if d <= 0:
             return None
         r = [x / d for x in rest[k]]
         found.append((d, r))
-        for i in range(k, N):
+        for i in range(k, n):
             rest[i] = [x - d * r[i] * y for x, y in zip(rest[i], r, strict=True)]
     return found
 
@@ -206,10 +370,11 @@ def hint(parts: list[list[list[Fraction]]], scaling: int) -> Hint:
     The squares are of M less a small multiple of I, rounded to whole numbers; what is left of M is
     nearly that multiple of I. Where M is not positive definite there is none, and an empty one.
     """
-    m = [[scaling * sum(part[i][k] for part in parts) for k in range(N)] for i in range(N)]
+    n = len(parts[0])
+    m = [[scaling * sum(part[i][k] for part in parts) for k in range(n)] for i in range(n)]
     if factors(m) is None:
         return Hint(scaling, 1, [])
-    size = max(m[i][i] for i in range(N))
+    size = max(m[i][i] for i in range(n))
     for bits in range(10, 200, 10):
         less = size / 2**bits
         shifted = [
@@ -228,61 +393,118 @@ def q(x: Fraction) -> str:
     return f"({x.numerator} # {x.denominator})"
 
 
-def gains_of(held: dict[str, Any], name: str) -> Iterator[Gains]:
-    """Yield what is held, if it is a certificate of gains with an interval of thrust."""
-    if held["kind"] == "gains" and "thrust" in held["mission"]["bounds"]:
-        yield Gains(held, name)
+def checked() -> Any:
+    """Return checker.py, as installed or in a clone."""
+    here = Path(__file__).resolve()
+    places = here.parents[1] / "checker.py", here.parents[2] / "src" / "hoverproof" / "checker.py"
+    spec = importlib.util.spec_from_file_location("checker", next(filter(Path.is_file, places)))
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
-def certificates(paths: list[str]) -> Iterator[Gains]:
-    """Yield the certificates that Coq can decide."""
+def tolerant_of(held: dict[str, Any], name: str) -> Tolerant | None:
+    """Return a certificate of vehicles within tolerances, if it is of those that Coq knows."""
+    claim = checked().claim_of(held)
+    plain = claim.c.lag is not None and not (
+        claim.hold or claim.late_axes or any(claim.shaken.values())
+    )
+    return Tolerant(claim, name) if plain else None
+
+
+def certificates(paths: list[str], gains: bool = False) -> Iterator[Gains | Tolerant]:
+    """Yield the certificates that Coq can decide, or those of gains among them."""
     for path in map(Path, paths):
         held = json.loads(path.read_text(encoding="utf-8"))
-        yield from gains_of(held, path.name.removesuffix(".cert.json"))
+        name = path.name.removesuffix(".cert.json")
+        if held["kind"] == "gains":
+            yield Gains(held, name)
+        elif held["kind"] == "exponential" and not gains:
+            found = tolerant_of(held, name)
+            if found:
+                yield found
 
 
-PAPER = "theorems 2 to 6 are on paper, and checker.py alone checks their certificates"
-UNTIED = "that the loop of another law than the paper's obeys the error dynamics is on paper"
+PAPER = "certificates of this kind are checked by checker.py alone, and their theorem is on paper"
+PLAIN = (
+    "of certificates of vehicles within tolerances, Coq knows those with rotors that lag, and with "
+    "none of noise, gusts, a control period, a lag of the force, and images that are not turned"
+)
+STEPS = (
+    "that the corners and the bounds follow from the level and the mission, that no motion leaves "
+    "the level, the domain, the starts, the settling and the rotors are on paper, and left to "
+    "checker.py"
+)
 ENCLOSED = "that the wanted feature is in its box is left to checker.py"
-BOX = "that Q stays within its bounds over the box is left to checker.py"
-LEVEL = "the bounds of the thrust that follow from a level are left to checker.py"
+GOAL = "that J or Q is within its bounds at the goal is left to checker.py"
+BOX = "that J or Q is within its bounds over the box, and at the goal, is left to checker.py"
 
 
 def about(held: dict[str, Any]) -> dict[str, Any]:
     """Return what Coq shows of a certificate, and what is left, in words."""
-    found = list(gains_of(held, ""))
-    if not found:
-        return {"shown": [], "left": LEVEL if held["kind"] == "gains" else PAPER}
-    (c,) = found
+    if held["kind"] == "exponential":
+        if tolerant_of(held, "") is None:
+            return {"shown": [], "left": PLAIN}
+        shown = [
+            "matrices_sound: the inequality of theorem 5, that Ψ falls faster than at its rate, "
+            "for every J of the ball, all parameters of the vehicle between the corners of the "
+            "certificate, and all that is known by bounds alone",
+            "tolerant_falls: so Ψ(t) <= Ψ(0) exp(-r t) along every solution of the error equations "
+            "of theorem 5 that is between them on the way",
+            "vehicle_obeys: rigid body, camera and law obey these equations",
+        ]
+        if held["memory"] is not None:
+            shown.append("late_remembers: the memory in Ψ makes up for an image that is late")
+        return {"shown": shown, "left": STEPS}
+    if held["kind"] != "gains":
+        return {"shown": [], "left": PAPER}
+    c = Gains(held, "")
+    axial = not any(map(any, c.box[:2]))
+    yaw = "whatever the yaw rate is" if axial else "with a yaw rate of 0 at the start, and damped"
     shown = [
         "gains_sound: XᵀΣX > margin Σ wi|δi|² for every X ≠ 0, every J or Q and every thrust "
-        "within the bounds, every q* in the box of the certificate, whatever Ω is"
+        "within the bounds, every q* in the box of the certificate, whatever Ω is",
+        "lyapunov_decays: L falls at its rate along every motion of rigid body, camera and law "
+        f"while J or Q and T are within their bounds, {yaw}",
     ]
-    left = []
-    if c.papers:
-        shown.append(
-            "lyapunov_decays: L falls at its rate along every motion of rigid body, camera and law "
-            "while Q and T are within their bounds, if Ω3 is 0 at the start"
-        )
-    else:
-        left.append(UNTIED)
-    if c.of_target:
+    if c.given is not None:
+        shown.append("given_sound: what is fixed in the image is in that box")
+    elif c.of_target:
         shown.append("target_sound: what a level camera sees from the goal is in that box")
-    else:
-        left.append(ENCLOSED)
-    if held["region"]["box"] is not None:
-        left.append(BOX)
+    left = [] if len(shown) == 3 else [ENCLOSED]
+    if c.level is not None:
+        shown.append("level_sound: T is within these bounds while L is within the level, and T > 0")
+    left.append(GOAL if held["region"]["box"] is None else BOX)
     return {"shown": shown, "left": "; ".join(left)}
 
 
-def theorems(c: Gains) -> str:
+def theorems(c: Gains | Tolerant) -> str:
     """Return what Coq is to decide of a certificate."""
     name, decided = re.sub(r"\W", "_", c.name), "Proof. vm_cast_no_check (eq_refl true). Qed."
+    if isinstance(c, Tolerant):
+        lines = [
+            f"Definition matrices_{name} : matrices :=\n  {c.literal()}.",
+            f"Theorem tolerant_{name} : matrices_ok matrices_{name} = true.\n{decided}",
+            f"Definition falls_{name} := matrices_sound matrices_{name} tolerant_{name}.",
+        ]
+        if c.memory is not None:
+            numbers = f"{q(c.memory)} {q(c.late)}"
+            lines.append(
+                f"Theorem late_{name} : memory_ok {numbers} matrices_{name} = true.\n{decided}"
+            )
+        return "\n".join(lines) + "\n"
     lines = [
         f"Definition cert_{name} : certificate :=\n  {c.literal()}.",
         f"Theorem gains_{name} : certificate_ok cert_{name} = true.\n{decided}",
         f"Definition falls_{name} := gains_sound cert_{name} gains_{name}.",
     ]
+    if c.given is not None:
+        lines.append(
+            f"Theorem given_{name} : given_ok {place(c.given)} cert_{name} = true.\n{decided}"
+        )
+    if c.level is not None:
+        numbers = f"{q(c.gravity)} {q(c.level)} {q(c.root)}"
+        lines.append(f"Theorem level_{name} : level_ok {numbers} cert_{name} = true.\n{decided}")
     if c.of_target:
         lines += [
             f"Definition target_{name} : target :=\n  {c.target()}.",
@@ -298,10 +520,10 @@ def main(arguments: list[str]) -> None:
         sys.stdout.buffer.write(json.dumps(about(held)).encode())
         return
     if arguments[:1] == ["--plain"]:
-        sys.stdout.writelines(c.plain() for c in certificates(arguments[1:]))
+        sys.stdout.writelines(c.plain() for c in certificates(arguments[1:], gains=True))
         return
     print("(* Written by literals.py from certificates. *)")
-    print("From Hoverproof Require Import Forms Gains Target.")
+    print("From Hoverproof Require Import Forms Gains Target Decay Tolerant Late.")
     print("Require Import QArith List.\nImport ListNotations.\n")
     for c in certificates(arguments):
         print(theorems(c))

@@ -1,6 +1,6 @@
 (* Decide certificates of gains, as `literals.py --plain` writes them, by the program extracted from Coq.
    Standard input: for each, its name, its rationals, its hints, and its target if it has one. Prints the
-   name and whether certificate_ok and target_ok hold (a target that is not there is "-"). *)
+   name and whether certificate_ok holds, and target_ok or given_ok (a "-" where neither is asked). *)
 open Decide
 
 let tokens = Scanf.Scanning.stdin
@@ -45,7 +45,11 @@ let certificate () =
   | _ -> failwith "too few numbers"
 
 let target () =
-  let points_of = times (count ()) place in
+  let counted () =
+    let k = rational () in
+    (k, place ())
+  in
+  let points_of = times (count ()) counted in
   let goal = place () in
   let pair () =
     let a = rational () in
@@ -59,7 +63,10 @@ let rec decide () =
   | name ->
       let c = certificate () in
       let seen =
-        match word () with "target" -> string_of_bool (target_ok (target ()) c) | _ -> "-"
+        match word () with
+        | "target" -> string_of_bool (target_ok (target ()) c)
+        | "given" -> string_of_bool (given_ok (place ()) c)
+        | _ -> "-"
       in
       Printf.printf "%s %b %s\n%!" name (certificate_ok c) seen;
       decide ()

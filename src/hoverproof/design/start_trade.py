@@ -11,6 +11,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hoverproof.certification.largest import UNITS
 from hoverproof.design.limits import Limits
@@ -143,6 +144,6 @@ def value_of(mission: Mission, name: str) -> float | None:
     return float(np.linalg.norm(_way(mission)) if away else getattr(mission.uncertainty, name))
 
 
-def _way(mission: Mission) -> np.ndarray:
+def _way(mission: Mission) -> NDArray[np.float64]:
     goal = hover_goal(mission).position
     return np.array([float(s - g) for s, g in zip(mission.start.position, goal, strict=True)])

@@ -271,7 +271,7 @@ def _design(mission: Mission, options: Options, law: Law) -> Design:
         goal_centroid=law.goal_feature(mission),
         rotors=tuple(zip(frame.names, frame.places, strict=True)),
         hover=v.hover_thrusts,
-        throttle_per_newton=options.throttle_per_newton(len(frame.names)),
+        throttle_per_newton=options.throttle_per_newton,
         allocation=tuple(
             tuple(share / length for share, length in zip(row, lengths, strict=True))
             for row in shares(frame)

@@ -116,15 +116,10 @@ class Options:
         """The field of the input that holds what the camera saw."""
         return "image" if self.of_points else self.sensing
 
-    def throttle_per_newton(self, rotors: int) -> Fraction:
-        """Return the throttle, 0 to 1, over the thrust of rotors that give their highest at 1, 1/N.
-
-        Parameters
-        ----------
-        rotors : int
-            Their number.
-        """
-        return 1 / (rotors * self.rotor_limits[1])
+    @property
+    def throttle_per_newton(self) -> Fraction:
+        """The throttle, 0 to 1, over the thrust of rotors that give their highest at 1, 1/N."""
+        return 1 / sum((high for _, high in self.each_rotor), Fraction(0))
 
     def seen(self, points: int) -> list[str]:
         """Return the fields of the input that hold what the camera saw.

@@ -274,7 +274,7 @@ def test_vectors(
     highest = sum(high for _, high in options.each_rotor) - weight
     limits = [[precision.round(end) for end in ends] for ends in options.each_rotor]
     write = partial(_written, precision, body_sensors(law.source))
-    scale = precision.round(options.throttle_per_newton(len(mission.vehicle.frame.names)))
+    scale = precision.round(options.throttle_per_newton)
 
     def throttled(thrust: list[Any]) -> dict[str, list[Any]]:
         return {"throttle": [scale * thrust[0]]} if options.rates else {}

@@ -51,7 +51,6 @@ class Detector:
         cv2 = opencv()
         parameters = cv2.aruco.DetectorParameters()
         parameters.markerBorderBits = self.board.border
-        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
         parameters.minMarkerDistanceRate = APART
         return cv2.aruco.ArucoDetector(dictionary(self.board), parameters)
 
@@ -104,15 +103,17 @@ class Detector:
         corners : (k, 4, 2)
             Near, px.
         """
-        after = np.roll(corners, -1, axis=1)
-        sides = after - corners
-        lengths = np.linalg.norm(sides, axis=-1, keepdims=True)
-        outward = np.stack([sides[..., 1], -sides[..., 0]], axis=-1) / lengths
-        reach = np.minimum(WIDEST, WITHIN * lengths / self._bits)[..., None]
+        rays = _each(self._straight, corners)
         along = (1 + SHARE * np.linspace(-1, 1, PROFILES)) / 2
-        places = corners[:, :, None] + along[:, None] * sides[:, :, None]
+        between = (np.roll(rays, -1, axis=1) - rays)[:, :, None]
+        places = _each(self._bent, rays[:, :, None] + along[:, None] * between)
+        lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=-1, keepdims=True)
+        ahead = np.gradient(places, axis=2)
+        outward = np.stack([ahead[..., 1], -ahead[..., 0]], axis=-1)
+        outward /= np.linalg.norm(outward, axis=-1, keepdims=True)
+        reach = np.minimum(WIDEST, WITHIN * lengths / self._bits)[..., None]
         samples = np.linspace(-1, 1, 1 + 2 * round(WIDEST / STEP))
-        at = places[..., None, :] + (reach * samples[:, None] * outward[:, :, None])[:, :, None]
+        at = places[..., None, :] + reach[..., None] * samples[:, None] * outward[..., None, :]
         flat = at.reshape(len(corners) * 4, -1, 2).astype(np.float32)
         read = opencv().remap(image.astype(np.float32), flat, None, 1)
         grey = read.reshape(at.shape[:-1]).astype(float)
@@ -120,7 +121,7 @@ class Detector:
         mean = (grey.sum(axis=-1) - (grey[..., 0] + grey[..., -1]) / 2) / (len(samples) - 1)
         contrast = np.maximum(outer - inner, 1.0)
         edge = reach[..., 0] * np.clip((outer + inner - 2 * mean) / contrast, -1, 1)
-        pixels = places + edge[..., None] * outward[:, :, None]
+        pixels = places + edge[..., None] * outward
         points = _each(self._straight, pixels)
         middle = points.mean(axis=2)
         spread = points - middle[:, :, None]

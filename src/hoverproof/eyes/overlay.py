@@ -11,8 +11,8 @@ from hoverproof.mission.tags import Board
 
 Array = NDArray[np.float64]
 
-EDGE, TOP, MIDDLE, DARK = (60, 200, 60), (40, 90, 240), (240, 160, 40), (0, 0, 0)
-"""Blue, green and red of edges, of the upper edge as printed, of the centroid, and behind words."""
+EDGE, TOP, MIDDLE = (60, 200, 60), (40, 90, 240), (240, 160, 40)
+"""Blue, green and red of edges, of the upper edge as printed, and of the centroid."""
 FINE = 4
 """Pixels are divided by 2**FINE to draw in."""
 
@@ -63,7 +63,5 @@ def drawn(image: Image, pixels: Array, board: Board, axis: tuple[float, float]) 
 def _write(picture: Image, text: str, place: Array, thick: int) -> None:
     cv2 = opencv()
     x, y = (round(float(c)) for c in place)
-    for colour, width in ((DARK, 3 * thick), (TOP, thick)):
-        cv2.putText(
-            picture, text, (x, y), cv2.FONT_HERSHEY_SIMPLEX, 0.5 * thick, colour, width, cv2.LINE_AA
-        )
+    style = cv2.FONT_HERSHEY_SIMPLEX, 0.5 * thick, TOP, thick, cv2.LINE_AA
+    cv2.putText(picture, text, (x, y), *style)

@@ -214,8 +214,12 @@ class Renderer:
         box = self._box([*quads[0].values(), *quads[-1].values()])
         if box is not None:
             left, top, right, bottom = box
-            total = sum((self._sampled(each, box) for each in quads), np.float32(0)) / len(quads)
-            inside = cv2.resize(total, (right - left, bottom - top), interpolation=cv2.INTER_AREA)
+            total = self._sampled(quads[0], box)
+            for each in quads[1:]:
+                cv2.accumulate(self._sampled(each, box), total)
+            inside = cv2.resize(
+                total / len(quads), (right - left, bottom - top), interpolation=cv2.INTER_AREA
+            )
             if shot.focus_blur:
                 inside = cv2.GaussianBlur(inside, (0, 0), shot.focus_blur)
             picture[top:bottom, left:right] = inside
@@ -231,7 +235,7 @@ class Renderer:
             return np.zeros(1)
         ends = [self.pixels(pose.after(time)) for time in (-half, half)]
         most = float(np.nan_to_num(np.linalg.norm(ends[1] - ends[0], axis=-1)).max())
-        count = min(MOST_POSES, 1 + math.ceil(1.5 * most))
+        count = min(MOST_POSES, max(1, math.ceil(most)))
         return (np.arange(count) + 0.5) / count - 0.5
 
     def _quads(self, pose: Pose) -> dict[int, Array]:

@@ -282,6 +282,7 @@ class Sightings:
         facts: dict[str, Any] = {
             "source": self.source.name,
             "tags": self.viewer.board.words,
+            "single_tag": len(self.viewer.board.numbers) == 1,
             "partial": self.source.short or None,
             "frames": len(self.times),
             "frames_expected": self.source.expected or None,

@@ -35,7 +35,7 @@ def preset_text(name: str) -> str:
 
 
 def conditions_text() -> str:
-    """Return a TOML text, all comments, with the keys of law, sensors, rotors, wind and scatter."""
+    """Return a TOML text, all comments, with the keys of law, sensors, rotors, interface, ..."""
     return (resources.files("hoverproof") / "conditions.toml").read_text(encoding="utf-8")
 
 

@@ -195,7 +195,8 @@ PAGE = """<!DOCTYPE html>
 <title>@TITLE@</title>
 <style>
 body { font-family: sans-serif; margin: 1em auto; max-width: @WIDTH@px; padding: 0 1em; }
-div { position: relative; }
+section { overflow-x: auto; }
+div { position: relative; min-width: 44rem; }
 img { width: 100%; height: auto; display: block; }
 #change { position: absolute; top: 0; left: 0; }
 form { display: flex; gap: 1em; align-items: center; }
@@ -204,10 +205,12 @@ button { min-width: 5em; padding: 0.4em; }
 </style>
 </head>
 <body>
+<section>
 <div>
 <img src="@STILL@" width="@WIDTH@" height="@HEIGHT@" alt="The flight over its target">
 <img id="change" width="@WIDTH@" height="@HEIGHT@" alt="">
 </div>
+</section>
 <form>
 <button type="button" id="play">Pause</button>
 <input type="range" id="place" min="0" max="@LAST@" value="0" aria-label="picture">

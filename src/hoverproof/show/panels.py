@@ -237,7 +237,7 @@ def path(axes: Axes3D, flight: Flight) -> None:
     places = flight["position"].values
     axes.plot(*places.T, color=COLOURS[0], linewidth=1.8, label="path")
     axes.plot(*places[0], "o", color=COLOURS[3], label="start")
-    axes.plot(*places[-1], "x", color="black", label="end")
+    axes.plot(*places[-1], "x", color="black", zorder=4, label="end")
     axes.plot(*scene.goal, "*", color=COLOURS[2], markersize=13, label="goal")
     axes.plot(*scene.points.T, "s", color=COLOURS[1], label="target points")
     ground = np.full(len(places), scene.points[:, 2].max())
@@ -311,7 +311,7 @@ def _plan(axes: Axes, flight: Flight, i: int, j: int) -> None:
     scene, places = Scene.of(flight), flight["position"].values
     axes.plot(places[:, i], places[:, j], color=COLOURS[0], linewidth=1.5)
     axes.plot(places[0, i], places[0, j], "o", color=COLOURS[3])
-    axes.plot(places[-1, i], places[-1, j], "x", color="black")
+    axes.plot(places[-1, i], places[-1, j], "x", color="black", zorder=4)
     axes.plot(scene.goal[i], scene.goal[j], "*", color=COLOURS[2], markersize=13)
     axes.plot(scene.points[:, i], scene.points[:, j], "s", color=COLOURS[1])
     axes.set_aspect("equal", adjustable="datalim")

@@ -52,6 +52,7 @@ class AttractionAnswer(Answer):
     largest: Largest | None = None
     search: Path | None = None
     unproved: Unproved | None = None
+    tune: str | None = None
 
     @property
     def status(self) -> int:
@@ -78,6 +79,9 @@ class AttractionAnswer(Answer):
                 yield textwrap.fill(words, 80, initial_indent="  ", subsequent_indent="    ")
             if self.unproved is not None:
                 yield from unproved.lines(self.unproved, self.path)
+            if self.tune is not None:
+                yield f"Next: {self.tune}"
+                yield "  looks for gains with which the start is proved, or says what would help"
             return
         if isinstance(verdict, Sinks):
             yield from _motion(verdict)

@@ -88,6 +88,8 @@ class SeeAnswer(Answer):
         deviation = ", ".join(f"{c:.3g}" for c in rest.deviation)
         yield f"  noise of the feature    ({deviation}), {rest.feature}"
         yield f"                          bias {rest.bias:.3g}, largest {rest.largest:.3g}"
+        if self.facts["single_tag"]:
+            yield "  (what is off alike in every image shows little with a single tag)"
         yield "For the mission (as seen here; leave room for what was not):"
         yield from (f"  {line}" for line in rest.lines())
 

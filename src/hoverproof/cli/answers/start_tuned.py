@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -90,6 +91,9 @@ class StartTunedAnswer(Answer):
         if not binding:
             yield "  what binds: the inequality of Ψ alone"
         yield from written_text(self.written, self.certificate)
+        if self.written is not None:
+            folder = str(Path(self.written).with_suffix("")) + "-firmware"
+            yield f"Then: {shlex.join(['hoverproof', 'export', self.written, '--out', folder])}"
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""
