@@ -223,6 +223,9 @@ def test_what_a_log_does_not_tell_is_not_said_to_hold(good):
     for name in ("thrust gain", "steady wind", "latency", "Ψ falls as proved", "field of view"):
         assert found[name].held is None, name
     assert found["yaw rate"].held is True
+    still = judged(replace(log, rate=None, rotor_command=log.rotor_command))
+    assert still["thrust gain"].held is True
+    assert still["torque gain"].held is still["yaw rate"].held is None
 
 
 def test_a_log_of_another_vehicle_is_said_to_be(good):

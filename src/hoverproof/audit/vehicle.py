@@ -191,7 +191,7 @@ class Vehicle:
         """Thrust felt over thrust asked for: over all; over time, (n - 1,), and its noise."""
         command = self.log.thrust_command
         assert command is not None
-        lag = float(self.lag.value[0]) if self.log.rotor_command is not None else 0.0
+        lag = float(self.lag.value[0]) if self.log.has("rate", "rotor_command") else 0.0
         asked = followed(self.log.times, self.held(command[:, None]), lag)[:, 0]
         known = np.isfinite(asked) & np.isfinite(self.felt)
         whole = least_squares(asked[known, None], self.felt[known])
@@ -212,8 +212,10 @@ class Vehicle:
         weights = 1 / np.r_[1.0, np.abs(self.mixing[1:]).max(axis=1)]
         times, found = [], []
         for middle, part in self.windows(WINDOW):
-            rows = (weights[:, None] * self.mixing)[None] * made[part][:, None, :]
-            fit = least_squares(rows.reshape(-1, 4), (acted[part] * weights).ravel())
+            rows = ((weights[:, None] * self.mixing)[None] * made[part][:, None, :]).reshape(-1, 4)
+            wanted = (acted[part] * weights).ravel()
+            known = np.isfinite(np.column_stack([rows, wanted])).all(axis=1)
+            fit = least_squares(rows[known], wanted[known])
             times.append(middle)
             found.append(fit.value)
         return np.array(times), np.array(found).reshape(-1, 4)
