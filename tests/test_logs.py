@@ -11,7 +11,9 @@ import pytest
 import xarray as xr
 
 from hoverproof import cli
+from hoverproof.audit.log import FlightLog
 from hoverproof.audit.reading import read_log
+from hoverproof.audit.vehicle import Vehicle
 from hoverproof.audit.verdict import audit
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
@@ -94,6 +96,23 @@ def test_a_px4_log_tells_rate_loop_wind_and_lost_target(px4):
     assert found["target seen"].at == pytest.approx(12, abs=0.2)
     for name in ("thrust gain", "latency", "Ψ falls as proved", "limits of the rotors"):
         assert found[name].held is None, name
+
+
+def test_noise_that_the_law_answers_does_not_bend_the_bandwidth():
+    """The command holds the noise of the rates that it is made of."""
+    times, random = 0.004 * np.arange(5000), np.random.default_rng(3)
+    noise = 0.01 * random.standard_normal((len(times), 3))
+    true, asked = np.zeros((2, len(times), 3))
+    wanted = np.column_stack([np.sin(4 * times), np.cos(3 * times), 0 * times])
+    kept = np.exp(-BANDWIDTH * 0.004)
+    for k in range(len(times)):
+        if k:
+            true[k] = asked[k - 1] + kept * (true[k - 1] - asked[k - 1])
+        asked[k] = true[k] + noise[k] + wanted[k] / 25
+    log = FlightLog(source="made", kind="made", times=times, rate=true + noise, rate_command=asked)
+    fit = Vehicle(log, MISSION).bandwidth
+    assert (abs(fit.value - BANDWIDTH) <= 4 * fit.deviation + 0.2).all()
+    assert (fit.deviation < 0.1 * BANDWIDTH).all()
 
 
 def test_a_px4_log_that_is_cut_short_is_partial_and_said_to_be(px4, tmp_path, capsys):

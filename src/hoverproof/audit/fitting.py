@@ -58,6 +58,29 @@ def least_squares(matrix: Array, wanted: Array) -> Fit:
     return Fit(x, np.asarray(np.sqrt(np.maximum(spread, 0)), np.float64), float(np.sqrt(variance)))
 
 
+def instrumented(given: Array, wanted: Array) -> Fit:
+    """Return x that given x ≈ wanted, where both share the noise of neighbouring samples.
+
+    What was given two samples before is the instrument: noise that is in both is not in it.
+
+    Parameters
+    ----------
+    given, wanted : (n,)
+        Any unit.
+    """
+    known = np.isfinite(given) & np.isfinite(wanted)
+    known[:2] = False
+    known[2:] &= np.isfinite(given[:-2])
+    before = np.concatenate([given[:2], given[:-2]])[known]
+    common = float(before @ given[known])
+    if known.sum() < 4 or common <= 0:
+        return Fit(np.full(1, np.nan), np.full(1, np.inf), np.nan)
+    x = float(before @ wanted[known]) / common
+    left = wanted[known] - x * given[known]
+    size = float(np.sqrt(left @ left / (known.sum() - 1)))
+    return Fit(np.array([x]), np.array([size * np.linalg.norm(before) / common]), size)
+
+
 def over(times: Array, values: Array, window: float) -> Array:
     """Return means over a window of time around each sample, (n,) or (n, k).
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from hoverproof.audit.fitting import Fit, followed, least_squares, noise_over, over
+from hoverproof.audit.fitting import Fit, followed, instrumented, least_squares, noise_over, over
 from hoverproof.audit.log import FlightLog
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rotors import wrench
@@ -253,10 +253,7 @@ class Vehicle:
         assert rate is not None and command is not None
         slope = np.diff(rate, axis=0) / np.diff(self.log.times)[:, None]
         behind = self.held(command)[1:] - (rate[1:] + rate[:-1]) / 2
-        fits = []
-        for i in range(2):
-            known = np.isfinite(slope[:, i]) & np.isfinite(behind[:, i])
-            fits.append(least_squares(behind[known, i : i + 1], slope[known, i]))
+        fits = [instrumented(behind[:, i], slope[:, i]) for i in range(2)]
         return Fit(
             np.array([f.value[0] for f in fits]),
             np.array([f.deviation[0] for f in fits]),
