@@ -69,6 +69,7 @@ def test_the_certificate_of_these_tests_is_that_of_the_mission():
     assert differences(CONTENT, MISSION) == []
 
 
+@pytest.mark.slow
 def test_a_flight_within_tolerances_held_every_assumption(good, capsys):
     status, out, _ = run(
         capsys, "audit", good, "--mission", "research-1.5kg", "--certificate", PROOF, "--json"

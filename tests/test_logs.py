@@ -13,9 +13,12 @@ import xarray as xr
 from hoverproof import cli
 from hoverproof.audit.log import FlightLog
 from hoverproof.audit.reading import read_log
+from hoverproof.audit.replaying import replayed
 from hoverproof.audit.vehicle import Vehicle
 from hoverproof.audit.verdict import audit
 from hoverproof.errors import InputError
+from hoverproof.export.binding import Firmware
+from hoverproof.firmware import export_c
 from hoverproof.mission.reading import load
 from hoverproof.simulation.flight import flown, save
 from hoverproof.simulation.timing import Timing
@@ -132,9 +135,18 @@ def flight(tmp_path_factory):
     return path
 
 
-def test_a_replay_commands_what_was_commanded(flight, capsys, tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def package(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("package")
+    export_c(load("research-1.5kg"), folder, allow_uncertified=True, camera=True)
+    return folder
+
+
+@pytest.mark.slow
+def test_a_replay_commands_what_was_commanded(flight, package, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    status, out, _ = run(capsys, "replay", flight, "--mission", "research-1.5kg", "--json")
+    words = ("--mission", "research-1.5kg", "--package", package, "--json")
+    status, out, _ = run(capsys, "replay", flight, *words)
     told = json.loads(out)
     assert status == 0
     assert told["steps"] == len(read_log(flight).times)
@@ -147,19 +159,17 @@ def test_a_replay_commands_what_was_commanded(flight, capsys, tmp_path, monkeypa
     assert Path(told["figure"]).stat().st_size > 10_000
 
 
-def test_a_replay_with_other_gains_and_weak_rotors_differs_and_saturates(flight, capsys):
-    settings = ("--set", "gains.k4=10", "--set", "rotors.max_thrust=3.8")
-    words = ("--mission", "research-1.5kg", *settings, "--no-figure", "--json")
-    told = json.loads(run(capsys, "replay", flight, *words)[1])
-    assert told["differences"]["rotor"]["largest"] > 0.05
+@pytest.mark.slow
+def test_a_replay_with_weak_rotors_saturates(flight, package):
+    firmware = Firmware(package)
+    assert firmware.set_rotor_limits(0, 3.8) == 0
+    told = replayed(read_log(flight), load("research-1.5kg"), firmware).facts()
     assert told["saturated"] > 0
     assert told["saturated_at"] < 2
+    assert told["differences"]["rotor"]["largest"] > 0.05
 
 
-def test_what_a_log_has_not_is_not_replayed(px4):
-    from hoverproof.audit.replaying import replayed
-    from hoverproof.firmware import exported
-
-    mission = load("research-1.5kg")
+@pytest.mark.slow
+def test_what_a_log_has_not_is_not_replayed(px4, package):
     with pytest.raises(InputError, match="holds no feature: nothing to replay"):
-        replayed(read_log(px4), mission, exported(mission, camera=True))
+        replayed(read_log(px4), load("research-1.5kg"), Firmware(package))
