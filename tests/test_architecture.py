@@ -22,7 +22,7 @@ FLOORS = [
     {"certification", "simulation", "export", "paper"},
     {"design"},
     {"firmware", "plausibility"},
-    {"mavlink", "eyes"},
+    {"mavlink", "eyes", "audit"},
     {"show"},
     {"reporting"},
     {"cli"},

@@ -217,7 +217,7 @@ def flown_firmware(
     steps = timing.steps(mission, samples, simulation.sample_bytes(mission), law)
     every, finer = steps.every, samples if timing.every is None else None
     if firmware is None:
-        firmware = _exported(mission, law, camera=not ideal)
+        firmware = exported(mission, law, camera=not ideal)
     elif firmware.manifest["mission"] != mission.exact():
         raise InputError(mission.source, "", f"is not the mission of the firmware {firmware.name}")
     elif firmware.manifest["law"] != choices_of(law or flown_law(mission)):
@@ -276,7 +276,17 @@ def _good(flown: Mapping[str, Any]) -> tuple[Array, bool]:
     return (rows if whole else rows[: max(1, len(rows) - 1)]), whole
 
 
-def _exported(mission: Mission, law: Law | None, *, camera: bool) -> Firmware:
+def exported(mission: Mission, law: Law | None = None, *, camera: bool) -> Firmware:
+    """Return the firmware of a mission in float32, proved or not, for flights on this computer.
+
+    Parameters
+    ----------
+    mission : Mission
+    law : Law, optional
+        By default that of the mission.
+    camera : bool
+        Whether it takes the feature.
+    """
     with tempfile.TemporaryDirectory() as folder:
         own: dict[str, Any] = {"allow_uncertified": True, "law": law, "camera": camera}
         export_c(mission, folder, name="firmware", **own)

@@ -31,6 +31,7 @@ COMMANDS = (
     *("certification:certify", "certification:region", "certification:check"),
     *("tuning:tune", "atlas:atlas", "attraction:attraction"),
     *("firmware:export", "flight:simulate", "flying:fly", "see:see"),
+    *("audit:audit", "audit:replay"),
     *("missions:presets", "missions:new", "paper:derive", "report:report"),
 )
 """Module and function of each command; imported when it is run, or when help tells of it."""

@@ -20,6 +20,7 @@ from hoverproof.mission.tags import Board, board_of_mission
 from hoverproof.plant import camera
 from hoverproof.plant.lens import seeing_lens
 from hoverproof.simulation.flight import SAMPLES, fly_as_built, sample_bytes
+from hoverproof.simulation.image_age import age_in_use
 from hoverproof.simulation.plan import Plan, check_seed
 from hoverproof.simulation.record import Column, Record
 from hoverproof.simulation.timing import Timing
@@ -116,6 +117,8 @@ class Eyes:
     true, found : list of (n, 2) arrays
         Where the target points are in the image, and where they were found, px; not a number of
         a tag that was not found.
+    late : list of int
+        By how many steps each came later than the latency says, bare numbers.
     """
 
     plan: Plan
@@ -124,6 +127,7 @@ class Eyes:
     steps: list[int] = field(default_factory=list)
     true: list[Array] = field(default_factory=list)
     found: list[Array] = field(default_factory=list)
+    late: list[int] = field(default_factory=list)
 
     def __call__(
         self, step: int, memory: Array, parameters: Array, noise: Array
@@ -154,6 +158,7 @@ class Eyes:
         if pixels.jitter:
             drawn = np.random.default_rng((pixels.seed, len(self.steps), 1)).standard_normal()
             late = math.ceil(abs(drawn) * pixels.jitter / plan.step)
+        self.late.append(late)
         if np.isnan(seen).any():
             size = plan.loop.constants["SEEN"]
             return np.zeros((size, 1)), np.full(1, -1.0), late
@@ -178,6 +183,11 @@ class Eyes:
             record.add(name, axes, np.array(values), units="px", long_name=words)
         feature = look_at(self.plan)
         whole = ~np.isnan(np.array(self.found)).any(axis=(1, 2))
+        used = whole | (np.arange(len(times)) == 0)  # at first there is nothing to hold
+        taken = np.array(self.steps)[used], np.array(self.late)[used]
+        ages = age_in_use(self.plan, record["time"].values, *taken)
+        words = "since the exposure of the frame that the controller uses"
+        record.add("image_age", ["time"], ages, units="s", long_name=words)
         error = np.full((len(times), 3), np.nan)
         if whole.any():
             told = [each_frame(feature, np.array(s)[whole]) for s in (self.found, self.true)]

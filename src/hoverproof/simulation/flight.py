@@ -28,6 +28,7 @@ from hoverproof.simulation.block import fly_raw, how_it_ended, log_of
 from hoverproof.simulation.compiled import VIRTUAL_MACHINE, Runner, has_diverged, runner
 from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.flight_log import ending, ending_words, is_noted, settled_at
+from hoverproof.simulation.image_age import image_age
 from hoverproof.simulation.numbers import settled_index
 from hoverproof.simulation.plan import Plan, check_seed, is_ideal
 from hoverproof.simulation.record import Record, feature_words, flight_record
@@ -346,12 +347,16 @@ def fly_as_built(
             f"{feature_words(plan.numbers.law)} that the controller uses",
         ),
         ("wind", ("time", "axis"), "m/s", "wind, world frame"),
+        ("rotor_command", ("time", "rotor"), "N", "thrust that each rotor is asked for"),
         ("specific_force", ("time", "body_axis"), "m/s²", "true specific force a, body frame"),
     ):
         if name not in parts:
             continue
-        values = parts[name].reshape(len(kept), *([3] if len(dims) > 1 else []))
+        values = parts[name] if len(dims) > 1 else parts[name].ravel()
         flight.add(name, dims, values, units=units, long_name=words)
+    if eyes is None:
+        words = "since the exposure of the frame that the controller uses"
+        flight.add("image_age", ["time"], image_age(plan, flight), units="s", long_name=words)
     flight.attrs.update(
         {
             "outcome": outcome,

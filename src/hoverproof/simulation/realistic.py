@@ -452,5 +452,6 @@ def recorded(
         memory["command"],
         used(memory),
         around.wind + memory["gust"],
+        memory["rotor_commands"],
         *own,
     )

@@ -55,6 +55,7 @@ RECORD = {
     "thrust_command": 1,
     "centroid_held": 3,
     "wind": 3,
+    "rotor_command": 4,
 }
 
 
@@ -360,7 +361,7 @@ class Features:
             Their number.
         """
         felt = {"specific_force": 3} if law.force.sensed else {}
-        return RECORD | {"rotor_thrust": rotors} | felt
+        return RECORD | {"rotor_thrust": rotors, "rotor_command": rotors} | felt
 
     def surroundings(self, law: Law, rotors: int = 4) -> type[Surroundings]:
         """Return the layout of what surrounds a law.

@@ -1,0 +1,1 @@
+"""Flights that happened: logs read, assumptions of a certificate judged, commands replayed."""

@@ -1,0 +1,129 @@
+"""Read the netCDF files that `simulate`, `fly` and `see` write."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.audit.log import MOST_ROWS, FlightLog
+from hoverproof.errors import InputError
+from hoverproof.plant.rigid_body import rotation_rows
+
+Array = NDArray[np.float64]
+
+AT_A_TIME = 100_000
+
+
+def read(path: Path) -> FlightLog:
+    """Read a file of ours.
+
+    Parameters
+    ----------
+    path : Path
+
+    Raises
+    ------
+    InputError
+        If it is damaged, or another kind of netCDF.
+    """
+    try:
+        with h5py.File(path, "r") as file:
+            return _read(file, str(path))
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError):
+        reason = "is damaged or cut short, or was not written by simulate, fly or see"
+        raise InputError(str(path), "", reason) from None
+
+
+def _read(file: Any, source: str) -> FlightLog:
+    attrs = dict(file.attrs)
+    title = str(attrs["title"])
+    if "run" in file:
+        raise InputError(source, "", "holds many flights: give the file of one")
+    sizes = file["time"].shape
+    step = max(1, -(-sizes[0] // MOST_ROWS))
+
+    def column(name: str) -> Array | None:
+        if name not in file:
+            return None
+        data = file[name]
+        parts = [
+            data[i : i + AT_A_TIME * step : step] for i in range(0, sizes[0], AT_A_TIME * step)
+        ]
+        return np.concatenate([np.asarray(p, np.float64) for p in parts]) if parts else None
+
+    notes = (f"every {step} rows of {sizes[0]} are looked at",) if step > 1 else ()
+    times = column("time")
+    assert times is not None
+    held: dict[str, Any] = {"source": source, "times": times, "notes": notes}
+    if "mission" in attrs:
+        held["mission"] = json.loads(attrs["mission"])
+    held["outcome"] = str(attrs.get("outcome", ""))
+    if title.startswith("what was seen"):
+        whole = ~np.isnan(np.asarray(file["pixel"])).any(axis=(1, 2))
+        return FlightLog(
+            kind="images, by see",
+            partial=str(attrs.get("partial", "")),
+            frames=np.asarray(file["time"], np.float64),
+            frames_whole=whole,
+            feature=column("feature"),
+            **held,
+        )
+    for ours, theirs in (
+        ("position", "position"),
+        ("velocity", "velocity"),
+        ("rotation", "rotation"),
+        ("rate", "body_rate"),
+        ("specific_force", "specific_force"),
+        ("thrust_command", "thrust_command"),
+        ("rotor_command", "rotor_command"),
+        ("rate_command", "rate_setpoint"),
+        ("image_age", "image_age"),
+        ("status", "firmware_status"),
+    ):
+        held[ours] = column(theirs)
+    held["feature"] = column("feature" if "feature" in file else "centroid_held")
+    if "phase" in file:
+        return _flown(held, column("phase"), column("gravity_direction"))
+    held["step"] = float(np.ravel(attrs["step"])[0])
+    held["ahead"] = 1
+    if held["feature"] is not None and not held["feature"][0].any():
+        held["feature"][0] = held["feature"][1]  # the first image is in use from the start on
+    if "thrust_command" not in file:  # what is asked for is made, at once
+        held |= {"thrust_command": column("thrust"), "rotor_command": column("rotor_thrust")}
+        held |= {"feature": column("centroid"), "image_age": np.zeros(len(times))}
+        held |= {"ahead": 0, "continuous": True}
+    if "frame" in file:
+        held["frames"] = np.asarray(file["frame"], np.float64)
+        held["frames_whole"] = ~np.isnan(np.asarray(file["pixel_found"])).any(axis=(1, 2))
+    if held["specific_force"] is None:
+        held["specific_force"] = _felt(held)
+        held["notes"] += ("the specific force is made of the velocity, which is not noisy here",)
+    return FlightLog(kind="flight, by simulate", **held)
+
+
+def _felt(held: dict[str, Any]) -> Array:
+    """Return V' + Ω × V - g ρ of a flight, (n, 3), body frame, m/s²."""
+    gravity = float(Fraction(held["mission"]["vehicle"]["gravity"]))
+    velocity, down = held["velocity"], held["rotation"][:, 2]
+    change = np.gradient(velocity, held["times"], axis=0)
+    return np.asarray(change + np.cross(held["rate"], velocity) - gravity * down)
+
+
+def _flown(held: dict[str, Any], phase: Array | None, down: Array | None) -> FlightLog:
+    """Return the part of a log of `fly` in which the law flies; its heading is not in it."""
+    assert phase is not None and down is not None
+    roll, pitch = np.arctan2(down[:, 1], down[:, 2]), -np.arcsin(np.clip(down[:, 0], -1, 1))
+    angles = [roll, pitch, np.zeros(len(roll))]
+    rows = rotation_rows([np.cos(a) for a in angles], [np.sin(a) for a in angles])
+    held["rotation"] = np.array([[0 * roll + c for c in row] for row in rows]).transpose(2, 0, 1)
+    held["notes"] += ("headings are not in the log: directions are told from the body's own",)
+    log = FlightLog(kind="flight over MAVLink, by fly", **held)
+    if not (phase == 2).any():
+        raise InputError(log.source, "", "holds no flight: the law was never switched on")
+    return log.rows(phase == 2)

@@ -1,0 +1,151 @@
+"""The commands `audit` and `replay`: logs of flights that happened."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from hoverproof.cli.answers.answer import tell
+from hoverproof.cli.completion import mission_names
+from hoverproof.cli.console import NO_FOLDER, Json, Set, at_work, load_mission
+from hoverproof.errors import InputError
+
+if TYPE_CHECKING:
+    from hoverproof.audit.claim import Claim
+    from hoverproof.mission.sections import Mission
+
+LogFile = Annotated[
+    Path, Parameter(help="Log: netCDF of simulate, fly or see, or PX4's .ulg (extra logs).")
+]
+
+
+def audit(
+    log: LogFile,
+    *,
+    mission: Annotated[
+        str,
+        Parameter(
+            help="Whose theorem it is held against: preset or file.", completer=mission_names
+        ),
+    ],
+    certificate: Annotated[
+        Path | None,
+        Parameter(help="That of `attraction` for this mission; by default proved now."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        Parameter(help="Page to write; by default LOG.audit.html, here.", validator=NO_FOLDER),
+    ] = None,
+    page: Annotated[bool, Parameter(help="Write the page.")] = True,
+    set_: Set = None,
+    json_: Json = False,
+) -> int:
+    """Say which assumptions of a mission's proof held in a flight that happened.
+
+    The proof is theorem 5: every vehicle within [uncertainty] converges. Thrust gain, torque gain
+    and rotor lag are identified by least squares from what was commanded and felt, latency and
+    gaps from time stamps, wind from what is felt across the thrust, Ψ and the field of view from
+    estimated positions. What a log does not tell is said to be untold, never to hold.
+
+    Names what broke first, when and by how much, and the tolerances that would cover it, as a
+    command that asks for their proof. Status 0 if all that is told held, 1 if something broke, 3
+    if nothing is proved of the mission or told by the log.
+
+    Example: `hoverproof audit flight.nc --mission research-1.5kg`
+
+    Example: `hoverproof audit log.ulg --mission my-flyer.toml --certificate my.cert.json --json`
+    """
+    from hoverproof.audit.reading import read_log
+    from hoverproof.audit.verdict import audit as hold
+    from hoverproof.cli.answers.audit import AuditAnswer
+
+    loaded = load_mission(mission, set_)
+    flight = read_log(log)
+    claim, reason = _claim(loaded, certificate)
+    found = hold(flight, loaded, claim)
+    path = (out or Path(f"{log.stem}.audit.html")) if page else None
+    tolerances = found.covering()
+    words = ["hoverproof", "attraction", mission]
+    asked = [f"uncertainty.{key}={value}" for key, value in tolerances.items()]
+    words += [word for setting in [*(set_ or []), *asked] for word in ("--set", setting)]
+    answer = AuditAnswer(found, reason, shlex.join(words) if tolerances else None, path)
+    if path is not None:
+        from hoverproof.reporting.audit_page import write_page
+
+        write_page(path, found, [*answer.text()], answer.command)
+    return tell(answer, json_)
+
+
+def replay(
+    log: LogFile,
+    *,
+    mission: Annotated[
+        str,
+        Parameter(help="Whose controller it is: preset or file.", completer=mission_names),
+    ],
+    package: Annotated[
+        Path | None,
+        Parameter(help="Package to run, exported with --camera; by default exported now."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        Parameter(help="netCDF to write; by default LOG.replay.nc, here.", validator=NO_FOLDER),
+    ] = None,
+    figure: Annotated[bool, Parameter(help="Draw the commands beside the file.")] = True,
+    set_: Set = None,
+    json_: Json = False,
+) -> int:
+    """Run the exported C over the features and inertial data of a log.
+
+    Says what it would have commanded at each step, how long the steps were and took, when a limit
+    was reached, and how far that is from what was commanded. Its thrust starts as that of the log
+    and goes on by its own commands, so that what differs adds up.
+
+    Example: `hoverproof replay flight.nc --mission research-1.5kg`
+
+    Example: `hoverproof replay flight.nc --mission my-flyer.toml --package firmware --json`
+    """
+    from hoverproof.audit.reading import read_log
+    from hoverproof.audit.replaying import replayed
+    from hoverproof.cli.answers.replay import ReplayAnswer
+    from hoverproof.export.binding import Firmware
+    from hoverproof.files import write_bytes
+    from hoverproof.firmware import exported
+
+    loaded = load_mission(mission, set_)
+    flight = read_log(log)
+    firmware = exported(loaded, camera=True) if package is None else Firmware(package)
+    found = replayed(flight, loaded, firmware)
+    path = out or Path(f"{log.stem}.replay.nc")
+    write_bytes(path, found.record().netcdf())
+    picture = path.with_suffix(".png") if figure else None
+    if picture is not None:
+        from hoverproof.show.replay import replay_figure
+        from hoverproof.show.style import save_figure
+
+        save_figure(replay_figure(found), picture)
+    return tell(ReplayAnswer(found.facts(), path, picture), json_)
+
+
+def _claim(mission: Mission, path: Path | None) -> tuple[Claim | None, str]:
+    """Return what is proved of a mission, or None and why not."""
+    from hoverproof import checker
+    from hoverproof.audit.claim import Claim, given_claim
+    from hoverproof.certification.convergence import attraction
+
+    if path is not None:
+        try:
+            return given_claim(checker.read(path), str(path), mission), ""
+        except checker.Unreadable as error:
+            raise InputError(str(path), "", str(error)) from None
+    with at_work() as doing:
+        verdict = attraction(mission, progress=doing)
+    if verdict.certificate is None or verdict.proved is None:
+        return None, f"{verdict.status}: {verdict.reason}"
+    content = verdict.certificate.content
+    if content["kind"] != "exponential":
+        return None, "proved by another theorem, not by theorem 5"
+    return Claim.of(content), ""
