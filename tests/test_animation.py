@@ -118,9 +118,9 @@ def test_an_interrupted_film_leaves_the_old_file(flight):
         ("a.avi", None, r"a.avi: must end in .mp4 or .gif or .html"),
         ("a", None, "must end in"),
         ("no/such/folder/a.gif", None, "cannot be written"),
-        ("a.gif", 0, "--speed-up: must be a positive number"),
-        ("a.gif", float("nan"), "--speed-up: must be a positive number"),
-        ("a.gif", 0.1, "--speed-up: must be at least 1 for a flight of 40 s"),
+        ("a.gif", 0, "speed_up: must be a positive number"),
+        ("a.gif", float("nan"), "speed_up: must be a positive number"),
+        ("a.gif", 0.1, "speed_up: must be at least 1 for a flight of 40 s"),
     ],
 )
 def test_impossible_films_are_refused(flight, path, speed_up, message):

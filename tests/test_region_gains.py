@@ -176,10 +176,10 @@ def test_a_speed_without_a_region_is_answered_with_one_that_has_a_region(x4, who
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"objective": "region", "at_least": 1e-3}, "--at-least: is about L"),
-        ({"objective": "region", "weights": "search"}, "--weights: is about L"),
-        ({"objective": "decay", "minimum_decay": 1e-3}, "--minimum-decay: is for"),
-        ({"objective": "region", "minimum_decay": -1.0}, "--minimum-decay: must be a positive"),
+        ({"objective": "region", "at_least": 1e-3}, "at_least: is about L"),
+        ({"objective": "region", "weights": "search"}, "weights: is about L"),
+        ({"objective": "decay", "minimum_decay": 1e-3}, "minimum_decay: is for"),
+        ({"objective": "region", "minimum_decay": -1.0}, "minimum_decay: must be a positive"),
     ],
 )
 def test_options_of_another_objective_are_refused(x4, options, message):

@@ -77,6 +77,7 @@ class CheckAnswer(Answer):
             shown, refused = list(self.decided.shown), self.decided.refused or None
             answer["coq"] = {"shown": shown, "left": self.decided.left, "refused": refused}
         if self.mission is not None:
-            about = {"mission": self.mission, "about_mission": not self.differing}
-            answer |= {**about, "differences": list(self.differing)}
+            about = self.statement is not None and not self.differing
+            answer |= {"mission": self.mission, "about_mission": about}
+            answer["differences"] = list(self.differing)
         return answer
