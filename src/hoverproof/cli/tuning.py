@@ -123,6 +123,8 @@ def tune(
     """
     loaded = load_mission(mission, set_)
     pareto = VALUES if pareto is None and trade is not None else pareto
+    if pareto is None and out is not None and out.suffix in (".png", ".svg"):
+        raise InputError("--out", "", f"{out} is no mission file: --pareto and --trade draw")
     if pareto is not None and at_least is not None:
         raise InputError("--at-least", "", "does not go with --pareto")
     from hoverproof.design.tuning import Wish
