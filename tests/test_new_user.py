@@ -93,6 +93,12 @@ def test_a_tuned_mission_is_not_written_as_a_picture(mission, capsys):
     assert "--trade" in refused(capsys, "tune", "small-tag.toml", "--out", "trade.png")
 
 
+@pytest.mark.parametrize("command", ["tune", "attraction"])
+def test_a_folder_that_is_not_there_is_said_before_the_work(mission, capsys, command):
+    err = refused(capsys, command, "small-tag.toml", "--out", "nowhere/x.toml")
+    assert "its folder is not there" in err  # and no line of what is being done
+
+
 @pytest.mark.parametrize(
     ("option", "how"),
     [
