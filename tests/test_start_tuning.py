@@ -190,9 +190,9 @@ def test_with_the_centroid_over_a_small_target_height_is_said_to_be_ill_conditio
 @pytest.mark.parametrize(
     ("options", "word"),
     [
-        ({"at_least": 0.1}, "--at-least"),
-        ({"minimum_decay": 0.1}, "--minimum-decay"),
-        ({"weights": "search"}, "--weights"),
+        ({"at_least": 0.1}, "^at_least: "),
+        ({"minimum_decay": 0.1}, "^minimum_decay: "),
+        ({"weights": "search"}, "^weights: "),
     ],
 )
 def test_wishes_about_other_things_are_refused(small, options, word):

@@ -64,6 +64,26 @@ def replacing(path: Path | str) -> Iterator[Path]:
         _unfinished.discard(beside)
 
 
+def require_folder(path: Path | str) -> None:
+    """Refuse a file that cannot be made, before the work of which it would hold the outcome.
+
+    Parameters
+    ----------
+    path : Path or str
+        The file that is going to be written.
+
+    Raises
+    ------
+    InputError
+        If its folder does not exist or may not be written to.
+    """
+    folder = Path(path).absolute().parent
+    if not folder.is_dir():
+        raise InputError(str(path), "", "cannot be written: its folder is not there")
+    if not os.access(folder, os.W_OK):
+        raise InputError(str(path), "", "cannot be written: its folder may not be written to")
+
+
 def write_bytes(path: Path | str, content: bytes | memoryview) -> None:
     """Write bytes to `path`, whole or not at all.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import get_args
 
 from hoverproof.certification.attraction import proof as potential
 from hoverproof.certification.attraction import verdict as of_potential
@@ -75,6 +76,9 @@ def attraction(
     InputError
         If the goal is not axial, or the mission poses no question.
     """
+    if objective not in get_args(Objective):
+        known = ", ".join(get_args(Objective))
+        raise InputError("--objective", "", f"must be one of {known}, not {objective!r}")
     if mission.law.feature == "scaled":
         if objective != "start":
             raise InputError(

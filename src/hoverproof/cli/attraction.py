@@ -20,6 +20,7 @@ from hoverproof.cli.console import (
 )
 from hoverproof.cli.reading import certificate_stem, refuse_given
 from hoverproof.errors import InputError
+from hoverproof.files import require_folder
 
 if TYPE_CHECKING:
     from hoverproof.certification.attraction.starts import Start
@@ -106,6 +107,8 @@ def attraction(
     from hoverproof.design.unproved import unproved
 
     loaded = load_mission(mission, set_)
+    if out is not None:
+        require_folder(out)
     given = {"speed": speed, "tilt": tilt, "rate": rate, "thrust": thrust}
     sizes = {name: _number(f"--{name}", text) for name, text in given.items()}
     if start is None and any(sizes.values()):

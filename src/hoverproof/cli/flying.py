@@ -15,6 +15,7 @@ from hoverproof.cli.console import NO_FOLDER, MissionName, Set, fail, load_missi
 from hoverproof.cli.interruption import interruption
 from hoverproof.cli.reading import refuse_given
 from hoverproof.errors import InputError
+from hoverproof.files import require_folder
 
 if TYPE_CHECKING:
     from hoverproof.mavlink.flight import Flight
@@ -115,8 +116,8 @@ def _check(
         refuse_given({"--features": features}, "is for --mavlink: a rehearsal has its own")
         if wish.duration is None:
             raise InputError("--duration", "", "must be given for a rehearsal, in s")
-    if log is not None and not log.absolute().parent.is_dir():
-        raise InputError(str(log), "", "cannot be written: its folder is not there")
+    if log is not None:
+        require_folder(log)
     wish.check(mission)
 
 

@@ -24,6 +24,7 @@ from hoverproof.cli.console import (
 )
 from hoverproof.cli.reading import mission_name, parse_weights, picture_path
 from hoverproof.errors import InputError
+from hoverproof.files import require_folder
 
 if TYPE_CHECKING:
     from hoverproof.cli.answers.curve import CurveAnswer
@@ -123,6 +124,10 @@ def tune(
     """
     loaded = load_mission(mission, set_)
     pareto = VALUES if pareto is None and trade is not None else pareto
+    if out is not None:
+        require_folder(out)
+    if pareto is None and out is not None and out.suffix in (".png", ".svg"):
+        raise InputError("--out", "", f"{out} is no mission file: --pareto and --trade draw")
     if pareto is not None and at_least is not None:
         raise InputError("--at-least", "", "does not go with --pareto")
     from hoverproof.design.tuning import Wish

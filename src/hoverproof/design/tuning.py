@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -138,6 +138,10 @@ class Wish:
 
     def __post_init__(self) -> None:
         """Refuse what is out of range, or does not go together."""
+        known = get_args(Objective)
+        if self.objective not in known:
+            reason = f"must be one of {', '.join(known)}, not {self.objective!r}"
+            raise InputError("--objective", "", reason)
         rates = (("--at-least", self.at_least), ("--minimum-decay", self.minimum_decay))
         for option, wished in rates:
             if wished is not None and not 0 < wished < math.inf:

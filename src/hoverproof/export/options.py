@@ -86,7 +86,8 @@ class Options:
         if sensing not in ("points", "centroid"):
             raise InputError("--sensing", "", f"must be points or centroid, not {sensing!r}")
         if pixels and (mission.camera.lens is None or sensing != "points"):
-            needs = "camera.lens in the mission" if sensing == "points" else "--sensing points"
+            lens = 'camera.lens in the mission: give [camera] file = "camera_info.yaml"'
+            needs = lens if sensing == "points" else "--sensing points"
             raise InputError("--pixels", "", f"needs {needs}")
         limits = _each_rotor(mission, rotor_limits)
         origin = _origin_of_limits(mission, given=rotor_limits is not None)
@@ -145,7 +146,8 @@ def _commands_rates(mission: Mission, interface: str | None) -> bool:
         raise InputError(
             mission.source,
             "interface.rate_bandwidth",
-            "is missing (rad/s): rates are commanded to a rate loop of known bandwidth",
+            "is missing (rad/s): rates are commanded to a rate loop of known bandwidth, "
+            "as --set interface.rate_bandwidth=VALUE tells",
         )
     if mission.law.force != "measured":
         raise InputError(

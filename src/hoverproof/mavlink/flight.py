@@ -312,7 +312,7 @@ class Flight:
         if wanted is not None and wanted.fault:
             return wanted.fault
         if self.hover.value is None:
-            return "the throttle of hover, by ATTITUDE_TARGET; or --hover-throttle"
+            return "the throttle of hover (or --hover-throttle)"
         return ""
 
     def _ask(self, now: float) -> None:

@@ -221,7 +221,7 @@ def _override(data: dict[str, Any], key: str, value: object) -> None:
         try:
             value = _parse(f"value = {value}", option)["value"]
         except InputError:
-            if not re.fullmatch(r"[A-Za-z][\w-]*", str(value)):  # a bare word stands for itself
+            if not re.fullmatch(r"[./]*[A-Za-z][\w./-]*", str(value)):  # a word or path
                 raise InputError(option, "", f"{shown(value)} is not a TOML value") from None
     else:
         value = _exact_value(value)

@@ -30,13 +30,13 @@ def ledger() -> list[Claim]:
     return [claims[id] for id in ORDER]
 
 
-def derive(ids: Iterable[str] | None = None) -> list[Judgement]:
+def derive(ids: str | Iterable[str] | None = None) -> list[Judgement]:
     """Judge the claims of the paper; each verdict is computed when this is called.
 
     Parameters
     ----------
-    ids : iterable of str, optional
-        Equation numbers or names of claims; by default all.
+    ids : str or iterable of str, optional
+        Equation numbers or names of claims, or one of them; by default all.
 
     Returns
     -------
@@ -50,7 +50,7 @@ def derive(ids: Iterable[str] | None = None) -> list[Judgement]:
     claims = ledger()
     if ids is not None:
         known = {claim.id: claim for claim in claims}
-        wanted = list(ids)
+        wanted = [ids] if isinstance(ids, str) else list(ids)
         for id in wanted:
             if id not in known:
                 raise InputError(

@@ -217,7 +217,8 @@ def errors(axes: Axes, flight: Flight, decay: Decay | None = None) -> None:
         bound = decay.bound(covered, level[0])
         axes.semilogy(covered, bound, color=COLOURS[4], linewidth=2.2, label=label)
     largest = float(level.max())
-    axes.set_ylim(FLOOR * largest, 10 * largest)
+    if largest > 0:
+        axes.set_ylim(FLOOR * largest, 10 * largest)
     axes.set_xlabel("time (s)")
     axes.set_ylabel("errors and L (dimensionless)")
     legend_above(axes, 3)

@@ -31,6 +31,8 @@ from hoverproof.descent import Ends, descend
 Array = NDArray[np.float64]
 EVALUATIONS = 24
 MOST_RATES, FIRST_STEP = 20, 1.6
+MOST_AGAIN, WORTH = 3, 0.1
+"""So often a descent of the time is begun anew where it ended, while that takes this share away."""
 OUTSIDE, FAILED = 500.0, 1e3
 HIGHEST = 0.835
 """Share of s3* that d is at most, unless said: |σ| is small near the target."""
@@ -43,6 +45,10 @@ ROOM = 0.01
 SETTLED = 0.1, 0.2, 0.4, 0.8
 """Of the largest distance of a start from the goal: there the vehicle has settled. With noise the
 first of them that it allows."""
+LEAST = 1e-3
+"""A vehicle has settled that near to its goal, m; a start is taken to be twice as far, at least."""
+SHORT = 1e-3
+"""Times are as good as that, s, if they are shorter."""
 NEAR = 0.04
 """Share of |σ - σ*| there that is spared for the proof."""
 
@@ -107,7 +113,12 @@ class Search:
             float(np.linalg.norm(_corners(start) - self.scene.goal, axis=1).max())
             for start in self.starts
         )
-        return decimal_below(max(self.settled * far, 1e-3), 4)
+        return decimal_below(max(self.settled * far, LEAST), 4)
+
+    @cached_property
+    def least_offset(self) -> float:
+        """How large |σ - σ*| is taken to be at a start, at least."""
+        return 2 * LEAST * float(self.scene.around(LEAST)[0])
 
     @cached_property
     def settled_offset(self) -> float:
@@ -120,7 +131,8 @@ class Search:
 
     def _terms(self, start: Start) -> Array:
         off = self.scene.offset(np.unique(_corners(start), axis=0))
-        away, level = np.linalg.norm(off, axis=1).max(), np.linalg.norm(off[:, :2], axis=1).max()
+        away = max(np.linalg.norm(off, axis=1).max(), self.least_offset)
+        level = np.linalg.norm(off[:, :2], axis=1).max()
         return np.asarray(self.terms_at(np.array([away]), np.array([level]), start)[0])
 
     def terms_at(self, away: Array, level: Array, start: Start) -> Array:
@@ -335,10 +347,12 @@ class Search:
             return OUTSIDE + float(np.log(found.solution.fill))
         if not self.sees(found):
             return OUTSIDE + self.seen(found)
-        return float(np.log(found.time(offset)))
+        return float(np.log(max(found.time(offset), SHORT)))
 
     def soonest(self, first: Candidate, starts: Array, offset: float) -> Candidate:
         """Make the time short in which |σ - σ*| is surely below an offset, from a candidate.
+
+        One descent may end early, at the edge of what holds the starts; it is begun anew there.
 
         Parameters
         ----------
@@ -348,6 +362,15 @@ class Search:
         offset : float
             A bare number, dimensionless.
         """
+        best = first
+        for _ in range(1 + MOST_AGAIN):
+            before, best = best, self._sooner(best, starts, offset)
+            if self.cost(best, offset) > self.cost(before, offset) + np.log(1 - WORTH):
+                break
+        return best
+
+    def _sooner(self, first: Candidate, starts: Array, offset: float) -> Candidate:
+        """Make one descent of the time; see `soonest`."""
         best = first
 
         def cost(z: Array) -> float:

@@ -8,6 +8,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+from hoverproof.cli.answers.words import wrapped
+
 if TYPE_CHECKING:
     from hoverproof.mission.sections import Mission
 
@@ -52,7 +54,7 @@ def tell(answer: Answer, json_: bool, mission: Mission | None = None) -> int:
                 if not mission.law.is_papers:
                     print(f"  law                     {mission.law.name}")
                 if left:
-                    print(f"  not considered          {', '.join(left)}")
+                    print(*wrapped("not considered", ", ".join(left)), sep="\n")
     return answer.status
 
 
