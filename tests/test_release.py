@@ -65,8 +65,8 @@ def run(*command, **options):
 
 WRONG = {
     "hp.certifi(hp.load('x4-flyer'))": 'no attribute "certifi"',
-    "hp.certify('x4-flyer')": 'incompatible type "str"',
-    "hp.simulate(hp.load('x4-flyer'), duration='1 s')": 'incompatible type "str"',
+    "hp.certify(9.6)": 'incompatible type "float"',
+    "hp.simulate('x4-flyer', duration='1 s')": 'incompatible type "str"',
     "x: int = hp.presets()": "Incompatible types in assignment",
 }
 
