@@ -256,9 +256,9 @@ def test_a_flight_that_cannot_go_on_says_so(change, outcome):
     ("options", "message"),
     [
         ({"step": 0}, "step: must be a positive time"),
-        ({"step": float("nan")}, "--step"),
+        ({"step": float("nan")}, "step"),
         ({"duration": -1}, "duration: must be at least one step"),
-        ({"duration": float("inf")}, "--duration"),
+        ({"duration": float("inf")}, "duration"),
         ({"duration": 1, "every": 0}, "every: must be between 1 and the 100 steps"),
         ({"duration": 9e5, "every": 1}, "every: would keep 90000000 of 90000000 steps"),
     ],
