@@ -177,8 +177,8 @@ def test_the_torque_turns_a_body_with_products_of_inertia_as_the_law_wants(tmp_p
     assert np.allclose(np.linalg.solve(inertia, free.T).T[2:-2], happened, atol=1e-4)
 
 
-def test_a_proof_that_takes_principal_moments_says_so(tmp_path):
+def test_a_tolerance_that_products_of_inertia_do_not_go_with_is_refused(tmp_path):
     path = with_inertia(tmp_path, SKEWED)
     assert load(path)
-    with pytest.raises(InputError, match="principal moments alone"):
+    with pytest.raises(InputError, match="must be 0 for a vehicle with products of inertia"):
         load(path, {"uncertainty.torque": "0.1"})
