@@ -32,7 +32,7 @@ extensions = [
     "run",
     "sphinx-mathjax-offline",
 ]
-exclude_patterns = ["_build", "which-tag-table.md"]  # included elsewhere
+exclude_patterns = ["_build"]
 
 # Pages
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]

@@ -109,7 +109,7 @@ def main() -> int:
         print(rows[-1].cells(), rows[-1].reason, flush=True)
     head = "| edge of the tag | height | feature | proved | flown | seen within |\n"
     table = head + "| --- | --- | --- | --- | --- | --- |\n"
-    write_text(HERE / "which-tag-table.md", table + "".join(f"{r.cells()}\n" for r in rows))
+    write_text(HERE / "which-tag-table.txt", table + "".join(f"{r.cells()}\n" for r in rows))
     save_figure(draw(rows), HERE / "which-tag.png")
     return 0
 
