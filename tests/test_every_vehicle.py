@@ -18,6 +18,7 @@ from hoverproof.certification import convergence, largest
 from hoverproof.certification.exponential import search
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.cli import attraction as command
+from hoverproof.mission import tolerances
 from hoverproof.mission.reading import load, with_tolerance
 from hoverproof.mission.uncertainty import Uncertainty
 from hoverproof.reporting import glance, parts
@@ -251,7 +252,7 @@ def test_every_number_of_uncertainty_may_be_asked_for():
     numbers = {*may, *(f"noise.{key}" for key in dict(may.pop("noise")))} - {"noise"}
     hint = inspect.signature(command.attraction).parameters["largest"].annotation
     names = typing.get_args(typing.get_args(eval(hint, vars(command)).__origin__)[0])
-    assert numbers == set(largest.UNITS) == set(typing.get_args(largest.Tolerance)) == set(names)
+    assert numbers == set(tolerances.UNITS) == set(typing.get_args(largest.Tolerance)) == set(names)
 
 
 @pytest.mark.slow

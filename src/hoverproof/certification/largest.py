@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Literal
 
 import numpy as np
 
@@ -17,41 +16,9 @@ from hoverproof.certification.exponential.search import ROOM, Array
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import with_tolerance
 from hoverproof.mission.sections import Mission
+from hoverproof.mission.tolerances import Tolerance
 
-Tolerance = Literal[
-    "thrust",
-    "torque",
-    "latency",
-    "wind",
-    "rotor_lag",
-    "yaw_rate",
-    "control_period",
-    "force_lag",
-    "gust",
-    "noise.feature",
-    "noise.velocity",
-    "noise.force",
-    "noise.rate",
-    "noise.vertical",
-]
 Progress = Callable[[str], None]
-UNITS: dict[Tolerance, str] = {
-    "thrust": "",
-    "torque": "",
-    "latency": "s",
-    "wind": "m/s²",
-    "rotor_lag": "s",
-    "yaw_rate": "rad/s",
-    "control_period": "s",
-    "force_lag": "s",
-    "gust": "m/s²",
-    "noise.feature": "",
-    "noise.velocity": "m/s",
-    "noise.force": "N",
-    "noise.rate": "rad/s",
-    "noise.vertical": "rad",
-}
-"""Tolerances that may be asked for, with the unit of each; of a share it is 1."""
 
 LOWEST, FIRST, HIGHEST = -360, -90, 270
 """Places of 1e-4, 0.1 and 1e3, see `two_digits`."""
@@ -81,7 +48,7 @@ class Largest:
     name : str
         Of the tolerance.
     value : Fraction
-        In its unit, s, m/s², m/s, N, rad/s, rad or a share; see `UNITS`.
+        In its unit, s, m/s², m/s, N, rad/s, rad or a share; see `hoverproof.mission.tolerances`.
     verdict : Attraction, Exponential, Sinks or Undecided
         About the mission with that value; not proved only if it is zero.
     fills : tuple of (value, fill)
@@ -116,7 +83,7 @@ def largest(
     mission : Mission
         What it says of that tolerance is not looked at.
     name : str
-        One of `UNITS`.
+        Of a number of `[uncertainty]`.
     starts : sequence of Start, optional
         Sets of states to be inside; by default the start of the mission.
     progress : callable, optional

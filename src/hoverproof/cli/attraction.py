@@ -21,6 +21,7 @@ from hoverproof.cli.console import (
 from hoverproof.cli.reading import certificate_stem, refuse_given
 from hoverproof.errors import InputError
 from hoverproof.files import require_folder
+from hoverproof.mission.tolerances import Tolerance
 
 if TYPE_CHECKING:
     from hoverproof.certification.attraction.starts import Start
@@ -55,23 +56,7 @@ def attraction(
         Parameter(help="Use that motions do not sink to the target; by default, if it helps."),
     ] = None,
     largest: Annotated[
-        Literal[
-            "thrust",
-            "torque",
-            "latency",
-            "wind",
-            "rotor_lag",
-            "yaw_rate",
-            "control_period",
-            "force_lag",
-            "gust",
-            "noise.feature",
-            "noise.velocity",
-            "noise.force",
-            "noise.rate",
-            "noise.vertical",
-        ]
-        | None,
+        Tolerance | None,
         Parameter(
             help="Find the largest such tolerance, a key of [uncertainty], with which the start is "
             "proved."

@@ -13,13 +13,13 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.certification.largest import UNITS
 from hoverproof.design.limits import Limits
 from hoverproof.design.outcome import Infeasible, StartTuned
 from hoverproof.design.start_tuning import Failed, attempt
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import with_tolerance
 from hoverproof.mission.sections import Mission
+from hoverproof.mission.tolerances import UNITS
 from hoverproof.plant.goal import hover_goal
 
 Report = Callable[[int, int], None]

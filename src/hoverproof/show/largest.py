@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from hoverproof.certification.largest import UNITS, Largest
+from hoverproof.certification.largest import Largest
+from hoverproof.mission.tolerances import UNITS
 from hoverproof.show.style import COLOURS, save_figure
 
 

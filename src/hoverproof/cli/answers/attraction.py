@@ -13,12 +13,13 @@ from hoverproof.certification.attraction.verdict import Attraction, Sinks
 from hoverproof.certification.certificate import exact
 from hoverproof.certification.convergence import Converges, not_covered
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.certification.largest import UNITS, Largest
+from hoverproof.certification.largest import Largest
 from hoverproof.certification.verdict import Undecided
 from hoverproof.cli.answers import exponential, unproved
 from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import goal_as_json, goal_text, interval, number, numbers
 from hoverproof.design.unproved import Unproved
+from hoverproof.mission.tolerances import UNITS
 from hoverproof.mission.uncertainty import Uncertainty
 
 OF_A_PROOF = (
