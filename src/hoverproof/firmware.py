@@ -340,7 +340,7 @@ class _Ticks:
         feature, thrust = told.pop("centroid"), float(told.pop("thrust")[0])
         if step == 0:
             self.vehicle.reset(thrust)
-        out = self.held if self.held and not self._due(step) else None
+        out = self.held if self.held and not kernel.due(step, self.schedule) else None
         out = out or self.vehicle.step(feature, **told, dt=self.period)
         after = memory.copy()
         if out.status & sum(FAULTS):
@@ -357,10 +357,6 @@ class _Ticks:
             true_rate = memory[place(layout, "state"), 0][15:18]
             after[place(layout, "gyro_error"), 0] = told["rate"] - true_rate
         return after
-
-    def _due(self, step: int) -> bool:
-        num, den = self.schedule
-        return step * num // den != (step - 1) * num // den
 
 
 def _fly_as_built(

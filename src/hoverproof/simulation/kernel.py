@@ -97,6 +97,20 @@ class Schedule:
         return -(-self.latency * num // den) + 2
 
 
+def due(step: int, rate: tuple[int, int]) -> bool:
+    """Tell whether an event happens at a step.
+
+    Parameters
+    ----------
+    step : int
+        Its number, from 0.
+    rate : (int, int)
+        Of the event, as in `Schedule`, dimensionless.
+    """
+    num, den = rate
+    return step == 0 or step * num // den != (step - 1) * num // den
+
+
 class _Plan(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_long) for name in ("samples", "every")),
@@ -315,10 +329,6 @@ def _fly_slowly(
         outputs = mapped[name](*inputs)
         several = mapped[name].n_out() > 1
         return [np.array(part) for part in (outputs if several else (outputs,))]
-
-    def due(step: int, fraction: tuple[int, int]) -> bool:
-        num, den = fraction
-        return step == 0 or step * num // den != (step - 1) * num // den
 
     drawn: dict[str, dict[int, Array]] = {"CAMERA": {}, "IMU": {}, "GUST": {}}
 

@@ -7,7 +7,7 @@ from functools import cache
 import casadi as ca
 
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
-from hoverproof.servo.law import Law
+from hoverproof.servo.law import Design, Law
 from hoverproof.servo.loop import parameters
 from hoverproof.simulation.realistic import imu_noise, read, understood
 from hoverproof.simulation.surroundings import Features, Surroundings
@@ -26,15 +26,11 @@ def read_function(n: int, features: Features, law: Law, rotors_there: int = 4) -
     rotors_there : int
         Number of rotors.
     """
-    design, _ = parameters(n, law)
-    around = features.surroundings(law, rotors_there).symbols()
-    layout = features.layout(law, rotors_there)
-    memory = {name: ca.SX.sym(name, size) for name, size in layout.items()}
+    memory, around, design, _, given = _symbols(n, features, law, rotors_there)
     imu = ca.SX.sym("imu", imu_noise(law))
     told = vars(read(memory, design, around, imu, law))
-    given = [ca.vertcat(*memory.values()), ca.vertcat(design.vector(), around.vector()), imu]
     names = ["memory", "parameters", "noise"]
-    return ca.Function("read", given, list(told.values()), names, list(told))
+    return ca.Function("read", [*given, imu], list(told.values()), names, list(told))
 
 
 @cache
@@ -51,13 +47,9 @@ def seen_function(n: int, features: Features, law: Law, rotors_there: int = 4) -
     rotors_there : int
         Number of rotors.
     """
-    design, points = parameters(n, law)
-    around = features.surroundings(law, rotors_there).symbols()
-    layout = features.layout(law, rotors_there)
-    memory = {name: ca.SX.sym(name, size) for name, size in layout.items()}
+    memory, around, _, points, given = _symbols(n, features, law, rotors_there)
     image, noise = ca.SX.sym("image", 2, n), ca.SX.sym("noise", 3)
     told = understood(memory, around, points, image, noise, law, features)
-    given = [ca.vertcat(*memory.values()), ca.vertcat(design.vector(), around.vector())]
     return ca.Function("seen", [*given, points, image, noise], [ca.densify(told)])
 
 
@@ -77,17 +69,26 @@ def camera_function(n: int, features: Features, law: Law, rotors_there: int = 4)
     rotors_there : int
         Number of rotors.
     """
-    design, _ = parameters(n, law)
-    around = features.surroundings(law, rotors_there).symbols()
-    memory = ca.SX.sym("memory", sum(features.layout(law, rotors_there).values()))
-    body = RigidBodyState.from_vector(memory[:STATE_SIZE])
+    memory, around, _, _, given = _symbols(n, features, law, rotors_there)
+    body = RigidBodyState.from_vector(memory["state"])
     axes = ca.horzcat(around.camera_x, around.camera_y, around.camera_z)
     place = law.mount.place(body.position, body.rotation)
     arm = law.mount.place(ca.SX.zeros(3), ca.SX.eye(3))
     velocity = body.rotation @ (body.velocity + ca.cross(body.rate, arm))
     looked = [place, body.rotation @ axes, velocity, axes.T @ body.rate]
-    given = [memory, ca.vertcat(design.vector(), around.vector())]
     return ca.Function("camera", given, [ca.densify(part) for part in looked])
+
+
+def _symbols(
+    n: int, features: Features, law: Law, rotors_there: int
+) -> tuple[dict[str, ca.SX], Surroundings, Design, ca.SX, list[ca.SX]]:
+    """Return memory by name, surroundings, design and points; and the first two arguments."""
+    design, points = parameters(n, law)
+    around = features.surroundings(law, rotors_there).symbols()
+    layout = features.layout(law, rotors_there)
+    memory = {name: ca.SX.sym(name, size) for name, size in layout.items()}
+    given = [ca.vertcat(*memory.values()), ca.vertcat(design.vector(), around.vector())]
+    return memory, around, design, points, given
 
 
 def specific_force_function(around: type[Surroundings]) -> ca.Function:
