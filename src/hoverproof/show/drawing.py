@@ -78,12 +78,10 @@ def html(thing: Mission | Proved | Refuted | Undecided) -> str:
     said = _table(thing.mission.title, [row for row in rows if row[1]])
     if thing.statement:
         said += f"<details><summary>Statement</summary>{escape(thing.statement)}</details>"
-    try:
-        figure = plot(thing)
-    except TypeError:
+    if plot.dispatch(type(thing)) is plot.dispatch(object):  # there is no picture of it
         return said
     picture = io.StringIO()
-    laid_out(figure, "svg").savefig(picture, format="svg")
+    laid_out(plot(thing), "svg").savefig(picture, format="svg")
     drawn = picture.getvalue()
     fitted = drawn[drawn.index("<svg") :].replace(
         "<svg", '<svg style="width: 100%; height: auto"', 1
