@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from hoverproof import cli
+from command_line import run
 from hoverproof.certification.gains import certify
 from hoverproof.design.atlas import (
     NOT_ASKED,
@@ -39,14 +39,6 @@ PAIRS = [
     (BY_LEVEL, "level", "k2"),
     (OFF_AXIS, "k1", "k4"),
 ]
-
-
-def run(capsys, *arguments):
-    """Run a command in this process; return status, stdout and stderr."""
-    with pytest.raises(SystemExit) as exit_:
-        cli.main([str(a) for a in arguments])
-    captured = capsys.readouterr()
-    return exit_.value.code, captured.out, captured.err
 
 
 def agree(mission, x, y, drawn, cells):

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from rich.cells import cell_len
 
+from command_line import run
 from hoverproof import cli
 from hoverproof.audit.claim import Claim, Poses
 from hoverproof.audit.reading import read_log
@@ -45,13 +46,6 @@ def fly(folder, name, **changes):
 @pytest.fixture(scope="module")
 def good(tmp_path_factory):
     return fly(tmp_path_factory.mktemp("audit"), "good")
-
-
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as exit_:
-        cli.main([str(a) for a in arguments])
-    captured = capsys.readouterr()
-    return exit_.value.code, captured.out, captured.err
 
 
 def judged(log):

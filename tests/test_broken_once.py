@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from hoverproof import checker, cli
+from command_line import run
+from hoverproof import checker
 from hoverproof.certification.certificate import differences
 from hoverproof.errors import InputError
 from hoverproof.firmware import export_c
@@ -13,13 +14,6 @@ from hoverproof.mission.presets import preset_text
 from hoverproof.mission.reading import load
 
 PROOFS = Path(__file__).parents[1] / "proofs"
-
-
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as exit_:
-        cli.main([str(a) for a in arguments])
-    captured = capsys.readouterr()
-    return exit_.value.code, captured.out, captured.err
 
 
 def resealed(content):

@@ -12,18 +12,11 @@ from pathlib import Path
 import pytest
 
 import hoverproof
-from hoverproof import checker, cli
+from command_line import run
+from hoverproof import checker
 from hoverproof.mission.presets import presets
 
 PROOF = Path(__file__).parents[1] / "proofs" / "x4-flyer.cert.json"
-
-
-def run(capsys, *arguments):
-    """Run a command in this process; return status, stdout and stderr."""
-    with pytest.raises(SystemExit) as exit_:
-        cli.main([str(a) for a in arguments])
-    captured = capsys.readouterr()
-    return exit_.value.code, captured.out, captured.err
 
 
 def test_certify_writes_a_certificate_that_check_accepts(capsys):

@@ -17,7 +17,7 @@ import pexpect
 import pytest
 from rich.cells import cell_len
 
-from hoverproof import cli
+from command_line import refusal, run
 from hoverproof.cli.console import app
 from hoverproof.mission.presets import preset_text, presets
 
@@ -25,20 +25,6 @@ COMMANDS = sorted(name for name in app if not name.startswith("-"))
 PROGRAM = Path(sys.executable).parent / "hoverproof"
 SCATTERED = ("--set", "scatter.position=[1,1,1]")
 PLAIN = {"COLUMNS": "80", "TERM": "xterm-256color", "LC_ALL": "C.UTF-8"}
-
-
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as exit_:
-        cli.main([str(a) for a in arguments])
-    captured = capsys.readouterr()
-    return exit_.value.code, captured.out, captured.err
-
-
-def refusal(capsys, *arguments):
-    """Run what must fail with status 2 and one line on stderr; return the line."""
-    status, out, err = run(capsys, *arguments)
-    assert (status, out, err.count("\n")) == (2, "", 1)
-    return err
 
 
 def narrow(text):

@@ -6,7 +6,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from hoverproof import checker, cli
+from command_line import run
+from hoverproof import checker
 from hoverproof.certification import bounds, problem
 from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.bounds import eigenvalues_at_goal
@@ -28,13 +29,6 @@ from test_tuning import tuned_once
 WITHOUT_GOAL = {"bounds.eigenvalues": "[0.01, 0.1]"}
 AUTO = {"bounds.eigenvalues": "auto"}
 BY_CENTROID = {"goal": "{centroid = [0.2, -0.1, 3.2]}"}
-
-
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as exit_:
-        cli.main([str(a) for a in arguments])
-    captured = capsys.readouterr()
-    return exit_.value.code, captured.out, captured.err
 
 
 # --- bounds that leave out Q at the goal --------------------------------------------------------

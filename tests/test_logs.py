@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from hoverproof import cli
+from command_line import run
 from hoverproof.audit.log import FlightLog
 from hoverproof.audit.reading import read_log
 from hoverproof.audit.replaying import replayed
@@ -26,13 +26,6 @@ from hoverproof.simulation.timing import Timing
 BANDWIDTH = 20.0
 MISSION = load("research-1.5kg", {"interface.rate_bandwidth": 25})
 WIND = 0.8
-
-
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as exit_:
-        cli.main([str(a) for a in arguments])
-    captured = capsys.readouterr()
-    return exit_.value.code, captured.out, captured.err
 
 
 def message(kind, content):

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from command_line import refusal, run
 from firmware_kit import export, tool
 from hoverproof.errors import InputError
 from hoverproof.mavlink.dialect import Codec, dialect
@@ -27,7 +28,6 @@ from hoverproof.mavlink.throttle import HoverThrottle
 from hoverproof.mavlink.told import Stamps, Told
 from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import rotation_matrix
-from test_console import refusal, run
 
 MISSION = "crazyflie-2.1"
 LOOP = {"interface.rate_bandwidth": "25"}

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from command_line import run
 from hoverproof import checker, cli
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.proof import estimate
@@ -30,14 +31,6 @@ from sharing import kept
 
 FIVE_TIMES = 0.02337
 """1/s, five times the slowest motion of the paper's gains."""
-
-
-def run(capsys, *arguments):
-    """Run a command in this process; return status, stdout and stderr."""
-    with pytest.raises(SystemExit) as exit_:
-        cli.main([str(a) for a in arguments])
-    captured = capsys.readouterr()
-    return exit_.value.code, captured.out, captured.err
 
 
 @pytest.fixture(scope="module")

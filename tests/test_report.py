@@ -18,7 +18,8 @@ import pytest
 from PIL import Image
 
 import hoverproof as hp
-from hoverproof import checker, cli
+from command_line import run
+from hoverproof import checker
 from hoverproof.certification.gains import UndecidedGains, certify
 from hoverproof.certification.problem import gain_problem
 from hoverproof.errors import InputError
@@ -35,13 +36,6 @@ from sampling import mostly_whole
 MEGABYTE = 1_000_000
 VOID = {"meta", "link", "br", "img", "input", "hr"}
 SLOW_PARTS = ("atlas", "region", "attraction", "firmware")
-
-
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as exit_:
-        cli.main([str(a) for a in arguments])
-    captured = capsys.readouterr()
-    return exit_.value.code, captured.out, captured.err
 
 
 class Page(HTMLParser):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from hoverproof import cli
+from command_line import refusal, run
 from hoverproof.compilers import find_compiler
 from hoverproof.eyes.renderer import Pose, Renderer
 from hoverproof.eyes.video import video
@@ -28,19 +28,6 @@ distortion_coefficients: {rows: 1, cols: 5, data: [-0.1, 0.02, 0.0005, -0.0003, 
 LENS = LensModel(320, 240, 150, 150, 160, 120, "plumb_bob", (-0.1, 0.02, 5e-4, -3e-4, 0.0))
 TAG = ("--tag", "36h11:0:0.2")
 CAMERA = ("--camera", "info.yaml")
-
-
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as exit_:
-        cli.main([str(a) for a in arguments])
-    captured = capsys.readouterr()
-    return exit_.value.code, captured.out, captured.err
-
-
-def refusal(capsys, *arguments):
-    status, out, err = run(capsys, *arguments)
-    assert (status, out, err.count("\n")) == (2, "", 1)
-    return err
 
 
 def frames(count):

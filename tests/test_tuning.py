@@ -19,7 +19,8 @@ from hypothesis import strategies as st
 from scipy.stats import qmc
 
 import checker_kit
-from hoverproof import checker, cli
+from command_line import run
+from hoverproof import checker
 from hoverproof.certification.gains import certify
 from hoverproof.certification.problem import ONES, gain_problem
 from hoverproof.certification.verdict import Proved
@@ -64,14 +65,6 @@ def fast_over_box():
 def tuned_once(change):
     """Return the gains for the fastest decay of the paper's vehicle after a change of it."""
     return kept_value(("tuned", change), lambda: tune(load("x4-flyer", change)))
-
-
-def run(capsys, *arguments):
-    """Run a command in this process; return status, stdout and stderr."""
-    with pytest.raises(SystemExit) as exit_:
-        cli.main([str(a) for a in arguments])
-    captured = capsys.readouterr()
-    return exit_.value.code, captured.out, captured.err
 
 
 def random_gains(rng, count):
