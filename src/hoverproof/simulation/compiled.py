@@ -184,7 +184,9 @@ def library(source: str, compiler: str, stem: str) -> ctypes.CDLL | None:
     words = command_words(compiler)
     if not words:
         return None
-    for folder, own in product((_cache_folder, _temporary_folder), (OF_THIS_PROCESSOR, ())):
+    folders: tuple[Callable[[], Path], ...] = (_cache_folder, _temporary_folder)
+    flags: tuple[tuple[str, ...], ...] = (OF_THIS_PROCESSOR, ())
+    for folder, own in product(folders, flags):
         try:
             command = [*words, *FLAGS, *own]
             return ctypes.CDLL(str(_built(source, command, folder(), stem)))
