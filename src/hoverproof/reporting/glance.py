@@ -9,8 +9,8 @@ from fractions import Fraction
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.convergence import Converges, not_covered
 from hoverproof.certification.exponential.verdict import Exponential
+from hoverproof.reporting.numerals import at_least, at_most, place, short
 from hoverproof.reporting.parts import Attracted, Missing
-from hoverproof.reporting.tables import at_least, at_most, place, short
 
 Line = tuple[str, str]
 

@@ -21,9 +21,9 @@ from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.export.cost import STEPS
 from hoverproof.paper.judge import Verdict
 from hoverproof.reporting import glance, mathematics, pictures, tables, wording
+from hoverproof.reporting.numerals import short
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts, sentence
 from hoverproof.reporting.player import player_data
-from hoverproof.reporting.tables import short
 from hoverproof.version import __version__
 
 CONTENTS = (
