@@ -21,8 +21,9 @@ import test_potential
 import uncertain_body as kit
 from hoverproof.certification.exponential import proof, search
 from hoverproof.certification.exponential.inequality import Ball, Sector, falls
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.reach import Reach
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.mission.reading import load
 from hoverproof.servo.laws.hamel_mahony import LAWS
 from laws_kit import depth_matrix, feature, floats, seen, slope

@@ -14,8 +14,9 @@ from hoverproof import checker
 from hoverproof.certification.exponential import proof, search
 from hoverproof.certification.exponential.held import moved
 from hoverproof.certification.exponential.inequality import HOLD, Ball, falls
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.reach import Reach
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.mission.reading import load
 from sampling import mostly_whole
 from sharing import kept_value

@@ -24,7 +24,7 @@ from hoverproof.export.standing import Standing
 from hoverproof.mission.sections import LawChoice
 from hoverproof.plant.goal import hover_goal
 from hoverproof.reporting import mathematics
-from hoverproof.reporting.tables import bounded
+from hoverproof.reporting.numerals import bounded
 from hoverproof.servo.hover_error import hover_error
 from hoverproof.show.decay import decay_along
 from hoverproof.show.figures import features_figure

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 from dataclasses import replace
 from fractions import Fraction
@@ -23,6 +22,7 @@ from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.cli.answers.beyond import beyond_text, covering
 from hoverproof.design import start_trade
 from hoverproof.design.limits import Limits
+from hoverproof.design.start_guesses import guesses
 from hoverproof.design.start_search import StartSearch
 from hoverproof.design.start_tuning import Failed, ill_conditioned, is_shown, why_not
 from hoverproof.design.tuning import Wish, pareto, tune
@@ -130,10 +130,10 @@ def test_the_rate_of_the_controller_and_the_rotors_are_the_mission_s(small):
     limits = Wish().limits(mission)
     assert (limits.fastest, limits.rotors) == (4.0, (0.0, 1.5))
     search = StartSearch.of(mission, limits)
-    _, guess = itertools.islice(search.guesses(), 2)  # the first is the mission's own
+    guess = next(guesses(search.whole, limits, search.ends))
     four = np.exp(guess[:4])
-    assert (search.beyond(four[None]) <= 0).all()
-    assert (search.beyond(four[None] * [1, 1, 10, 10]) > 0).any()
+    assert (search.held_to.beyond(four[None]) <= 0).all()
+    assert (search.held_to.beyond(four[None] * [1, 1, 10, 10]) > 0).any()
     assert Wish(rate=50).limits(mission).fastest == 10.0
 
 

@@ -220,8 +220,8 @@ def _curve(mission: Mission, count: int, picture: Path, wish: Wish) -> CurveAnsw
     from hoverproof.design.outcome import RegionTuned, StartTuned, Tuned
     from hoverproof.design.tuning import pareto as curve
     from hoverproof.show.atlas import save_pareto_figure
-    from hoverproof.show.attraction import save_trade_off_figure
     from hoverproof.show.trade import save_trade_figure
+    from hoverproof.show.trade_off import save_trade_off_figure
 
     with progress("tune") as report:
         points = curve(mission, count, wish, report=report)

@@ -280,7 +280,7 @@ def _why_not(search: StartSearch, point: Point | None) -> Iterator[str]:
         f"{searched}: with none of them the start is held; of the best, Ψ falls only at a rate "
         f"{100 * max(at.over[0], 0):.3g} % below the {rate:.3g} 1/s asked for"
     )
-    names = search.limited_by()
+    names = search.held_to.names()
     binding = [name for name, over in zip(names, at.over[1:], strict=True) if over > -BINDS]
     yield f"what binds: {', '.join(['the inequality of Ψ', *binding])}"
 

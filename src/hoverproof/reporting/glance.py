@@ -13,8 +13,8 @@ from hoverproof.certification.convergence import Converges, not_covered
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.design.proved_and_flown import why_longer
 from hoverproof.plant.goal import hover_goal
+from hoverproof.reporting.numerals import at_least, at_most, place, short
 from hoverproof.reporting.parts import Flown, Missing, Parts
-from hoverproof.reporting.tables import at_least, at_most, place, short
 from hoverproof.reporting.wording import headline
 from hoverproof.simulation.numbers import near_from
 

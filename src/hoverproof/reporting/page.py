@@ -22,9 +22,9 @@ from hoverproof.export.cost import STEPS
 from hoverproof.paper.judge import Verdict
 from hoverproof.reporting import mathematics, pictures, tables, wording
 from hoverproof.reporting.glance import Line
+from hoverproof.reporting.numerals import short
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts, sentence
 from hoverproof.reporting.player import player_data
-from hoverproof.reporting.tables import short
 from hoverproof.version import __version__
 
 CONTENTS = (

@@ -19,10 +19,11 @@ from hoverproof.certification.attraction.potential import sphere
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.candidate import Tilted
 from hoverproof.certification.exponential.inequality import MEMORY, THRUST, TORQUE, W2, W3, W4
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.positions import DIRECTIONS, Scene
 from hoverproof.certification.exponential.reach import Reach
 from hoverproof.certification.exponential.search import Search
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.show.style import COLOURS, save_figure
 from hoverproof.simulation.flight import flown

@@ -14,10 +14,10 @@ from hoverproof.algebra.decimals import binary_above, binary_below, decimal_abov
 from hoverproof.certification.attraction.draft import NotShown
 from hoverproof.certification.exponential.candidate import Candidate, Tilted
 from hoverproof.certification.exponential.domain import Domain
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.reach import Reach
 from hoverproof.certification.exponential.rotors import thrusts
 from hoverproof.certification.exponential.search import Search
-from hoverproof.certification.exponential.vehicles import Limits
 from hoverproof.certification.problem import wanted
 from hoverproof.mission.frame import X
 from hoverproof.mission.sections import Mission

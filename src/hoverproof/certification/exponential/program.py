@@ -27,8 +27,9 @@ from hoverproof.certification.exponential.inequality import (
     Falls,
     falls,
 )
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.reach import Reach
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.robust import Solution as Optimum
 from hoverproof.certification.robust import optimise, reciprocals
 

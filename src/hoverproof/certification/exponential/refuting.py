@@ -21,6 +21,7 @@ from hoverproof.certification.exponential.inequality import (
     W4,
     variables,
 )
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import Program
 from hoverproof.certification.exponential.proof import ROOMS, candidate
@@ -33,7 +34,7 @@ from hoverproof.certification.exponential.refusal import (
 )
 from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.terms import terms
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.robust import Inequality, refuse
 from hoverproof.certification.semidefinite import Multipliers
 from hoverproof.mission.sections import Mission

@@ -22,10 +22,11 @@ from hoverproof.certification.exponential.inequality import (
     W3,
     W4,
 )
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.positions import Balls, Scene
 from hoverproof.certification.exponential.program import Program
 from hoverproof.certification.exponential.reach import Reach
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.descent import Ends, descend
 
 Array = NDArray[np.float64]
