@@ -133,8 +133,8 @@ def _claim(mission: Mission, path: Path | None) -> tuple[Claim | None, str]:
     """Return what is proved of a mission, or None and why not."""
     from hoverproof import checker
     from hoverproof.audit.claim import Claim, given_claim
-    from hoverproof.certification.certificate import readable
     from hoverproof.certification.convergence import attraction
+    from hoverproof.certification.reading import readable
 
     if path is not None:
         with readable(path):

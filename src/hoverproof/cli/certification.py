@@ -202,7 +202,7 @@ def check(
     Example: `hoverproof check x4-flyer.cert.json --json`
     """
     from hoverproof import checker
-    from hoverproof.certification.certificate import readable
+    from hoverproof.certification.reading import readable
     from hoverproof.cli.answers.check import CheckAnswer
 
     if set_ and mission is None:
