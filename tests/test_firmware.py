@@ -31,7 +31,7 @@ from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rotors import wrench
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design
+from hoverproof.servo.variables import Design
 from papers_law import CRAZYFLIE, PAPERS
 from sampling import mostly_whole
 

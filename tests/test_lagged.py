@@ -17,8 +17,8 @@ from hoverproof.servo.lagged import (
     lagged_rates,
     own_gyroscopic,
 )
-from hoverproof.servo.law import Design, Errors
 from hoverproof.servo.laws.hamel_mahony import LAWS
+from hoverproof.servo.variables import Design, Errors
 from sampling import share_of
 from test_uncertain import MEASURED, MODELLED, graph_mutants, rejected, swapped
 

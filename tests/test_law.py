@@ -26,7 +26,6 @@ from hoverproof.plant import camera
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.feature import Feature
-from hoverproof.servo.law import Design, Errors, Measurement
 from hoverproof.servo.laws.choices import WithAccelerometer
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, LAWS, horizontal, wanted_rates
 from hoverproof.servo.laws.heading import DesignWithHeading
@@ -38,6 +37,7 @@ from hoverproof.servo.lyapunov import (
     linearised_loop,
     thrust_factor,
 )
+from hoverproof.servo.variables import Design, Errors, Measurement
 from hoverproof.simulation.block import fly_raw
 from hoverproof.simulation.flight import simulate, summary
 from hoverproof.simulation.plan import Plan

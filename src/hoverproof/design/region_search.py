@@ -30,8 +30,8 @@ from hoverproof.design.limits import (
 )
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Gains, Mission
-from hoverproof.servo.law import Design
 from hoverproof.servo.loop import slowest_rates
+from hoverproof.servo.variables import Design
 
 Array = NDArray[np.float64]
 ROUNDS = 4

@@ -10,9 +10,9 @@ from hoverproof.algebra.linear import lie_derivative
 from hoverproof.paper.notation import Formula, Number, Skew, SquaredNorm, Symbol, Unit, World
 from hoverproof.plant import rigid_body
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design, Measurement
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.lyapunov import lyapunov, symmetric_matrix, thrust_factor
+from hoverproof.servo.variables import Design, Measurement
 
 ONE = Unit()
 KG, M, S = Unit(kg=Fraction(1)), Unit(m=Fraction(1)), Unit(s=Fraction(1))

@@ -22,10 +22,11 @@ from hoverproof.plant import camera, rotors
 from hoverproof.plant.goal import hover_goal, level_view
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, rotation_matrix, state_rate
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design, Law, Measurement
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.laws.heading import flown_law
 from hoverproof.servo.lyapunov import linearised_loop, lyapunov, thrust_factor
+from hoverproof.servo.variables import Design, Measurement
 
 Array = NDArray[np.float64]
 

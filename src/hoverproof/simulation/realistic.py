@@ -18,10 +18,11 @@ from hoverproof.mission.frame import Frame, X
 from hoverproof.plant import camera, rigid_body, rotors
 from hoverproof.plant.lens import sight_of
 from hoverproof.plant.rigid_body import RigidBodyState, held_rate
-from hoverproof.servo.law import Design, Law, Measurement
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.layout import place
 from hoverproof.servo.loop import command, parameters, readout
+from hoverproof.servo.variables import Design, Measurement
 from hoverproof.simulation.flight_log import noted
 from hoverproof.simulation.gyro import held_still, in_body, turned_on
 from hoverproof.simulation.kernel import Loop

@@ -33,9 +33,10 @@ from hoverproof.servo.lagged import (
     own_gyroscopic,
     smooth_command,
 )
-from hoverproof.servo.law import Design, Errors, Law, Measurement
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import LAWS
 from hoverproof.servo.uncertain import QUARTER, Doubt, Motion, command, error_rates, kappa
+from hoverproof.servo.variables import Design, Errors, Measurement
 
 GOALS = {goal: LAWS["scaled", goal, "measured"] for goal in ("image", "inertial")}
 """Beyond the rates, which are those of all eight laws, only the goal makes a difference."""

@@ -22,9 +22,10 @@ from hoverproof.servo.lagged import (
     own_gyroscopic,
     smooth_command,
 )
-from hoverproof.servo.law import Design, Errors, Law, Measurement
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import LAWS
 from hoverproof.servo.uncertain import QUARTER, kappa
+from hoverproof.servo.variables import Design, Errors, Measurement
 
 
 def axes() -> dict[str, bool]:
