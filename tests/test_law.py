@@ -30,7 +30,8 @@ from hoverproof.servo.laws.choices import WithAccelerometer
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, LAWS, horizontal, wanted_rates
 from hoverproof.servo.laws.heading import DesignWithHeading
 from hoverproof.servo.layout import scalar
-from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, sense, slowest_rate
+from hoverproof.servo.linearised import slowest_rate
+from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, sense
 from hoverproof.servo.lyapunov import (
     derive_error_dynamics,
     derive_lyapunov_form,

@@ -29,7 +29,7 @@ from hoverproof.design.tuning import Wish, pareto, tune
 from hoverproof.errors import InputError
 from hoverproof.mission.conditions import Rotors
 from hoverproof.mission.reading import load
-from hoverproof.servo.loop import slowest_rate
+from hoverproof.servo.linearised import slowest_rate
 from sampling import mostly_whole
 from small_kit import small_vehicle
 from start_trials import sooner, vehicle

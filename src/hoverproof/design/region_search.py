@@ -30,7 +30,7 @@ from hoverproof.design.limits import (
 )
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Gains, Mission
-from hoverproof.servo.loop import slowest_rates
+from hoverproof.servo.linearised import slowest_rates
 from hoverproof.servo.variables import Design
 
 Array = NDArray[np.float64]
