@@ -21,7 +21,7 @@ from hoverproof.export.package import NotCertified, write_package
 from hoverproof.export.standing import Standing
 from hoverproof.firmware import export_c, fly_firmware
 from hoverproof.mission.reading import load
-from hoverproof.mission.sections import Gains
+from hoverproof.mission.task import Gains
 from hoverproof.plant import camera
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
 from hoverproof.servo.controller import derive_controller

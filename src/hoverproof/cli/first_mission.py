@@ -21,7 +21,8 @@ from hoverproof.cli.questions import CONTROL_RATES, NONE, Answers, in_layout
 from hoverproof.design.limits import designed_gains
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
-from hoverproof.mission.sections import Gains, Mission
+from hoverproof.mission.sections import Mission
+from hoverproof.mission.task import Gains
 from hoverproof.mission.writing import decimal
 
 GRAVITY = "9.81"

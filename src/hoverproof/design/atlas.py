@@ -27,7 +27,8 @@ from hoverproof.design.axes import axis as axis
 from hoverproof.design.margins import Questions, margins
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import of_mission
-from hoverproof.mission.sections import Bounds, Gains, Mission
+from hoverproof.mission.sections import Mission
+from hoverproof.mission.task import Bounds, Gains
 from hoverproof.servo.laws.hamel_mahony import law_of
 from hoverproof.servo.variables import Design
 from hoverproof.simulation.record import Column, Record

@@ -41,7 +41,8 @@ from hoverproof.design.start_tuning import tune_start
 from hoverproof.errors import InputError
 from hoverproof.mission.conditions import common_limits
 from hoverproof.mission.reading import of_mission
-from hoverproof.mission.sections import Gains, Mission
+from hoverproof.mission.sections import Mission
+from hoverproof.mission.task import Gains
 from hoverproof.servo.linearised import slowest_rate
 
 Array = NDArray[np.float64]
