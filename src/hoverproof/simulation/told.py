@@ -10,7 +10,7 @@ from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
 from hoverproof.servo.law import Law
 from hoverproof.servo.loop import parameters
 from hoverproof.servo.variables import Design
-from hoverproof.simulation.realistic import imu_noise, read, understood
+from hoverproof.simulation.sensing import imu_noise, read, understood
 from hoverproof.simulation.surroundings import Features, Surroundings
 
 
