@@ -11,7 +11,6 @@ from cyclopts import Parameter
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import mission_names
 from hoverproof.cli.console import NO_FOLDER, Json, Set, at_work, load_mission
-from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
     from hoverproof.audit.claim import Claim
@@ -134,13 +133,12 @@ def _claim(mission: Mission, path: Path | None) -> tuple[Claim | None, str]:
     """Return what is proved of a mission, or None and why not."""
     from hoverproof import checker
     from hoverproof.audit.claim import Claim, given_claim
+    from hoverproof.certification.certificate import readable
     from hoverproof.certification.convergence import attraction
 
     if path is not None:
-        try:
+        with readable(path):
             return given_claim(checker.read(path), str(path), mission), ""
-        except checker.Unreadable as error:
-            raise InputError(str(path), "", str(error)) from None
     with at_work() as doing:
         verdict = attraction(mission, progress=doing)
     if verdict.certificate is None or verdict.proved is None:

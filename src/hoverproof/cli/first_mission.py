@@ -167,7 +167,7 @@ def make(path: Path, name: str, answers: Answers) -> str:
         If the answers do not go together, or no gains are found that hold the start.
     """
     decisions = decided(name, answers)
-    path.write_text(written(decisions), encoding="utf-8")
+    path.write_text(written(decisions), encoding="utf-8", newline="\n")
     mission = load(path)
     held = first_gains(mission)
     if held is None:

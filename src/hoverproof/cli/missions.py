@@ -134,7 +134,7 @@ def new(
     with replacing(path) as beside:
         own = beside, name, answers, asks, found, described
         text = _copied(preset, name, found) if preset else _own(*own)
-        beside.write_text(with_conditions(text), encoding="utf-8")
+        beside.write_text(with_conditions(text), encoding="utf-8", newline="\n")
         made = load(beside)  # nothing is put in place that does not load
     made = made.model_copy(update={"source": str(path)})
     warn(made)

@@ -358,7 +358,7 @@ def _built(folder: Path, name: str, compiler: str | None, build: Path) -> Path:
     """Compile a package with the loop of `Firmware.fly` and return the shared library."""
     loop = (resources.files("hoverproof.export") / "loop.c").read_text("utf-8")
     library = build / f"{name}.so"
-    (build / "loop.c").write_text(loop.replace("NAME", name), encoding="utf-8")
+    (build / "loop.c").write_text(loop.replace("NAME", name), encoding="utf-8", newline="\n")
     sources = [folder / f"{name}.c", folder / f"{name}_selftest.c", folder / "example/vehicle.c"]
     sources += [*folder.glob(f"{name}_camera.c"), *folder.glob(f"{name}_lens.c")]
     words = command_words(compiler or find_compiler())
