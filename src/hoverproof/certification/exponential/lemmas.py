@@ -12,7 +12,6 @@ import casadi as ca
 
 from hoverproof.algebra.identity import prove_equal, prove_zero
 from hoverproof.algebra.linear import lie_derivative
-from hoverproof.certification.attraction.lemmas import Lemma
 from hoverproof.certification.exponential.form import (
     ROWS,
     Variables,
@@ -21,6 +20,7 @@ from hoverproof.certification.exponential.form import (
     derive_form,
 )
 from hoverproof.certification.exponential.noise_lemmas import axes, held, noise
+from hoverproof.certification.lemma import Lemma
 from hoverproof.plant import rigid_body
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.controller import derive_controller
