@@ -1,6 +1,6 @@
 """Identities behind noise, gusts, late images that are not turned, and what is held in steps.
 
-`lemmas` has the ledger.
+`lemmas` has the ledger that leans on them.
 """
 
 from __future__ import annotations
