@@ -18,8 +18,9 @@ from hoverproof.mission.camera import Lens
 from hoverproof.mission.camera_info import lens_of_file
 from hoverproof.mission.fields import Section, shown
 from hoverproof.mission.presets import preset_text, presets
-from hoverproof.mission.sections import TAGS, Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.mission.target import MAX_POINTS
+from hoverproof.mission.task import TAGS
 
 MAX_FILE_BYTES = 1_000_000
 MAX_PARTS = 64

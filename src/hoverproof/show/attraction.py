@@ -20,7 +20,8 @@ from hoverproof.certification.flow import eigenvalues
 from hoverproof.design.limits import bandwidth
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
-from hoverproof.servo.loop import LoopNumbers, slowest_rate
+from hoverproof.servo.linearised import slowest_rate
+from hoverproof.servo.loop import LoopNumbers
 from hoverproof.show.style import COLOURS, save_figure
 from hoverproof.simulation.compiled import runner
 from hoverproof.simulation.step import flight_states
