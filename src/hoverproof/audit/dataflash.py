@@ -131,7 +131,7 @@ class Messages:
         self.lengths = {FMT: FMT_LENGTH}
         self.formats: dict[int, Format] = {}
         self.partial: list[str] = []
-        self._skipped = 0
+        self._skipped = self._blank = 0
 
     def read(self, path: Path) -> Iterator[Format]:
         """Yield kinds of message that are wanted, each time with some that wait.
@@ -162,12 +162,15 @@ class Messages:
             length = lengths.get(kind, 0)
             if not length or not data.startswith(MAGIC, at):
                 found = self._next(data, at + 1)
+                self._blank += found - at  # which is no damage if nothing follows
                 if data[at:found].strip(b"\x00\xff"):
-                    self._skipped += found - at
+                    self._skipped, self._blank = self._skipped + self._blank, 0
                 at = found
                 continue
             if at + length > size:
                 return at
+            if self._blank:
+                self._skipped, self._blank = self._skipped + self._blank, 0
             if kind == FMT:
                 self._learn(data[at + 3 : at + length])
             elif (form := self.formats.get(kind)) is not None:

@@ -36,7 +36,7 @@ def read(path: Path) -> FlightLog:
     try:
         with h5py.File(path, "r") as file:
             return _read(file, str(path))
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError):
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, IndexError):
         reason = "is damaged or cut short, or was not written by simulate, fly or see"
         raise InputError(str(path), "", reason) from None
 
