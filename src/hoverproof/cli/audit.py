@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import mission_names
 from hoverproof.cli.console import NO_FOLDER, Json, Set, at_work, load_mission
+from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
     from hoverproof.audit.claim import Claim
