@@ -112,7 +112,7 @@ def replay(
     from hoverproof.cli.answers.replay import ReplayAnswer
     from hoverproof.export.binding import Firmware
     from hoverproof.files import write_bytes
-    from hoverproof.firmware import exported
+    from hoverproof.firmware.exporting import exported
 
     loaded = load_mission(mission, set_)
     flight = read_log(log)
