@@ -141,7 +141,7 @@ def test_what_is_no_mission_and_no_values_is_told(call, said):
 
 
 def test_a_certificate_that_is_not_there_is_named():
-    with pytest.raises(hp.InputError, match="missing.json: No such file"):
+    with pytest.raises(hp.InputError, match=r"missing\.json: No such file"):
         hp.check("missing.json")
 
 

@@ -17,11 +17,11 @@ from hoverproof.version import __version__
 if TYPE_CHECKING:
     from hoverproof.certification.attraction.starts import Start as Start
     from hoverproof.certification.attraction.verdict import Attraction as Attraction
-    from hoverproof.certification.certificate import check as check
     from hoverproof.certification.convergence import attraction as attraction
     from hoverproof.certification.exponential.verdict import Exponential as Exponential
     from hoverproof.certification.gains import certify as certify
     from hoverproof.certification.over_box import certify_region as region
+    from hoverproof.certification.reading import check as check
     from hoverproof.design.atlas import atlas as atlas
     from hoverproof.design.tuning import pareto as pareto
     from hoverproof.design.tuning import tune as tune
@@ -51,7 +51,7 @@ _HOMES = {
     "atlas": ("hoverproof.design.atlas", "atlas"),
     "attraction": ("hoverproof.certification.convergence", "attraction"),
     "certify": ("hoverproof.certification.gains", "certify"),
-    "check": ("hoverproof.certification.certificate", "check"),
+    "check": ("hoverproof.certification.reading", "check"),
     "derive": ("hoverproof.paper.ledger", "derive"),
     "export_c": ("hoverproof.firmware.exporting", "export_c"),
     "fly_firmware": ("hoverproof.firmware.flying", "fly_firmware"),

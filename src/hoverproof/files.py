@@ -6,7 +6,6 @@ import contextlib
 import errno
 import os
 import sys
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -43,6 +42,8 @@ def replacing(path: Path | str) -> Iterator[Path]:
     InputError
         If the folder does not exist or cannot be written to.
     """
+    import tempfile
+
     path = Path(path)
     if path.is_dir():
         raise InputError(str(path), "", "is a directory, not a file to write")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -57,44 +56,6 @@ class Certificate:
             If the file cannot be written.
         """
         write_text(path, self.text())
-
-
-@contextlib.contextmanager
-def readable(path: str | Path) -> Iterator[None]:
-    """Say of which file it is that it holds no certificate, if the checker finds that.
-
-    Parameters
-    ----------
-    path : str or Path
-
-    Raises
-    ------
-    InputError
-        In place of `checker.Unreadable`.
-    """
-    try:
-        yield
-    except checker.Unreadable as error:
-        raise InputError(str(path), "", str(error)) from None
-
-
-def check(path: str | Path) -> str:
-    """Return the theorem that a certificate file proves, in words.
-
-    Parameters
-    ----------
-    path : str or Path
-        A certificate or a counterexample.
-
-    Raises
-    ------
-    checker.Rejected
-        If it does not prove what it claims.
-    InputError
-        If it cannot be read, or is no certificate.
-    """
-    with readable(path):
-        return checker.check_file(path)
 
 
 def rejection(certificate: Certificate) -> str:

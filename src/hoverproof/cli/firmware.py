@@ -116,7 +116,7 @@ def export(
 def _read(path: Path) -> Mapping[str, Any]:
     """Read a certificate of `attraction`; what it says is checked where it is written."""
     from hoverproof import checker
-    from hoverproof.certification.certificate import readable
+    from hoverproof.certification.reading import readable
 
     with readable(path):
         content: dict[str, Any] = checker.read(path)

@@ -23,12 +23,14 @@ from hoverproof.certification.exponential.search import FAILED, OUTSIDE
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.design.limits import BINDS, Limits, Use, designed_gains, uses
 from hoverproof.design.outcome import Infeasible, StartTuned
+from hoverproof.design.proved_and_flown import why_longer
 from hoverproof.design.start_advice import scaled, what_helps
 from hoverproof.design.start_rounding import rounded
 from hoverproof.design.start_search import SPARED, Point, StartSearch
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.simulation.flight import flown
+from hoverproof.simulation.numbers import near_from
 from hoverproof.simulation.timing import Timing
 
 Progress = Callable[[str], None]
@@ -191,13 +193,15 @@ def _tuned(
     before = search.settled_before
     tell("flying")
     time, radius = float(verdict.settling.time), float(verdict.settling.radius)
+    flight = settled_in_flight(tuned, radius, time)
     return StartTuned(
         mission=tuned,
         verdict=verdict,
         before=before,
         estimate=math.exp(point.cost),
-        flown=settled_in_flight(tuned, radius, time),
+        flown=flight,
         flown_before=settled_in_flight(search.mission, radius, time),
+        why_longer=why_longer(verdict, flight),
         uses=[*uses(search.limits, search.command, tuned), *_seen(tuned, verdict)],
     )
 
@@ -228,11 +232,11 @@ def settled_in_flight(mission: Mission, radius: float, time: float) -> float | N
         How long it is flown, s.
     """
     flight = flown(mission, Timing(duration=time))
-    goal = np.array([float(c) for c in hover_goal(mission).position])
-    far = np.linalg.norm(flight["position"].values - goal, axis=1) > radius
-    if flight.attrs["outcome"] != "flown" or far[-1]:
+    if flight.attrs["outcome"] != "flown":
         return None
-    return float(flight["time"].values[np.flatnonzero(far)[-1] + 1]) if far.any() else 0.0
+    goal = np.array([float(c) for c in hover_goal(mission).position])
+    far = np.linalg.norm(flight["position"].values - goal, axis=1)
+    return near_from(flight["time"].values, far, radius)
 
 
 def why_not(search: StartSearch, point: Point | None) -> str:
