@@ -128,7 +128,7 @@ def replay(
     from hoverproof.cli.answers.replay import ReplayAnswer
     from hoverproof.export.binding import Firmware
     from hoverproof.files import write_bytes
-    from hoverproof.firmware import exported
+    from hoverproof.firmware.exporting import exported
 
     loaded = load_mission(mission, set_)
     flight = read_log(log, _topics(topic))
@@ -150,6 +150,8 @@ def _topics(given: list[str] | None) -> dict[str, str]:
     pairs = [text.partition("=") for text in given or []]
     for part, equals, name in pairs:
         if not (part and equals and name):
+            from hoverproof.errors import InputError
+
             raise InputError("--topic", "", f"must be PART=NAME, as imu=/imu, not {part!r}")
     return {part: name for part, _, name in pairs}
 
