@@ -26,7 +26,7 @@ _UNARY: dict[int, Callable[[Any], Any]] = {
     ca.OP_SQRT: lambda a: a.sqrt(),
 }
 SHORT = 2000
-"""Instructions of a graph that is evaluated over the standard library sooner than FLINT is there."""
+"""Instructions of a graph, at most, that is evaluated sooner than FLINT is imported."""
 
 
 def evaluate(
