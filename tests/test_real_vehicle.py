@@ -23,7 +23,7 @@ from hoverproof.simulation.block import fly_raw
 from hoverproof.simulation.draws import lag_shares, memory_and_parameters
 from hoverproof.simulation.flight import simulate, summary, without_conditions
 from hoverproof.simulation.plan import Plan, check_runs_differ
-from hoverproof.simulation.realistic import felt
+from hoverproof.simulation.sensing import felt
 from hoverproof.simulation.surroundings import FurtherSurroundings
 from hoverproof.simulation.timing import fastest_rate
 from sampling import mostly_whole

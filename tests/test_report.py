@@ -27,8 +27,8 @@ from hoverproof.export import cost
 from hoverproof.mission.presets import presets
 from hoverproof.paper.ledger import derive
 from hoverproof.reporting import document, mathematics, parts
+from hoverproof.reporting.numerals import at_least, at_most, short
 from hoverproof.reporting.page import CONTENTS
-from hoverproof.reporting.tables import at_least, at_most, short
 from once import start_or_ball_once
 from papers_law import PAPERS
 from sampling import mostly_whole

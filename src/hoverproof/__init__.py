@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from hoverproof.certification.exponential.verdict import Exponential as Exponential
     from hoverproof.certification.gains import certify as certify
     from hoverproof.certification.over_box import certify_region as region
-    from hoverproof.checker import check_file as check
+    from hoverproof.certification.reading import check as check
     from hoverproof.design.atlas import atlas as atlas
     from hoverproof.design.tuning import pareto as pareto
     from hoverproof.design.tuning import tune as tune
@@ -51,7 +51,7 @@ _HOMES = {
     "atlas": ("hoverproof.design.atlas", "atlas"),
     "attraction": ("hoverproof.certification.convergence", "attraction"),
     "certify": ("hoverproof.certification.gains", "certify"),
-    "check": ("hoverproof.checker", "check_file"),
+    "check": ("hoverproof.certification.reading", "check"),
     "derive": ("hoverproof.paper.ledger", "derive"),
     "export_c": ("hoverproof.firmware", "export_c"),
     "fly_firmware": ("hoverproof.firmware", "fly_firmware"),

@@ -175,7 +175,7 @@ def _lock_on_windows(handle: int) -> None:
 
 
 def write_text(path: Path | str, text: str) -> None:
-    """Write UTF-8 text to `path`, whole or not at all.
+    """Write UTF-8 text to `path`, whole or not at all, with the same bytes on every system.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def write_text(path: Path | str, text: str) -> None:
     text : str
     """
     with replacing(path) as beside:
-        beside.write_text(text, encoding="utf-8")
+        beside.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _umask() -> int:

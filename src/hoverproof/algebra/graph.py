@@ -26,7 +26,7 @@ _UNARY: dict[int, Callable[[Any], Any]] = {
     ca.OP_SQRT: lambda a: a.sqrt(),
 }
 SHORT = 2000
-"""Instructions of a graph, at most, that is evaluated sooner than FLINT is imported."""
+"""Instructions of a graph that the standard library evaluates sooner than FLINT is there."""
 
 
 def evaluate(

@@ -18,7 +18,20 @@ if TYPE_CHECKING:
     from hoverproof.mission.sections import Mission
 
 LogFile = Annotated[
-    Path, Parameter(help="Log: netCDF of simulate, fly or see, or PX4's .ulg (extra logs).")
+    Path,
+    Parameter(
+        help="netCDF of simulate, fly or see; with the extra `logs` PX4's .ulg, ArduPilot's .bin, "
+        "a bag of ROS 2."
+    ),
+]
+Topics = Annotated[
+    list[str] | None,
+    Parameter(
+        name="--topic",
+        negative="",
+        help="Of a bag, PART=NAME, where its type does not tell (repeatable); the part is imu, "
+        "odometry, pose, feature, sightings, rates, thrust or rotors.",
+    ),
 ]
 
 
@@ -40,6 +53,7 @@ def audit(
         Parameter(help="Page to write; by default LOG.audit.html, here.", validator=NO_FOLDER),
     ] = None,
     page: Annotated[bool, Parameter(help="Write the page.")] = True,
+    topic: Topics = None,
     set_: Set = None,
     json_: Json = False,
 ) -> int:
@@ -63,7 +77,7 @@ def audit(
     from hoverproof.cli.answers.audit import AuditAnswer
 
     loaded = load_mission(mission, set_)
-    flight = read_log(log)
+    flight = read_log(log, _topics(topic))
     claim, reason = _claim(loaded, certificate)
     found = hold(flight, loaded, claim)
     path = (out or Path(f"{log.stem}.audit.html")) if page else None
@@ -95,6 +109,7 @@ def replay(
         Parameter(help="netCDF to write; by default LOG.replay.nc, here.", validator=NO_FOLDER),
     ] = None,
     figure: Annotated[bool, Parameter(help="Draw the commands beside the file.")] = True,
+    topic: Topics = None,
     set_: Set = None,
     json_: Json = False,
 ) -> int:
@@ -116,7 +131,7 @@ def replay(
     from hoverproof.firmware import exported
 
     loaded = load_mission(mission, set_)
-    flight = read_log(log)
+    flight = read_log(log, _topics(topic))
     firmware = exported(loaded, camera=True) if package is None else Firmware(package)
     found = replayed(flight, loaded, firmware)
     path = out or Path(f"{log.stem}.replay.nc")
@@ -130,17 +145,25 @@ def replay(
     return tell(ReplayAnswer(found.facts(), path, picture), json_)
 
 
+def _topics(given: list[str] | None) -> dict[str, str]:
+    """Return topics by the parts that they play."""
+    pairs = [text.partition("=") for text in given or []]
+    for part, equals, name in pairs:
+        if not (part and equals and name):
+            raise InputError("--topic", "", f"must be PART=NAME, as imu=/imu, not {part!r}")
+    return {part: name for part, _, name in pairs}
+
+
 def _claim(mission: Mission, path: Path | None) -> tuple[Claim | None, str]:
     """Return what is proved of a mission, or None and why not."""
     from hoverproof import checker
     from hoverproof.audit.claim import Claim, given_claim
     from hoverproof.certification.convergence import attraction
+    from hoverproof.certification.reading import readable
 
     if path is not None:
-        try:
+        with readable(path):
             return given_claim(checker.read(path), str(path), mission), ""
-        except checker.Unreadable as error:
-            raise InputError(str(path), "", str(error)) from None
     with at_work() as doing:
         verdict = attraction(mission, progress=doing)
     if verdict.certificate is None or verdict.proved is None:

@@ -116,11 +116,10 @@ def export(
 def _read(path: Path) -> Mapping[str, Any]:
     """Read a certificate of `attraction`; what it says is checked where it is written."""
     from hoverproof import checker
+    from hoverproof.certification.reading import readable
 
-    try:
+    with readable(path):
         content: dict[str, Any] = checker.read(path)
-    except checker.Unreadable as error:
-        raise InputError(str(path), "", str(error)) from None
     return content
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.motion import energies
@@ -21,7 +20,8 @@ from hoverproof.certification.flow import eigenvalues
 from hoverproof.design.limits import bandwidth
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
-from hoverproof.servo.loop import LoopNumbers, slowest_rate
+from hoverproof.servo.linearised import slowest_rate
+from hoverproof.servo.loop import LoopNumbers
 from hoverproof.show.style import COLOURS, plain_powers, save_figure
 from hoverproof.simulation.compiled import runner
 from hoverproof.simulation.step import flight_states
@@ -376,64 +376,3 @@ def draw_energy(axes: Axes, region: Attraction, flights: Flights) -> None:
     axes.set_title("Λ along the simulated flights")
     axes.grid(alpha=0.3)
     axes.legend(loc="upper right", framealpha=0.9)
-
-
-def trade_off_figure(regions: Sequence[Attraction], own: Attraction | None = None) -> Figure:
-    """Draw how far hovers are certified, against the speed near the goal.
-
-    Parameters
-    ----------
-    regions : sequence of Attraction
-        Of the same vehicle with other gains, proved without a barrier.
-    own : Attraction, optional
-        Of the gains that the mission has, for comparison.
-    """
-    figure = Figure(figsize=(7, 5.5), layout="constrained")
-    axes = figure.subplots()
-    speed = np.array([slowest_rate(region.mission) for region in regions])
-    order = np.argsort(speed)
-    for way, marker, colour in (
-        ("up", "^-.", COLOURS[2]),
-        ("down", "s--", COLOURS[1]),
-        ("sideways", "o-", COLOURS[0]),
-    ):
-        reach = np.array([float(getattr(region.reach, way)) for region in regions])
-        axes.loglog(speed[order], reach[order], marker, color=colour, label=way)
-        if own is not None:
-            held = float(getattr(own.reach, way))
-            axes.plot(slowest_rate(own.mission), held, "*", color=colour, markersize=14, zorder=3)
-    if own is not None:
-        axes.plot([], [], "k*", markersize=14, linestyle="none", label="the mission's own gains")
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_formatter(FuncFormatter(_some_digits))
-    axes.set_xlabel("decay rate of the slowest motion at the goal (1/s, linearised)")
-    axes.set_ylabel("certified hovers reach from the goal (m)")
-    axes.set_title(f"{regions[0].mission.name}: what speed costs, each point proved")
-    axes.grid(alpha=0.3, which="both")
-    figure.legend(loc="outside lower center", ncols=4)
-    return figure
-
-
-def _some_digits(value: float, _: int | None) -> str:
-    """Label 2 and 5 of each decade."""
-    return f"{value:g}" if f"{value:.0e}"[0] in "25" else ""
-
-
-def save_trade_off_figure(
-    regions: Sequence[Attraction], own: Attraction | None, path: Path
-) -> None:
-    """Write the curve as PNG or SVG.
-
-    Parameters
-    ----------
-    regions, own
-        See `trade_off_figure`.
-    path : Path
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-    """
-    save_figure(trade_off_figure(regions, own), path)

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from hoverproof.certification.exponential.form import ROWS, Variables, Weights, derive_form
 from hoverproof.certification.exponential.held import factor, moved
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.terms import terms
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.robust import Inequality, Term
 from hoverproof.servo.law import Law
 

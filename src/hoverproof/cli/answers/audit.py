@@ -56,6 +56,8 @@ class AuditAnswer(Answer):
         yield from wrapped("time", f"{ends}, {len(log.times)} samples")
         for note in log.notes:
             yield from wrapped("note", note)
+        for name, lack in zip(("not in this log", *[""] * len(log.lacks)), log.lacks, strict=False):
+            yield from wrapped(name, lack)
         if found.claim is None:
             yield from wrapped("theorem 5", f"not proved of this mission: {self.reason}")
         for finding in found.findings:
@@ -80,6 +82,7 @@ class AuditAnswer(Answer):
             "from": float(log.times[0]),
             "until": float(log.times[-1]),
             "notes": [*log.notes],
+            "lacks": [*log.lacks],
             "proved": found.claim is not None,
             "reason": self.reason or None,
             "broken": [f.name for f in found.broken],
