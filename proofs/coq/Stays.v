@@ -406,6 +406,9 @@ Proof.
   eapply Rle_trans; [apply len_plus|]. rewrite len_scale, (Rabs_right (Q2R (middle c))) by lra. lra.
 Qed.
 
+Local Notation asked_lift s := (command (gains v) (pull_down v) (wanted_height v) (sees_by v) To_vertical (marks v)
+  (counted v) (breeze v) (place v) (attitude v) (speeds_by v) (lifts_by v) (stale_by v) s).
+
 Section Way.
 Variable t : R.
 Hypothesis T : 0 <= t < until.
@@ -452,8 +455,6 @@ Qed.
 Lemma good_now : good t. Proof. apply G. lra. Qed.
 
 (** What is commanded of the thrust. *)
-Local Notation asked_lift s := (command (gains v) (pull_down v) (wanted_height v) (sees_by v) To_vertical (marks v)
-  (counted v) (breeze v) (place v) (attitude v) (speeds_by v) (lifts_by v) (stale_by v) s).
 Lemma asked_within : Rabs (asked_lift t) <= C * kappa_ g * (sink b + missed b).
 Proof.
   pose proof C_pos. pose proof kap_pos. unfold command. rewrite !Rabs_mult, (Rabs_right C), (Rabs_right (kappa_ g)) by lra.
@@ -675,5 +676,272 @@ Proof.
   exact I.
 Qed.
 End Way.
+
+(** ** Along the way *)
+
+(** What is set of the thrust's rate lags behind what is commanded, so it is within the same bounds. *)
+Lemma calm_on : forall t, 0 <= t < until -> (forall s, 0 <= s <= t -> good s) ->
+  Rabs (set_rise v t) <= C * kappa_ g * (sink b + missed b).
+Proof.
+  intros t T G. set (e := C * kappa_ g * (sink b + missed b)).
+  destruct (lag_within _ _ _ _ Mo) as [L _]. pose proof (between_abs _ _ (calm_at_first _ _ _ _ _ _ B)) as [S1 S2].
+  fold e in S1, S2. pose proof (Rinv_0_lt_compat _ L) as L'.
+  assert (A : forall s, 0 <= s <= t -> - e <= asked_lift s <= e).
+  { intros s S. apply between_abs, asked_within; [lra|]. intros. apply G. lra. }
+  assert (Up : set_rise v t - e <= (set_rise v 0 - e) * exp (- / behind v * t)).
+  { apply (decays (fun s => set_rise v s - e) (fun s => / behind v * (asked_lift s - set_rise v s) - 0)); [lra|].
+    intros s S. split; [apply slope_minus; [apply (lift_follows _ _ _ _ Mo); lra|apply slope_const]|].
+    pose proof (A s S) as [_ A2]. pose proof (Rmult_le_compat_l _ _ _ (Rlt_le _ _ L') A2). lra. }
+  assert (Dn : -1 * set_rise v t - e <= (-1 * set_rise v 0 - e) * exp (- / behind v * t)).
+  { apply (decays (fun s => -1 * set_rise v s - e)
+      (fun s => -1 * (/ behind v * (asked_lift s - set_rise v s)) - 0)); [lra|].
+    intros s S. split.
+    - apply slope_minus; [apply slope_scale, (lift_follows _ _ _ _ Mo); lra|apply slope_const].
+    - pose proof (A s S) as [A1 _]. pose proof (Rmult_le_compat_l _ _ _ (Rlt_le _ _ L') A1). lra. }
+  pose proof (exp_pos (- / behind v * t)) as X.
+  assert (0 <= (e - set_rise v 0) * exp (- / behind v * t)) by (apply Rmult_le_pos; lra).
+  assert (0 <= (set_rise v 0 + e) * exp (- / behind v * t)) by (apply Rmult_le_pos; lra).
+  apply Rabs_le. lra.
+Qed.
+
+Local Notation push4_of s := (push4 (gains v) (pull_down v) (wanted_height v) (sees_by v) To_vertical
+  (marks v) (counted v) (breeze v) (place v) (attitude v) (speeds_by v) (spins_by v) (lifts_by v) (set_rise v)
+  (set_turn v) (efficacy v) (torque_wrong v) (gyro_true v) (stale_by v) s K).
+Local Notation push5_of s := (push5 (gains v) (pull_down v) (wanted_height v) (behind v) (sees_by v) To_vertical
+  (marks v) (counted v) (breeze v) (place v) (attitude v) (speeds_by v) (spins_by v) (lifts_by v) (set_rise v)
+  (set_turn v) (efficacy v) (torque_wrong v) (gyro_known v) (gyro_true v) (stale_by v) s K).
+Local Notation push6_of s := (by_sink (gains v) (pull_down v) (wanted_height v) (behind v) (sees_by v) To_vertical
+  (marks v) (counted v) (breeze v) (place v) (attitude v) (speeds_by v) (spins_by v) (lifts_by v) s).
+Local Notation pushes_of s := (pushes (gains v) (pull_down v) (wanted_height v) (behind v) (sees_by v) To_vertical
+  (marks v) (counted v) (breeze v) (place v) (attitude v) (speeds_by v) (spins_by v) (lifts_by v) (set_rise v)
+  (set_turn v) (efficacy v) (torque_wrong v) (gyro_known v) (gyro_true v) (stale_by v) s K).
+
+(** Where the place is inside and the lever positive, the errors obey their equations. *)
+Lemma obeys_at : forall t, 0 <= t < until -> 0 < arm_of v t -> inside (place v t) ->
+  vslope (fun s => d1 (err (x s))) t (- 1 * (spins_by v t × d1 (err (x t))) + go1 (p t) (x t))%vec /\
+  vslope (fun s => d2 (err (x s))) t (- 1 * (spins_by v t × d2 (err (x t))) + go2 K (p t) (x t))%vec /\
+  vslope (fun s => d3 (err (x s))) t (- 1 * (spins_by v t × d3 (err (x t))) + go3 K (p t) (x t))%vec /\
+  vslope (fun s => d4 (err (x s))) t (go4 K (p t) (x t) + push4_of t)%vec /\
+  vslope (fun s => mu (x s)) t (/ behind v * (lag_turn K (p t) (x t) + push5_of t))%vec /\
+  vslope (fun s => lift (x s)) t (/ behind v * (lag_lift K (p t) (x t) + push6_of t))%vec /\
+  v4 K * (d4 (err (x t)) · push4_of t) + a5 K * (mu (x t) · push5_of t) + a6 K * (lift (x t) · push6_of t)
+  = sum (lefts K (p t) (x t)) (pushes_of t).
+Proof.
+  intros t T A Ins. pose proof late_pos as L0.
+  destruct (seen_inside _ _ _ _ D _ Ins) as [[Off Feat] _]. destruct (same _ _ _ _ F) as [K1 [K2 [K3 _]]].
+  destruct (lag_within _ _ _ _ Mo) as [L _]. destruct (are_linear _ _ _ _ Mo t) as [L1 [L2 L3]].
+  assert (O : orthonormal (attitude v t)) by (apply (is_whole _ _ _ _ Mo); lra).
+  apply (vehicle_obeys (gains v) (pull_down v) (wanted_height v) (behind v) (sees_by v) To_vertical
+    (marks v) (counted v) (breeze v) (place v) (attitude v) (speeds_by v) (spins_by v) (lifts_by v) (set_rise v)
+    (set_turn v) (efficacy v) (torque_wrong v) (gyro_known v) (gyro_true v) (stale_by v) t) with (accel := rolls_by v t);
+    try assumption.
+  - apply (positive _ _ _ _ F).
+  - apply featured_turned; assumption.
+  - apply Rgt_not_eq, A.
+  - apply (is_moving _ _ _ _ Mo). lra.
+  - apply (is_turning _ _ _ _ Mo t T).
+  - apply (is_pulled _ _ _ _ Mo t T).
+  - apply (is_lifted _ _ _ _ Mo t T).
+  - apply (is_rolled _ _ _ _ Mo t T).
+  - apply (by_torque _ _ _ _ Mo t T).
+  - apply (turn_follows _ _ _ _ Mo t T).
+  - apply (lift_follows _ _ _ _ Mo t T).
+  - apply (flat_turn _ _ _ _ Mo).
+  - auto.
+Qed.
+
+Lemma energy_moves : forall t, 0 <= t < until -> 0 < arm_of v t -> inside (place v t) ->
+  exists d, slope (fun s => energy K (p s) (x s)) t d.
+Proof.
+  intros t T A Ins. destruct (obeys_at t T A Ins) as [S1 [S2 [S3 [S4 [S5 [S6 _]]]]]].
+  eexists. apply (slope_ext (fun s => / 2 * (d1 (err (x s)) · d1 (err (x s)) + v2 K * (d2 (err (x s)) · d2 (err (x s)))
+    + v3 K * (d3 (err (x s)) · d3 (err (x s))) + v4 K * (d4 (err (x s)) · d4 (err (x s)))
+    + behind v * (a5 K * (mu (x s) · mu (x s)) + a6 K * (lift (x s) · lift (x s)))))).
+  { intros s. unfold energy. change (tau (p s)) with (behind v). unfold Rdiv. ring. }
+  apply slope_scale. apply slope_plus; [apply slope_plus; [apply slope_plus; [apply slope_plus|]|]|].
+  - eapply slope_dot; eassumption.
+  - apply slope_scale. eapply slope_dot; eassumption.
+  - apply slope_scale. eapply slope_dot; eassumption.
+  - apply slope_scale. eapply slope_dot; eassumption.
+  - apply slope_scale, slope_plus; apply slope_scale; eapply slope_dot; eassumption.
+Qed.
+
+Lemma kept_pos : 0 <= keeps b /\ 0 <= pace K.
+Proof.
+  destruct (sizes _ _ _ _ F) as [_ [_ [_ [_ [_ [_ S]]]]]]. split; [exact S|].
+  destruct Kept as [MQ [TQ [O _]]]. unfold memory_ok in O.
+  repeat (apply andb_prop in O; let H := fresh "O" in destruct O as [O H]).
+  apply Qle_bool_iff, Qle_Rle in O3. rewrite Q2R_zero in O3. exact O3.
+Qed.
+Lemma flown_grows : forall a e, - latest b <= a <= e -> e < until -> flown a <= flown e.
+Proof.
+  intros a e A E. assert (-1 * flown e <= -1 * flown a); [|lra].
+  apply (falling (fun s => -1 * flown s) (fun s => -1 * (exp (pace K * s) * (flow_of v s · flow_of v s)))); [lra|].
+  intros s S. split; [apply slope_scale; apply In; lra|].
+  pose proof (exp_pos (pace K * s)) as X. pose proof (Rmult_le_pos _ _ (Rlt_le _ _ X) (square_pos (flow_of v s))). lra.
+Qed.
+Lemma energy_below_psi : forall t, 0 <= t < until -> energy K (p t) (x t) <= psi v b c flown again t.
+Proof.
+  intros t T. pose proof late_pos as L0. destruct kept_pos. unfold psi.
+  assert (0 <= memory (keeps b) (latest b) (pace K) flown again t); [|lra].
+  apply memory_not_below; [assumption|lra| |].
+  - intros s S. apply In. lra.
+  - intros s S. apply flown_grows; lra.
+Qed.
+
+Lemma moving_is : forall t, 0 <= t < until -> moving (x t) = flow_of v t.
+Proof. reflexivity. Qed.
+
+(** As long as all is good, Ψ falls. *)
+Lemma falls_on : forall t, 0 <= t < until -> (forall s, 0 <= s <= t -> good s) ->
+  psi v b c flown again t <= psi v b c flown again 0 * exp (- pace K * t).
+Proof.
+  intros t T G. pose proof late_pos as L0.
+  apply (tolerant_falls c (keeps b) (latest b) (behind v) t x p (fun s => pushes_of s) (spins_by v)
+    (fun s => push4_of s) (fun s => push5_of s) (fun s => push6_of s) flown again M); [| |lra].
+  - assert (W : forall s, 0 <= s <= t -> 0 <= s < until /\ (forall y, 0 <= y <= s -> good y) /\ 0 < arm_of v s /\
+      inside (place v s)).
+    { intros s S. split; [lra|]. split; [intros; apply G; lra|]. apply (G s S). }
+    constructor; try (intros s S; destruct (W s S) as [W1 [W2 [W3 W4]]];
+      pose proof (obeys_at s W1 W3 W4) as [S1 [S2 [S3 [S4 [S5 [S6 S7]]]]]]; assumption).
+    + intros s S. destruct (W s S) as [W1 [W2 _]]. apply pushes_within; [exact W1|exact W2|].
+      apply calm_on; assumption.
+    + intros s S. destruct (W s S) as [W1 [W2 _]]. apply ball_now; assumption.
+    + intros s S. destruct (W s S) as [W1 [W2 _]]. apply corner_within; assumption.
+    + reflexivity.
+    + apply (lag_within _ _ _ _ Mo).
+  - destruct Kept as [MQ [TQ [O [EM ET]]]]. destruct kept_pos as [M0 P0]. split; [exact M0|]. split.
+    { unfold memory_ok in O. repeat (apply andb_prop in O; let H := fresh "O" in destruct O as [O H]).
+      apply Qle_bool_iff, Qle_Rle in O1. rewrite Q2R_mult in O1. rewrite EM, ET. exact O1. }
+    intros s S. split; [|split; [|split]].
+    + apply In. lra.
+    + apply In. lra.
+    + apply In. lra.
+    + pose proof (late_remembers MQ TQ c (fun z => from v (place v z))
+        (fun z => -1 * slope_from v (place v z) (way_of v z))%vec flown (age v s) s (stale (x s)) O) as R.
+      cbv zeta in R. rewrite EM, ET. apply R.
+      * rewrite <- ET. apply (age_within _ _ _ _ Mo). lra.
+      * change (stale (x s)) with (stale_by v s). unfold stale_by. rewrite back_square; [reflexivity|].
+        apply (is_whole _ _ _ _ Mo). lra.
+      * intros y Y. apply feature_moves; [lra|]. rewrite <- ET in Y. apply (inside_on s); [|lra].
+        intros; apply G; lra.
+      * intros y Y. rewrite <- ET in Y. eapply slope_is; [apply In; lra|]. f_equal.
+        rewrite flow_turned by lra. rewrite back_square by (apply (is_whole _ _ _ _ Mo); lra). number.
+Qed.
+
+(** No motion leaves: all is good at all times. *)
+Lemma all_good : 0 < until -> forall t, 0 <= t < until -> good t.
+Proof.
+  intros U. destruct (levels _ _ _ _ F) as [[S0 S1] [Fa0 Fa1]]. pose proof late_pos as L0.
+  pose proof (low_at_first _ _ _ _ _ _ B) as Low.
+  assert (Arm : forall t, 0 <= t < until -> exists d, slope (arm_of v) t d).
+  { intros t T. eexists. apply (slope_ext (fun s => lifts_by v s - pz (blown (gains v) (breeze v) (attitude v) s))).
+    - intros s. symmetry. apply arm_is.
+    - apply slope_minus; [apply (is_lifted _ _ _ _ Mo t T)|].
+      apply (slope_blown (gains v) (breeze v) (attitude v) (spins_by v) t (is_turning _ _ _ _ Mo t T)). }
+  assert (Near : forall t e, 0 <= t < until -> 0 < e -> exists a, 0 < a /\ forall s, Rabs (s - t) < a ->
+    len (place v s - place v t)%vec < e).
+  { intros t e T E. pose proof (is_moving _ _ _ _ Mo t ltac:(lra)) as [X [Y Z]].
+    destruct (near_by _ _ _ (e / 3) X ltac:(lra)) as [a1 [A1 H1]].
+    destruct (near_by _ _ _ (e / 3) Y ltac:(lra)) as [a2 [A2 H2]].
+    destruct (near_by _ _ _ (e / 3) Z ltac:(lra)) as [a3 [A3 H3]].
+    exists (Rmin a1 (Rmin a2 a3)). split; [repeat apply Rmin_pos; assumption|].
+    intros s S.
+    pose proof (Rmin_l a1 (Rmin a2 a3)). pose proof (Rmin_r a1 (Rmin a2 a3)).
+    pose proof (Rmin_l a2 a3). pose proof (Rmin_r a2 a3).
+    specialize (H1 s ltac:(lra)). specialize (H2 s ltac:(lra)). specialize (H3 s ltac:(lra)). cbv beta in *.
+    set (q := (place v s - place v t)%vec).
+    assert (Q1 : Rabs (px q) < e / 3).
+    { replace (px q) with (px (place v s) - px (place v t)) by (unfold q; components; ring). exact H1. }
+    assert (Q2 : Rabs (py q) < e / 3).
+    { replace (py q) with (py (place v s) - py (place v t)) by (unfold q; components; ring). exact H2. }
+    assert (Q3 : Rabs (pz q) < e / 3).
+    { replace (pz q) with (pz (place v s) - pz (place v t)) by (unfold q; components; ring). exact H3. }
+    clearbody q. replace q with (px q * V 1 0 0 + py q * V 0 1 0 + pz q * V 0 0 1)%vec
+      by (destruct q; apply vec_eq; components; ring).
+    assert (One : len (V 1 0 0) = 1 /\ len (V 0 1 0) = 1 /\ len (V 0 0 1) = 1).
+    { unfold len. replace (V 1 0 0 · V 1 0 0) with 1 by number. replace (V 0 1 0 · V 0 1 0) with 1 by number.
+      replace (V 0 0 1 · V 0 0 1) with 1 by number. repeat split; apply sqrt_1. }
+    destruct One as [O1 [O2 O3]].
+    eapply Rle_lt_trans; [apply len_plus|]. rewrite len_scale, O3.
+    pose proof (len_plus (px q * V 1 0 0) (py q * V 0 1 0)) as P. rewrite !len_scale, O1, O2 in P. lra. }
+  apply goes_on.
+  - (* at first *)
+    split; [|split; [apply (upright_at_first _ _ _ _ _ _ B)|apply (inside_before _ _ _ _ _ _ B); lra]].
+    pose proof (energy_below_psi 0 ltac:(lra)). lra.
+  - (* at each time before which all is good *)
+    intros t T Gs.
+    assert (Ins : inside (place v t)).
+    { apply (closed _ _ _ _ D). intros e E. destruct (Near t e ltac:(lra) E) as [a [A H]].
+      set (s := Rmax 0 (t - a / 2)). exists (place v s).
+      assert (X1 : 0 <= s) by apply Rmax_l. assert (X2 : t - a / 2 <= s) by apply Rmax_r.
+      assert (X3 : s < t) by (apply Rmax_lub_lt; lra).
+      split; [apply (Gs s); lra|]. apply H. rewrite Rabs_left; lra. }
+    assert (A : lever_least b <= arm_of v t).
+    { destruct (Rle_or_lt (lever_least b) (arm_of v t)) as [L|L]; [exact L|]. exfalso.
+      destruct (Arm t ltac:(lra)) as [d Sl].
+      destruct (near_by _ _ _ (lever_least b - arm_of v t) Sl ltac:(lra)) as [a [A H]].
+      set (s := Rmax 0 (t - a / 2)).
+      assert (X1 : 0 <= s) by apply Rmax_l. assert (X2 : t - a / 2 <= s) by apply Rmax_r.
+      assert (X3 : s < t) by (apply Rmax_lub_lt; lra).
+      pose proof (arm_at_least s ltac:(lra) (Gs s ltac:(lra))).
+      pose proof (H s ltac:(rewrite Rabs_left; lra)) as N. rewrite Rabs_right in N by lra. lra. }
+    assert (A0 : 0 < arm_of v t).
+    { destruct (bounds_are _ _ _ _ F) as [_ [_ [_ [_ [L _]]]]]. lra. }
+    split; [|split; [exact A0|exact Ins]].
+    destruct (Rle_or_lt (energy K (p t) (x t)) (level_of b)) as [L|L]; [exact L|]. exfalso.
+    destruct (energy_moves t ltac:(lra) A0 Ins) as [d Sl].
+    destruct (near_by _ _ _ (energy K (p t) (x t) - level_of b) Sl ltac:(lra)) as [a [Pa H]].
+    set (s := Rmax 0 (t - a / 2)).
+    assert (X1 : 0 <= s) by apply Rmax_l. assert (X2 : t - a / 2 <= s) by apply Rmax_r.
+    assert (X3 : s < t) by (apply Rmax_lub_lt; lra).
+    destruct (Gs s ltac:(lra)) as [Ge _].
+    pose proof (H s ltac:(rewrite Rabs_left; lra)) as N. rewrite Rabs_left in N by lra. lra.
+  - (* and a while beyond *)
+    intros t T Gs. destruct (Gs t ltac:(lra)) as [G1 [G2 G3]].
+    assert (Ps : energy K (p t) (x t) <= start_of b).
+    { eapply Rle_trans; [apply energy_below_psi; lra|]. eapply Rle_trans; [apply falls_on; [lra|exact Gs]|].
+      destruct kept_pos as [_ P0].
+      assert (E1 : exp (- pace K * t) <= 1).
+      { rewrite <- exp_0. destruct (Req_dec (- pace K * t) 0) as [-> |N]; [apply Rle_refl|]. left. apply exp_increasing.
+        assert (0 <= pace K * t) by (apply Rmult_le_pos; lra). lra. }
+      pose proof (exp_pos (- pace K * t)) as E0.
+      assert (0 <= (start_of b - psi v b c flown again 0) * exp (- pace K * t)) by (apply Rmult_le_pos; lra).
+      assert (0 <= start_of b * (1 - exp (- pace K * t))) by (apply Rmult_le_pos; lra). lra. }
+    destruct (energy_moves t T G2 G3) as [d Sl].
+    set (room := Rmin (level_of b - start_of b) (far b * far b / 2 - start_of b)).
+    assert (R0 : 0 < room) by (apply Rmin_pos; lra).
+    assert (R1 : room <= level_of b - start_of b) by apply Rmin_l.
+    assert (R2 : room <= far b * far b / 2 - start_of b) by apply Rmin_r.
+    destruct (near_by _ _ _ room Sl R0) as [a1 [A1 H1]].
+    destruct (Arm t T) as [da Sl2]. destruct (near_by _ _ _ (arm_of v t) Sl2 G2) as [a2 [A2 H2]].
+    destruct (ends_beyond _ _ _ _ D _ G3) as [e [E0 He]]. destruct (Near t e T E0) as [a3 [A3 H3]].
+    exists (Rmin a1 (Rmin a2 a3)). split; [repeat apply Rmin_pos; assumption|].
+    intros s S Su. pose proof (Rmin_l a1 (Rmin a2 a3)). pose proof (Rmin_r a1 (Rmin a2 a3)).
+    pose proof (Rmin_l a2 a3). pose proof (Rmin_r a2 a3).
+    assert (Ds : Rabs (s - t) = s - t) by (apply Rabs_right; lra).
+    specialize (H1 s ltac:(lra)). specialize (H2 s ltac:(lra)). specialize (H3 s ltac:(lra)).
+    assert (E2 : energy K (p s) (x s) < start_of b + room) by (pose proof (Rle_abs (energy K (p s) (x s) - energy K (p t) (x t))); lra).
+    split; [lra|]. split.
+    { pose proof (between_abs _ _ (Rlt_le _ _ H2)). destruct (Rle_or_lt (arm_of v s) 0) as [L|L]; [|exact L].
+      rewrite Rabs_left in H2 by lra. lra. }
+    destruct (He (place v s) H3) as [Ins|Out]; [exact Ins|]. exfalso.
+    (* what a level camera sees is within, by δ1 *)
+    assert (O : orthonormal (attitude v s)) by (apply (is_whole _ _ _ _ Mo); lra).
+    assert (E1 : len (from v (place v s) - wanted_height v * e3)%vec = len (d1 (err (x s)))).
+    { change (d1 (err (x s))) with (er1 (wanted_height v) (sees_by v) To_vertical (marks v) (counted v) (place v)
+        (attitude v) s). unfold er1, sight, wants, below. rewrite feature_turned by exact O.
+      rewrite <- back_scale, <- back_minus, len_back by exact O. reflexivity. }
+    assert (E3 : d1 (err (x s)) · d1 (err (x s)) <= 2 * energy K (p s) (x s)).
+    { destruct (weights_positive _ _ _ _ F) as [V2 [V3 [V4 [V5 V6]]]]. destruct (lag_within _ _ _ _ Mo) as [L _].
+      unfold energy. change (tau (p s)) with (behind v).
+      pose proof (Rmult_le_pos _ _ (Rlt_le _ _ V2) (square_pos (d2 (err (x s))))).
+      pose proof (Rmult_le_pos _ _ (Rlt_le _ _ V3) (square_pos (d3 (err (x s))))).
+      pose proof (Rmult_le_pos _ _ (Rlt_le _ _ V4) (square_pos (d4 (err (x s))))).
+      pose proof (Rmult_le_pos _ _ V5 (square_pos (mu (x s)))). pose proof (Rmult_le_pos _ _ V6 (square_pos (lift (x s)))).
+      assert (0 <= behind v * (a5 K * (mu (x s) · mu (x s)) + a6 K * (lift (x s) · lift (x s))))
+        by (apply Rmult_le_pos; lra). lra. }
+    rewrite E1 in Out. pose proof (Rmult_le_0_lt_compat _ _ _ _ Fa0 Fa0 Out Out) as Q. rewrite len_square in Q. lra.
+Qed.
 
 End Stays.
