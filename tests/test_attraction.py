@@ -33,8 +33,8 @@ from hoverproof.certification.pattern import Pattern
 from hoverproof.certification.verdict import Proved, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
-from hoverproof.servo.law import Design
-from hoverproof.servo.loop import slowest_rate
+from hoverproof.servo.linearised import slowest_rate
+from hoverproof.servo.variables import Design
 from papers_law import PAPERS
 from random_missions import case
 from sharing import kept_value

@@ -15,10 +15,9 @@ import numpy as np
 import pytest
 
 import hoverproof as hp
-from exponential_truth import FEW, MISSION, NEAR
+from exponential_truth import MISSION, NEAR, soon_found
 from hoverproof import cli
 from hoverproof.certification import convergence, largest
-from hoverproof.certification.exponential import search
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.cli import attraction as command
 from hoverproof.design.proved_and_flown import why_longer
@@ -296,13 +295,11 @@ def test_every_number_of_uncertainty_may_be_asked_for():
 )
 def test_the_largest_noise_and_period_are_proved_and_drawn(name, monkeypatch, capsys):
     """Of what is tried: 0 and 0.001."""
-    for key, value in FEW.items():
-        monkeypatch.setattr(search, key, value)
     thousandth = next(k for k in range(-300, 0) if largest.two_digits(k) == F("0.001"))
     for key, value in {"FIRST": thousandth, "HIGHEST": thousandth, "DOUBLED": 1}.items():
         monkeypatch.setattr(largest, key, value)
     near = [f"--set={key}={value}" for key, value in NEAR.items()]
-    with pytest.raises(SystemExit) as done:
+    with soon_found(), pytest.raises(SystemExit) as done:
         cli.main(["attraction", str(MISSION), *near, "--largest", name, "--json"])
     told = json.loads(capsys.readouterr().out)
     assert done.value.code == 0

@@ -21,7 +21,7 @@ from hoverproof.certification.problem import gain_problem
 from hoverproof.design.atlas import axis, cell_margins
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.export.standing import Standing
-from hoverproof.mission.sections import LawChoice
+from hoverproof.mission.task import LawChoice
 from hoverproof.plant.goal import hover_goal
 from hoverproof.reporting import mathematics
 from hoverproof.reporting.numerals import bounded

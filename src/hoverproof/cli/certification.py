@@ -203,6 +203,7 @@ def check(
     Example: `hoverproof check x4-flyer.cert.json --json`
     """
     from hoverproof import checker
+    from hoverproof.certification.reading import readable
     from hoverproof.cli.answers.check import CheckAnswer
 
     if set_ and mission is None:
@@ -211,10 +212,9 @@ def check(
     statement = reason = None
     differing: list[str] = []
     try:
-        content = checker.read(certificate)
-        statement = checker.check(content)
-    except checker.Unreadable as error:
-        raise InputError(str(certificate), "", str(error)) from None
+        with readable(certificate):
+            content = checker.read(certificate)
+            statement = checker.check(content)
     except checker.Rejected as error:
         reason = str(error)
     if wanted is not None and statement is not None:

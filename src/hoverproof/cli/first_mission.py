@@ -16,12 +16,13 @@ from hoverproof.algebra.decimals import decimal_above
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import candidate
-from hoverproof.certification.exponential.search import HIGHEST, ROOM
+from hoverproof.certification.exponential.question import HIGHEST, ROOM
 from hoverproof.cli.questions import CONTROL_RATES, NONE, Answers, in_layout
 from hoverproof.design.limits import designed_gains
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
-from hoverproof.mission.sections import Gains, Mission
+from hoverproof.mission.sections import Mission
+from hoverproof.mission.task import Gains
 from hoverproof.mission.writing import decimal
 
 GRAVITY = "9.81"

@@ -45,7 +45,7 @@ def presets(
     from hoverproof.mission.presets import preset_text
     from hoverproof.mission.presets import presets as names
     from hoverproof.mission.reading import load
-    from hoverproof.servo.loop import slowest_rate
+    from hoverproof.servo.linearised import slowest_rate
 
     if name is not None:
         return tell(PresetAnswer(preset_text(name), load(name)), json_)

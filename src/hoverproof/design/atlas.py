@@ -29,8 +29,8 @@ from hoverproof.design.start_atlas import start_chart
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
-from hoverproof.servo.law import Design
 from hoverproof.servo.laws.hamel_mahony import law_of
+from hoverproof.servo.variables import Design
 from hoverproof.simulation.record import Column, Record
 from hoverproof.spread import collected
 

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import with_tolerance
-from hoverproof.mission.sections import Bounds, Gains, Mission
+from hoverproof.mission.sections import Mission
+from hoverproof.mission.task import Bounds, Gains
 from hoverproof.mission.tolerances import UNITS
-from hoverproof.servo.law import Design
+from hoverproof.servo.variables import Design
 from hoverproof.simulation.record import Column
 
 Array = NDArray[np.float64]
@@ -202,9 +203,11 @@ def two_axes(
 
     Parameters
     ----------
-    mission, of_start, cells
+    mission, of_start
         See `axis`, also for what is raised.
     x, y : Axis, or str
+    cells : int
+        Number of values along each.
     """
     x, y = (
         axis(mission, one, option=option, of_start=of_start, cells=cells)

@@ -22,15 +22,16 @@ from numpy.typing import NDArray
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.candidate import Near
 from hoverproof.certification.exponential.proof import converge, model_fingerprint, require_question
-from hoverproof.certification.exponential.search import OUTSIDE, SETTLED
+from hoverproof.certification.exponential.question import SETTLED
+from hoverproof.certification.exponential.search import OUTSIDE
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.design.axes import Axis, coordinates, two_axes, with_value
 from hoverproof.design.limits import ANY, Limits
 from hoverproof.design.start_search import Point, StartSearch
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
-from hoverproof.servo.law import Design
 from hoverproof.servo.laws.hamel_mahony import law_of
+from hoverproof.servo.variables import Design
 from hoverproof.simulation.record import Column, Record
 from hoverproof.spread import collected
 

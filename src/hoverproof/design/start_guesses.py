@@ -14,7 +14,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.certification.exponential.search import Search
+from hoverproof.certification.exponential.question import Question
 from hoverproof.design.limits import Limits
 
 Array = NDArray[np.float64]
@@ -30,12 +30,12 @@ PARTS, SHARES = (0.9, 0.5), (-1.5, -2.5)
 FIRST_RATE = 0.3
 
 
-def guesses(whole: Search, limits: Limits, ends: tuple[float, float]) -> Iterator[Array]:
+def guesses(whole: Question, limits: Limits, ends: tuple[float, float]) -> Iterator[Array]:
     """Yield points to set out from, (7,) each, see `start_search.Point`; the fastest first.
 
     Parameters
     ----------
-    whole : Search
+    whole : Question
     limits : Limits
     ends : (low, high)
         The least d that may hold the start, and the largest that is searched, dimensionless.

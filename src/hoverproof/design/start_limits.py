@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.exponential.candidate import VIEW_ROOM, Asked
-from hoverproof.certification.exponential.search import Search
+from hoverproof.certification.exponential.question import Question
 from hoverproof.design.limits import FirstCommand, Limits
 from hoverproof.mission.sections import Mission
 
@@ -31,13 +31,13 @@ class StartLimits:
         Its gains do not count.
     limits : Limits
     command : FirstCommand
-    whole : Search
+    whole : Question
     """
 
     mission: Mission
     limits: Limits
     command: FirstCommand
-    whole: Search
+    whole: Question
 
     def beyond(self, fours: Array) -> Array:
         """Return by which share gains are beyond each limit, below 0 if they keep it, (n, m).

@@ -23,7 +23,8 @@ from hoverproof.certification.exponential.candidate import Asked, Near
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import Solution
 from hoverproof.certification.exponential.proof import ROOMS
-from hoverproof.certification.exponential.search import FAILED, OUTSIDE, ROOM, Search
+from hoverproof.certification.exponential.question import ROOM, Question
+from hoverproof.certification.exponential.search import FAILED, OUTSIDE
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.design.limits import FirstCommand, Limits
 from hoverproof.design.start_guesses import guesses
@@ -49,7 +50,7 @@ class Point(NamedTuple):
     Attributes
     ----------
     cost : float
-        See `Search.cost`, a bare number.
+        See `search.cost_of`, a bare number.
     z : (7,)
         The logarithms of k1 to k4 and of d, the odds' of the share of the force, and that of r.
     """
@@ -81,7 +82,7 @@ class StartSearch:
         Its gains do not count.
     limits : Limits
     command : FirstCommand
-    whole : Search
+    whole : Question
         With the gains of the mission.
     tried : list of (7,)
         The points that were looked at.
@@ -90,7 +91,7 @@ class StartSearch:
     mission: Mission
     limits: Limits
     command: FirstCommand
-    whole: Search
+    whole: Question
     tried: list[Array] = field(default_factory=list, compare=False)
 
     @classmethod
@@ -102,7 +103,7 @@ class StartSearch:
         mission : Mission
         limits : Limits
         """
-        whole = Search.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
+        whole = Question.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
         wider, beyond = SPARED[0]
         half = mission.camera.about_vertical
         half_angle = None if half is None else float(half)
@@ -121,8 +122,8 @@ class StartSearch:
         s = self.whole
         return Near(point.z[4:6], math.exp(point.z[6]), s.settled, s.wider, s.beyond)
 
-    def with_gains(self, four: Array) -> Search:
-        """Return the search of weights for gains.
+    def with_gains(self, four: Array) -> Question:
+        """Return the question with other gains.
 
         Parameters
         ----------
@@ -148,8 +149,8 @@ class StartSearch:
         z : (7,)
             See `Point`.
         """
-        search = self.with_gains(np.exp(z[:4]))
-        return search.pose(z[4:6], math.exp(z[6]), search.terms(), fill=1 - ROOM)
+        question = self.with_gains(np.exp(z[:4]))
+        return question.pose(z[4:6], math.exp(z[6]), question.terms(), fill=1 - ROOM)
 
     def value(self, z: Array, likely: Likely = ()) -> Value | None:
         """Return the logarithm of the time at a point, and what is beyond a limit there.

@@ -18,7 +18,8 @@ from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.domain import Domain
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import converge, require_question
-from hoverproof.certification.exponential.search import FAILED, OUTSIDE, SETTLED, Search
+from hoverproof.certification.exponential.question import SETTLED, Question
+from hoverproof.certification.exponential.search import FAILED, OUTSIDE
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.design.limits import BINDS, Limits, Use, designed_gains, uses
 from hoverproof.design.outcome import Infeasible, StartTuned
@@ -149,13 +150,13 @@ def _narrower(search: StartSearch, point: Point) -> tuple[StartSearch, Point] | 
     return None
 
 
-def is_shown(mission: Mission, whole: Search, d: float) -> bool:
+def is_shown(mission: Mission, whole: Question, d: float) -> bool:
     """Tell whether bounds of J are shown over the domain of a d with few enough cells.
 
     Parameters
     ----------
     mission : Mission
-    whole : Search
+    whole : Question
     d : float
         A bare number, dimensionless.
     """

@@ -21,8 +21,8 @@ from hoverproof.reporting.body import body_rows
 from hoverproof.reporting.numerals import at_least, at_most, bounded, interval, place, short
 from hoverproof.reporting.parts import Firmware, Flown, Missing
 from hoverproof.servo.hover_error import hover_error, rests_as_modelled
-from hoverproof.servo.law import Design
 from hoverproof.servo.laws.hamel_mahony import law_of
+from hoverproof.servo.variables import Design
 
 MOST = 24
 """So many target points are written out."""

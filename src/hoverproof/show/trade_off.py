@@ -11,7 +11,7 @@ from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.verdict import Attraction
-from hoverproof.servo.loop import slowest_rate
+from hoverproof.servo.linearised import slowest_rate
 from hoverproof.show.style import COLOURS, save_figure
 
 Array = NDArray[np.float64]

@@ -166,7 +166,7 @@ class Program:
         level : float
             ℓ, dimensionless.
         starts : (k, 11)
-            What (1, parameters) are multiplied by in Ψ of each start; see `Search.terms`.
+            What (1, parameters) are multiplied by in Ψ of each start; see `Question.terms`.
         floor : float
             What ℓ∞ is at most, where there is noise, dimensionless.
         fill : float, optional
