@@ -15,7 +15,7 @@ import hoverproof
 HOUSE = Path(hoverproof.__file__).parent
 FLOORS = [
     {"errors", "version"},
-    {"compilers", "descent", "files", "sequential", "spread"},
+    {"compilers", "descent", "files", "sequential", "spread", "templates"},
     {"mission", "algebra"},
     {"plant"},
     {"servo"},

@@ -21,6 +21,38 @@ def cache_folder() -> Path:
     return Path(platformdirs.user_cache_dir("hoverproof"))
 
 
+def kept(path: Path) -> bytes | None:
+    """Return what `keep` has put into a file of the cache; None if it is not there, or damaged.
+
+    Parameters
+    ----------
+    path : Path
+    """
+    import hashlib
+
+    with contextlib.suppress(OSError, ValueError):
+        checksum, content = path.read_bytes().split(b"\n", 1)
+        if checksum == hashlib.sha256(content).hexdigest().encode():
+            return content
+    return None
+
+
+def keep(path: Path, content: bytes) -> None:
+    """Put what can be made anew into a file of the cache, or do nothing if that cannot be.
+
+    Parameters
+    ----------
+    path : Path
+        In `cache_folder`.
+    content : bytes
+    """
+    import hashlib
+
+    with contextlib.suppress(OSError, InputError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_bytes(path, hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
+
+
 def discard_unfinished() -> None:
     """Remove what is not written whole: for a process that ends without unwinding."""
     for beside in list(_unfinished):

@@ -25,6 +25,7 @@ from hoverproof.reporting.glance import Line
 from hoverproof.reporting.numerals import short
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts, sentence
 from hoverproof.reporting.player import player_data
+from hoverproof.templates import templates
 from hoverproof.version import __version__
 
 CONTENTS = (
@@ -309,14 +310,8 @@ def _asset(name: str) -> str:
 
 @cache
 def _template() -> jinja2.Template:
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("hoverproof.reporting"),
-        undefined=jinja2.StrictUndefined,
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
+    layout = {"autoescape": True, "trim_blocks": True, "lstrip_blocks": True}
+    environment = templates("hoverproof.reporting", "templates", **layout)
 
     def mathml(latex: str, *, block: bool = False) -> Markup:
         return Markup(mathematics.mathml(latex, block=block))

@@ -25,7 +25,7 @@ from hoverproof.certification.exponential.question import Question
 from hoverproof.certification.exponential.reach import Reach
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.show.style import COLOURS, save_figure
+from hoverproof.show.style import COLOURS, plain_powers, save_figure
 from hoverproof.simulation.flight import flown
 from hoverproof.simulation.record import Record
 from hoverproof.simulation.timing import Timing
@@ -289,6 +289,7 @@ def draw_distance(axes: Axes, view: View, flight: Record | None) -> None:
         axes.plot(flight["time"].values, far, color=COLOURS[1], label="simulated flight (no proof)")
         least = min(least, float(np.clip(far[far > 0].min(), 1e-4 * bound[0], None)))
     axes.set_ylim(0.5 * least, 1.6 * bound[0])
+    plain_powers(axes.yaxis)
     axes.set_xlim(0, until)
     axes.set_xlabel("time (s)")
     axes.set_ylabel("distance from the goal (m)")

@@ -10,7 +10,7 @@ from mpl_toolkits.mplot3d import Axes3D
 
 from hoverproof.show.decay import Decay
 from hoverproof.show.scene import Array, Flight, Scene, view_angle
-from hoverproof.show.style import COLOURS, STYLES, legend_above
+from hoverproof.show.style import COLOURS, STYLES, legend_above, plain_powers
 
 FLOOR = 1e-10
 LIMIT_NEAR = 0.25
@@ -220,6 +220,7 @@ def errors(axes: Axes, flight: Flight, decay: Decay | None = None) -> None:
     if largest > 0:  # else it starts at its goal, and all is 0
         axes.set_yscale("log")
         axes.set_ylim(FLOOR * largest, 10 * largest)
+    plain_powers(axes.yaxis)
     axes.set_xlabel("time (s)")
     axes.set_ylabel("errors and L (dimensionless)")
     legend_above(axes, 3)
