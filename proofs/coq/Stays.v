@@ -945,3 +945,175 @@ Proof.
 Qed.
 
 End Stays.
+
+(** * The decision *)
+
+(** Mass, gains and gravity of the mission. *)
+Record setting := Setting { m_of : Q; k1_of : Q; k2_of : Q; k3_of : Q; k4_of : Q; g_of : Q }.
+Definition gains_in (n : setting) : loop :=
+  Loop (Q2R (m_of n)) (Q2R (k1_of n)) (Q2R (k2_of n)) (Q2R (k3_of n)) (Q2R (k4_of n)).
+Definition real_limits (b : limits Q) : limits R :=
+  Limits (Q2R (thrust_off b)) (Q2R (torque_off b)) (Q2R (gyroscopic b)) (Q2R (windy b)) (Q2R (yawing b))
+    (Q2R (latest b)) (Q2R (keeps b)) (Q2R (level_of b)) (Q2R (start_of b)) (Q2R (spread b)) (Q2R (sink b))
+    (Q2R (turn_most b)) (Q2R (fast b)) (Q2R (lever_least b)) (Q2R (quick b)) (Q2R (missed b)) (Q2R (sinks_most b))
+    (Q2R (cross_most b)) (Q2R (far b)).
+
+Section Decision.
+Variables (n : setting) (b : limits Q) (c : matrices).
+Local Notation k := (its_constants c).
+Local Notation m := (m_of n).
+Let stiffQ := (k1_of n * k1_of n * k2_of n / m)%Q.
+Let kapQ := ((k1_of n * k2_of n + k3_of n) / m)%Q.
+Let k12Q := (k1_of n * k2_of n / m)%Q.
+Let push := (m * windy b)%Q.
+Let twice := (2 * level_of b)%Q.
+Let more := (1 + thrust_off b)%Q.
+
+(** What is to be above 0, what at least 0, what equal, and what at most what. *)
+Definition above_zero : list Q :=
+  [m; k1_of n; k2_of n; k3_of n; k4_of n; g_of n; v2 k; v3 k; v4 k; latest b; lever_least b;
+   level_of b - start_of b; far b * far b - 2 * start_of b]%Q.
+Definition at_least_zero : list Q :=
+  [a5 k; a6 k; middle c; reach c; thrust_off b; torque_off b; gyroscopic b; windy b; yawing b; keeps b; start_of b;
+   far b; spread b; sink b; turn_most b; fast b; quick b; missed b; sinks_most b; cross_most b;
+   m * g_of n - stiffQ * spread b]%Q.
+Definition equals : list (Q * Q) :=
+  [(k12 k, k12Q); (kap k, kapQ); (stiff k, kapQ + k4_of n / m); (speed k, k1_of n / m)]%Q.
+Definition orders : list (Q * Q) :=
+  let left := (m * g_of n - stiffQ * spread b)%Q in
+  [(twice * (/ v3 k + / v2 k), spread b * spread b); (twice * / v3 k, sink b * sink b);
+   (twice * (/ v4 k + / v3 k), turn_most b * turn_most b); (twice * (/ 1 + / v2 k), fast b * fast b);
+   (lever_least b * lever_least b + push * push, left * left);
+   (stiffQ * kapQ, quick b * lever_least b);
+   (latest b * ((middle c + reach c) * (k1_of n / m * fast b)), missed b);
+   (quick b * (sink b + missed b), sinks_most b);
+   (quick b * turn_most b * push, cross_most b * lever_least b);
+   (2 * sinks_most b + cross_most b, pi_most c);
+   (fst (chis c) * lever_least b, lever_least b - push); (lever_least b + push, snd (chis c) * lever_least b);
+   (fst (chis c), 1); (1, snd (chis c)); (fst (drags c), 0); (0, snd (drags c));
+   (fst (gains_of c), 1 - thrust_off b); (more, snd (gains_of c))]%Q.
+Definition radii_follow : list (Q * Q) :=
+  let lag := lag_most c in
+  combine
+    [torque_off b;
+     quick b * missed b + thrust_off b * cross_most b * (1 # 2) + 2 * more * sinks_most b
+       + yawing b * ((1 + torque_off b) * gyroscopic b + torque_off b);
+     yawing b; yawing b * gyroscopic b + lag * k12Q * (quick b * spread b); yawing b; lag * k12Q * yawing b;
+     lag * kapQ * (quick b * sink b); lag * (more * sinks_most b + cross_most b)]%Q (radii_of c).
+Definition limits_ok : bool :=
+  forallb (above 0) above_zero && forallb (Qle_bool 0) at_least_zero
+  && forallb (fun e => Qeq_bool (fst e) (snd e)) equals && forallb (fun e => Qle_bool (fst e) (snd e)) orders
+  && forallb (fun e => Qle_bool (fst e) (snd e)) radii_follow && (length (radii_of c) =? 8)%nat.
+
+Lemma ordered : forall (l : list (Q * Q)) a e, forallb (fun e => Qle_bool (fst e) (snd e)) l = true -> In (a, e) l ->
+  Q2R a <= Q2R e.
+Proof. intros l a e H I. rewrite forallb_forall in H. apply Qle_Rle, Qle_bool_iff, (H (a, e) I). Qed.
+
+Ltac real := unfold stiffQ, kapQ, k12Q, push, twice, more, Qdiv in *;
+  repeat match goal with
+  | H : context [Q2R (_ + _)] |- _ => rewrite Q2R_plus in H | H : context [Q2R (_ * _)] |- _ => rewrite Q2R_mult in H
+  | H : context [Q2R (_ - _)] |- _ => rewrite Q2R_minus in H
+  end.
+
+Theorem limits_follow : limits_ok = true -> follows (gains_in n) (Q2R (g_of n)) (real_limits b) c.
+Proof.
+  intros O. unfold limits_ok in O. do 5 (apply andb_prop in O; let H := fresh "O" in destruct O as [O H]).
+  apply Nat.eqb_eq in O0.
+  assert (Two : Q2R 2 = 2) by (unfold Q2R; simpl; field).
+  assert (Half : Q2R (1 # 2) = / 2) by (unfold Q2R; simpl; field).
+  assert (P : forall a, In a above_zero -> 0 < Q2R a).
+  { intros a H. rewrite forallb_forall in O. specialize (O a H). apply above_correct in O. rewrite Q2R_zero in O. exact O. }
+  assert (Z : forall a, In a at_least_zero -> 0 <= Q2R a).
+  { intros a H. rewrite forallb_forall in O4. specialize (O4 a H). apply Qle_bool_iff, Qle_Rle in O4.
+    rewrite Q2R_zero in O4. exact O4. }
+  assert (E : forall a e, In (a, e) equals -> Q2R a = Q2R e).
+  { intros a e H. rewrite forallb_forall in O3. apply Qeq_eqR, Qeq_bool_iff, (O3 (a, e) H). }
+  pose proof (fun a e => ordered _ a e O2) as L. clear O O4 O3 O2.
+  unfold above_zero in P. unfold at_least_zero in Z. unfold equals in E. unfold orders in L.
+  assert (Pm : 0 < Q2R m) by (apply P; cbn; tauto).
+  assert (P2 : 0 < Q2R (v2 k)) by (apply P; cbn; tauto). assert (P3 : 0 < Q2R (v3 k)) by (apply P; cbn; tauto).
+  assert (P4 : 0 < Q2R (v4 k)) by (apply P; cbn; tauto).
+  assert (NZ : forall q, 0 < Q2R q -> Q2R (/ q) = / Q2R q).
+  { intros q Pq. apply Q2R_inv. intro X. apply Qeq_eqR in X. rewrite Q2R_zero in X. lra. }
+  pose proof (NZ _ Pm) as I1. pose proof (NZ _ P2) as I2. pose proof (NZ _ P3) as I3. pose proof (NZ _ P4) as I4.
+  assert (One : Q2R (/ 1) = / 1) by (unfold Q2R; simpl; field).
+  assert (S : forall q, Q2R (k1_of n * k1_of n * k2_of n / m * q) = Vehicle.c (gains_in n) * Q2R q).
+  { intros q. unfold Qdiv. rewrite !Q2R_mult, I1. reflexivity. }
+  assert (KQ : Q2R kapQ = kappa_ (gains_in n)).
+  { unfold kapQ, Qdiv. rewrite Q2R_mult, Q2R_plus, Q2R_mult, I1. reflexivity. }
+  assert (K12 : Q2R k12Q = k12_ (gains_in n)).
+  { unfold k12Q, Qdiv. rewrite !Q2R_mult, I1. reflexivity. }
+  assert (CQ : Q2R stiffQ = Vehicle.c (gains_in n)).
+  { unfold stiffQ, Qdiv. rewrite !Q2R_mult, I1. reflexivity. }
+  assert (K1 : Q2R (k1_of n / m) = k1 (gains_in n) / mass (gains_in n)).
+  { unfold Qdiv. rewrite Q2R_mult, I1. reflexivity. }
+  assert (K4 : Q2R (k4_of n / m) = k4 (gains_in n) / mass (gains_in n)).
+  { unfold Qdiv. rewrite Q2R_mult, I1. reflexivity. }
+  clearbody kapQ k12Q stiffQ. revert KQ K12 CQ K1 K4. set (KK := (k1_of n / m)%Q) in *. set (K4Q := (k4_of n / m)%Q) in *.
+  clearbody KK K4Q. intros.
+  constructor.
+  - split; [split|]; apply P; cbn; tauto.
+  - cbn [real_constants k12 kap stiff speed].
+    rewrite (E (k12 k) k12Q), (E (kap k) kapQ), (E (stiff k) (kapQ + K4Q)%Q), (E (speed k) KK) by (cbn; tauto).
+    rewrite Q2R_plus, KQ, K12, K1, K4. repeat split.
+  - cbn [real_constants v2 v3 v4 a5 a6]. repeat split; first [apply P; cbn; tauto | apply Z; cbn; tauto].
+  - split; apply Z; cbn; tauto.
+  - cbn [real_limits thrust_off torque_off gyroscopic windy yawing latest keeps].
+    repeat split; first [apply P; cbn; tauto | apply Z; cbn; tauto].
+  - cbn [real_limits start_of level_of far].
+    pose proof (P (level_of b - start_of b)%Q ltac:(cbn; tauto)) as A1. rewrite Q2R_minus in A1.
+    pose proof (P (far b * far b - 2 * start_of b)%Q ltac:(cbn; tauto)) as A2.
+    rewrite Q2R_minus, !Q2R_mult, Two in A2.
+    pose proof (Z (start_of b) ltac:(cbn; tauto)). pose proof (Z (far b) ltac:(cbn; tauto)). lra.
+  - cbn [real_limits spread sink turn_most fast lever_least quick missed sinks_most cross_most].
+    repeat split; first [apply P; cbn; tauto | apply Z; cbn; tauto].
+  - pose proof (L (twice * (/ v3 k + / v2 k)) (spread b * spread b) ltac:(cbn; tauto))%Q as A.
+    unfold twice in A. rewrite !Q2R_mult, Q2R_plus, I2, I3, Two in A. exact A.
+  - pose proof (L (twice * / v3 k) (sink b * sink b) ltac:(cbn; tauto))%Q as A.
+    unfold twice in A. rewrite !Q2R_mult, I3, Two in A. exact A.
+  - pose proof (L (twice * (/ v4 k + / v3 k)) (turn_most b * turn_most b) ltac:(cbn; tauto))%Q as A.
+    unfold twice in A. rewrite !Q2R_mult, Q2R_plus, I4, I3, Two in A. exact A.
+  - pose proof (L (twice * (/ 1 + / v2 k)) (fast b * fast b) ltac:(cbn; tauto))%Q as A.
+    unfold twice in A. rewrite !Q2R_mult, Q2R_plus, One, I2, Two in A. exact A.
+  - pose proof (Z (m * g_of n - stiffQ * spread b)%Q ltac:(cbn; tauto)) as A1.
+    pose proof (L (lever_least b * lever_least b + push * push)
+      ((m * g_of n - stiffQ * spread b) * (m * g_of n - stiffQ * spread b)) ltac:(cbn; tauto))%Q as A.
+    rewrite Q2R_minus, !Q2R_mult, CQ in A1.
+    unfold push in A. rewrite Q2R_plus, !Q2R_mult, Q2R_minus, !Q2R_mult, CQ in A. split; assumption.
+  - pose proof (L (stiffQ * kapQ) (quick b * lever_least b) ltac:(cbn; tauto))%Q as A.
+    rewrite !Q2R_mult, CQ, KQ in A. exact A.
+  - pose proof (L (latest b * ((middle c + reach c) * (KK * fast b))) (missed b) ltac:(cbn; tauto))%Q as A.
+    rewrite !Q2R_mult, Q2R_plus, K1 in A. exact A.
+  - pose proof (L (quick b * (sink b + missed b)) (sinks_most b) ltac:(cbn; tauto))%Q as A.
+    rewrite !Q2R_mult, Q2R_plus in A. exact A.
+  - pose proof (L (quick b * turn_most b * push) (cross_most b * lever_least b) ltac:(cbn; tauto))%Q as A.
+    unfold push in A. rewrite !Q2R_mult in A. exact A.
+  - pose proof (L (2 * sinks_most b + cross_most b) (pi_most c) ltac:(cbn; tauto))%Q as A.
+    rewrite Q2R_plus, Q2R_mult, Two in A. exact A.
+  - pose proof (L (fst (chis c) * lever_least b) (lever_least b - push) ltac:(cbn; tauto))%Q as A1.
+    pose proof (L (lever_least b + push) (snd (chis c) * lever_least b) ltac:(cbn; tauto))%Q as A2.
+    pose proof (L (fst (chis c)) 1 ltac:(cbn; tauto))%Q as A3. pose proof (L 1 (snd (chis c)) ltac:(cbn; tauto))%Q as A4.
+    unfold push in A1, A2. rewrite Q2R_minus, !Q2R_mult in A1. rewrite Q2R_plus, !Q2R_mult in A2.
+    rewrite Q2R_one in A3, A4.
+    cbn [real_limits lever_least windy gains_in mass]. lra.
+  - pose proof (L (fst (drags c)) 0 ltac:(cbn; tauto))%Q as A3. pose proof (L 0 (snd (drags c)) ltac:(cbn; tauto))%Q as A4.
+    rewrite Q2R_zero in A3, A4. split; assumption.
+  - pose proof (L (fst (gains_of c)) (1 - thrust_off b) ltac:(cbn; tauto))%Q as A3.
+    pose proof (L more (snd (gains_of c)) ltac:(cbn; tauto))%Q as A4. unfold more in A4.
+    rewrite Q2R_minus, Q2R_one in A3. rewrite Q2R_plus, Q2R_one in A4. split; assumption.
+  - pose proof (fun a e => ordered _ a e O1) as R. unfold radii_follow in R. clear - R O0 KQ K12 Two Half.
+    destruct (radii_of c) as [|r1 [|r2 [|r3 [|r4 [|r5 [|r6 [|r7 [|r8 [|r9 l]]]]]]]]]; try discriminate O0.
+    exists (Q2R r1), (Q2R r2), (Q2R r3), (Q2R r4), (Q2R r5), (Q2R r6), (Q2R r7), (Q2R r8).
+    split; [reflexivity|]. cbv zeta. cbn [combine] in R. unfold more in R.
+    match type of R with forall a e, In _ ?l -> _ => set (all := l) in R end.
+    assert (Each : forall i a e, nth_error all i = Some (a, e) -> Q2R a <= Q2R e)
+      by (intros i a e Hi; exact (R a e (nth_error_In _ i Hi))). clear R.
+    pose proof (Each 0%nat _ _ eq_refl) as R1. pose proof (Each 1%nat _ _ eq_refl) as R2.
+    pose proof (Each 2%nat _ _ eq_refl) as R3. pose proof (Each 3%nat _ _ eq_refl) as R4.
+    pose proof (Each 4%nat _ _ eq_refl) as R5. pose proof (Each 5%nat _ _ eq_refl) as R6.
+    pose proof (Each 6%nat _ _ eq_refl) as R7. pose proof (Each 7%nat _ _ eq_refl) as R8. clear Each.
+    repeat rewrite ?Q2R_plus, ?Q2R_mult, ?Q2R_one, ?Two, ?Half, ?KQ, ?K12 in *.
+    cbn [real_limits thrust_off torque_off gyroscopic yawing spread sink quick missed sinks_most cross_most].
+    unfold Rdiv. repeat split; assumption.
+Qed.
+End Decision.
