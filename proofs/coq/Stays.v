@@ -193,7 +193,7 @@ Definition psi (v : craft) (b : limits R) (c : matrices) (flown again : R -> R) 
 (** A start: upright, Ψ as the certificate has it, what is set of the thrust's rate within bounds; and in the
     time of an image before, in the domain and no faster than the level allows. *)
 Record begins (v : craft) (b : limits R) (c : matrices) (inside : vec -> Prop) (flown again : R -> R) : Prop := {
-  upright_at_first : 0 < arm_of v 0;
+  upright_at_first : 0 < lifts_by v 0;
   low_at_first : psi v b c flown again 0 <= start_of b;
   calm_at_first : Rabs (set_rise v 0) <= Vehicle.c (gains v) * kappa_ (gains v) * (sink b + missed b);
   inside_before : forall t, - latest b <= t <= 0 -> inside (place v t);
@@ -229,22 +229,18 @@ Definition good (t : R) : Prop := energy K (p t) (x t) <= level_of b /\ 0 < arm_
 
 (** ** What follows at a moment *)
 
-Section At.
-Variable t : R.
-Hypothesis T : 0 <= t < until.
-Hypothesis G : good t.
-
 Lemma late_pos : 0 < latest b.
 Proof. destruct (sizes _ _ _ _ F) as [_ [_ [_ [_ [_ [L _]]]]]]. exact L. Qed.
-Lemma T' : - latest b <= t < until.
-Proof. pose proof late_pos. lra. Qed.
-Let O := is_whole _ _ _ _ Mo t T'.
+
+Section Low.
+Variable t : R.
+Hypothesis G : energy K (p t) (x t) <= level_of b.
 
 Lemma parts_within : let l := 2 * level_of b in
   d1 (err (x t)) · d1 (err (x t)) + v2 K * (d2 (err (x t)) · d2 (err (x t))) + v3 K * (d3 (err (x t)) · d3 (err (x t)))
   + v4 K * (d4 (err (x t)) · d4 (err (x t))) <= l.
 Proof.
-  destruct G as [E _]. unfold energy in E. destruct (weights_positive _ _ _ _ F) as [_ [_ [_ [A5 A6]]]].
+  pose proof G as E. unfold energy in E. destruct (weights_positive _ _ _ _ F) as [_ [_ [_ [A5 A6]]]].
   destruct (lag_within _ _ _ _ Mo) as [L _].
   change (tau (p t)) with (behind v) in E.
   pose proof (Rmult_le_pos _ _ A5 (square_pos (mu (x t)))). pose proof (Rmult_le_pos _ _ A6 (square_pos (lift (x t)))).
@@ -310,6 +306,16 @@ Qed.
 Lemma force_is : pull g (pull_down v) (breeze v) (attitude v) (lifts_by v) t
   = (C * (d3 (err (x t)) - d2 (err (x t))))%vec.
 Proof. apply pull_is, (positive _ _ _ _ F). Qed.
+Lemma force_within : len (pull g (pull_down v) (breeze v) (attitude v) (lifts_by v) t) <= C * spread b.
+Proof. rewrite force_is. apply len_scaled; [|apply spread_within]. pose proof C_pos. rewrite Rabs_right; lra. Qed.
+End Low.
+
+Section At.
+Variable t : R.
+Hypothesis T : 0 <= t < until.
+Lemma T' : - latest b <= t < until.
+Proof. pose proof late_pos. lra. Qed.
+Let O := is_whole _ _ _ _ Mo t T'.
 Local Notation w := (blown (gains v) (breeze v) (attitude v) t).
 Lemma blown_within : len w <= mass g * windy b.
 Proof.
@@ -324,6 +330,54 @@ Proof.
   unfold below. rewrite len_back by exact O. unfold len. replace (e3 · e3) with 1 by number. apply sqrt_1.
 Qed.
 
+(** |F| and the wind are below the weight; so it is one whether the thrust is positive or the lever. *)
+Lemma upright_enough : energy K (p t) (x t) <= level_of b ->
+  0 < lifts_by v t \/ 0 < arm_of v t ->
+  0 < pz (below (attitude v) t) /\ 0 < arm_of v t.
+Proof.
+  intros Low Up. destruct (lever_is _ _ _ _ F) as [L1 L2]. set (W := mass g * pull_down v) in *.
+  destruct mass_is as [A1 _], (positive _ _ _ _ F) as [_ Gr], (bounds_are _ _ _ _ F) as [_ [_ [_ [_ [L0 _]]]]].
+  destruct (sizes _ _ _ _ F) as [_ [_ [_ [Z4 _]]]].
+  assert (W0 : 0 < W) by (apply Rmult_lt_0_compat; assumption).
+  set (push := mass g * windy b) in *. assert (P0 : 0 <= push) by (apply Rmult_le_pos; lra).
+  assert (PL : push < W - C * spread b).
+  { destruct (Rle_or_lt (W - C * spread b) push) as [H|H]; [|exact H].
+    pose proof (squares_below _ _ L1 H). pose proof (Rmult_lt_0_compat _ _ L0 L0). lra. }
+  set (f := pull g (pull_down v) (breeze v) (attitude v) (lifts_by v) t).
+  assert (Ff : len f <= C * spread b) by (apply force_within; exact Low).
+  pose proof blown_within as Ww. fold push in Ww.
+  set (r := below (attitude v) t). assert (R1 : len r = 1) by exact below_unit.
+  assert (RR : r · r = 1) by (rewrite <- len_square, R1; ring).
+  assert (Fe : f = ((- lifts_by v t) * e3 + W * r + w)%vec) by reflexivity.
+  assert (Key : (W * pz r) * (W * pz r) <= (W * pz r - arm_of v t) * (W * pz r - arm_of v t) -> False).
+  { intros S. rewrite arm_is in S. set (B' := (W * r + flat w)%vec).
+    assert (LB : W - push <= len B').
+    { pose proof (len_minus B' (flat w)) as Q. replace (B' - flat w)%vec with (W * r)%vec in Q by (unfold B'; vector).
+      rewrite len_scale, R1, Rabs_right in Q by lra. pose proof (len_flat w). lra. }
+    assert (E : f · f = B' · B' - (W * pz r) * (W * pz r)
+      + (W * pz r - (lifts_by v t - pz w)) * (W * pz r - (lifts_by v t - pz w))).
+    { rewrite Fe. unfold B'. generalize w r. number. }
+    assert (LF : len B' <= len f) by (apply below_square; [apply len_pos|rewrite !len_square; lra]). lra. }
+  destruct Up as [Up|Up].
+  - (* A = m g ρ - T e3 *)
+    assert (A : len (f - w)%vec <= C * spread b + push) by (apply len_minus_to; assumption).
+    assert (Rz : 0 < pz r).
+    { pose proof (at_most_len _ _ A) as S. assert (E : (f - w)%vec · (f - w)
+        = W * W * (r · r) - 2 * (lifts_by v t * W) * pz r + lifts_by v t * lifts_by v t).
+      { rewrite Fe. generalize w r. number. }
+      rewrite E, RR in S. pose proof (len_pos (f - w)%vec).
+      assert (Q : (C * spread b + push) * (C * spread b + push) <= W * W) by (apply squares_below; lra).
+      pose proof (Rmult_lt_0_compat _ _ Up Up). pose proof (Rmult_lt_0_compat _ _ Up W0) as TW.
+      destruct (Rle_or_lt (pz r) 0) as [N|N]; [|exact N].
+      assert (0 <= lifts_by v t * W * (- pz r)) by (apply Rmult_le_pos; lra). lra. }
+    split; [exact Rz|]. destruct (Rle_or_lt (arm_of v t) 0) as [N|N]; [|exact N]. exfalso. apply Key.
+    pose proof (Rmult_lt_0_compat _ _ W0 Rz). apply squares_below; lra.
+  - split; [|exact Up]. destruct (Rle_or_lt (pz r) 0) as [N|N]; [|exact N]. exfalso. apply Key.
+    assert (0 <= W * - pz r) by (apply Rmult_le_pos; lra).
+    pose proof (squares_below (- (W * pz r)) (- (W * pz r - arm_of v t)) ltac:(lra) ltac:(lra)). lra.
+Qed.
+
+Hypothesis G : good t.
 Lemma arm_at_least : lever_least b <= arm_of v t.
 Proof.
   destruct (lever_is _ _ _ _ F) as [L1 L2].  set (left := mass g * pull_down v - C * spread b) in *.
@@ -342,7 +396,7 @@ Proof.
     { unfold r. rewrite len_scale, below_unit. destruct mass_is, (positive _ _ _ _ F) as [_ Gr].
       rewrite Rabs_right; [ring|]. apply Rle_ge, Rmult_le_pos; lra. }
     assert (R2 : len f <= C * spread b).
-    { unfold f. rewrite force_is. apply len_scaled; [|apply spread_within]. pose proof C_pos. rewrite Rabs_right; lra. }
+    { apply force_within, G. }
     pose proof (len_minus f (f - r)%vec) as Q. replace (f - (f - r))%vec with r in Q by vector.
     unfold left. lra. }
   pose proof (squares_below _ _ L1 N) as S. rewrite len_square, E in S. lra.
@@ -422,7 +476,7 @@ Qed.
 Lemma slow_on : forall s, - latest b <= s <= t -> len (speeds_by v s) <= k1 g / mass g * fast b.
 Proof.
   intros s S. destruct (Rle_or_lt s 0) as [L|L]; [apply (slow_before _ _ _ _ _ _ B); lra|].
-  apply speed_within, G. lra.
+  apply speed_within, (G s). lra.
 Qed.
 Definition flow_most : R := (Q2R (middle c) + Q2R (reach c)) * (k1 g / mass g * fast b).
 Lemma flow_most_pos : 0 <= flow_most.
@@ -460,7 +514,7 @@ Proof.
   pose proof C_pos. pose proof kap_pos. unfold command. rewrite !Rabs_mult, (Rabs_right C), (Rabs_right (kappa_ g)) by lra.
   apply Rmult_le_compat_l; [left; apply Rmult_lt_0_compat; assumption|].
   eapply Rle_trans; [apply Rabs_triang|]. rewrite Rabs_Ropp. apply Rplus_le_compat.
-  - eapply Rle_trans; [apply pz_len|]. exact (sink_within t good_now).
+  - eapply Rle_trans; [apply pz_len|]. exact (sink_within t (proj1 good_now)).
   - eapply Rle_trans; [apply pz_len|]. exact stale_within.
 Qed.
 (** ** The pushes and the parameters *)
@@ -509,7 +563,7 @@ Proof.
   eapply Rle_trans; [|apply (cross_is _ _ _ _ F)].
   replace (quick b * (mass g * windy b) * len z) with (quick b * (mass g * windy b) * len z) by ring.
   replace (quick b * turn_most b * (mass g * windy b)) with (quick b * (mass g * windy b) * turn_most b) by ring.
-  apply Rmult_le_compat_l; [|apply (turn_within t good_now)].
+  apply Rmult_le_compat_l; [|apply (turn_within t (proj1 good_now))].
   destruct mass_is, (sizes _ _ _ _ F) as [_ [_ [_ [? _]]]]. apply Rmult_le_pos; [exact Q0|]. apply Rmult_le_pos; lra.
 Qed.
 
@@ -588,8 +642,8 @@ Proof.
   destruct (positive _ _ _ _ F) as [[P1 P2 P3 P4 P5] _].
   assert (K12 : 0 < k12_ g).
   { unfold k12_. apply Rdiv_lt_0_compat; [|exact P1]. apply Rmult_lt_0_compat; assumption. }
-  pose proof (yaw_within _ _ _ _ Mo t T) as Yaw. pose proof (sink_within t good_now) as Sk.
-  pose proof (spread_within t good_now) as Sp. pose proof stale_within as St.
+  pose proof (yaw_within _ _ _ _ Mo t T) as Yaw. pose proof (sink_within t (proj1 good_now)) as Sk.
+  pose proof (spread_within t (proj1 good_now)) as Sp. pose proof stale_within as St.
   pose proof (len_pos z) as Lz. pose proof sway_within as Sw.
   pose proof (thrust_within _ _ _ _ Mo t T) as Ef.
   assert (Ez : forall u, len (pz (spins_by v t) * (e3 × flat u))%vec <= yawing b * len (flat u)).
@@ -829,6 +883,27 @@ Proof.
         rewrite flow_turned by lra. rewrite back_square by (apply (is_whole _ _ _ _ Mo); lra). number.
 Qed.
 
+(** What a level camera sees is off what is wanted by |δ1|. *)
+Lemma first_part : forall t, orthonormal (attitude v t) ->
+  (from v (place v t) - wanted_height v * e3)%vec · (from v (place v t) - wanted_height v * e3)
+  <= 2 * energy K (p t) (x t).
+Proof.
+  intros t O.
+  assert (E1 : len (from v (place v t) - wanted_height v * e3)%vec = len (d1 (err (x t)))).
+  { change (d1 (err (x t))) with (er1 (wanted_height v) (sees_by v) To_vertical (marks v) (counted v) (place v)
+      (attitude v) t). unfold er1, sight, wants, below. rewrite feature_turned by exact O.
+    rewrite <- back_scale, <- back_minus, len_back by exact O. reflexivity. }
+  rewrite <- !len_square, E1, len_square.
+  destruct (weights_positive _ _ _ _ F) as [V2 [V3 [V4 [V5 V6]]]]. destruct (lag_within _ _ _ _ Mo) as [L _].
+  unfold energy. change (tau (p t)) with (behind v).
+  pose proof (Rmult_le_pos _ _ (Rlt_le _ _ V2) (square_pos (d2 (err (x t))))).
+  pose proof (Rmult_le_pos _ _ (Rlt_le _ _ V3) (square_pos (d3 (err (x t))))).
+  pose proof (Rmult_le_pos _ _ (Rlt_le _ _ V4) (square_pos (d4 (err (x t))))).
+  pose proof (Rmult_le_pos _ _ V5 (square_pos (mu (x t)))). pose proof (Rmult_le_pos _ _ V6 (square_pos (lift (x t)))).
+  assert (0 <= behind v * (a5 K * (mu (x t) · mu (x t)) + a6 K * (lift (x t) · lift (x t))))
+    by (apply Rmult_le_pos; lra). lra.
+Qed.
+
 (** No motion leaves: all is good at all times. *)
 Lemma all_good : 0 < until -> forall t, 0 <= t < until -> good t.
 Proof.
@@ -867,8 +942,9 @@ Proof.
     pose proof (len_plus (px q * V 1 0 0) (py q * V 0 1 0)) as P. rewrite !len_scale, O1, O2 in P. lra. }
   apply goes_on.
   - (* at first *)
-    split; [|split; [apply (upright_at_first _ _ _ _ _ _ B)|apply (inside_before _ _ _ _ _ _ B); lra]].
-    pose proof (energy_below_psi 0 ltac:(lra)). lra.
+    assert (E0 : energy K (p 0) (x 0) <= level_of b) by (pose proof (energy_below_psi 0 ltac:(lra)); lra).
+    split; [exact E0|split; [|apply (inside_before _ _ _ _ _ _ B); lra]].
+    apply (upright_enough 0 ltac:(lra) E0). left. apply (upright_at_first _ _ _ _ _ _ B).
   - (* at each time before which all is good *)
     intros t T Gs.
     assert (Ins : inside (place v t)).
@@ -928,20 +1004,8 @@ Proof.
     destruct (He (place v s) H3) as [Ins|Out]; [exact Ins|]. exfalso.
     (* what a level camera sees is within, by δ1 *)
     assert (O : orthonormal (attitude v s)) by (apply (is_whole _ _ _ _ Mo); lra).
-    assert (E1 : len (from v (place v s) - wanted_height v * e3)%vec = len (d1 (err (x s)))).
-    { change (d1 (err (x s))) with (er1 (wanted_height v) (sees_by v) To_vertical (marks v) (counted v) (place v)
-        (attitude v) s). unfold er1, sight, wants, below. rewrite feature_turned by exact O.
-      rewrite <- back_scale, <- back_minus, len_back by exact O. reflexivity. }
-    assert (E3 : d1 (err (x s)) · d1 (err (x s)) <= 2 * energy K (p s) (x s)).
-    { destruct (weights_positive _ _ _ _ F) as [V2 [V3 [V4 [V5 V6]]]]. destruct (lag_within _ _ _ _ Mo) as [L _].
-      unfold energy. change (tau (p s)) with (behind v).
-      pose proof (Rmult_le_pos _ _ (Rlt_le _ _ V2) (square_pos (d2 (err (x s))))).
-      pose proof (Rmult_le_pos _ _ (Rlt_le _ _ V3) (square_pos (d3 (err (x s))))).
-      pose proof (Rmult_le_pos _ _ (Rlt_le _ _ V4) (square_pos (d4 (err (x s))))).
-      pose proof (Rmult_le_pos _ _ V5 (square_pos (mu (x s)))). pose proof (Rmult_le_pos _ _ V6 (square_pos (lift (x s)))).
-      assert (0 <= behind v * (a5 K * (mu (x s) · mu (x s)) + a6 K * (lift (x s) · lift (x s))))
-        by (apply Rmult_le_pos; lra). lra. }
-    rewrite E1 in Out. pose proof (Rmult_le_0_lt_compat _ _ _ _ Fa0 Fa0 Out Out) as Q. rewrite len_square in Q. lra.
+    pose proof (first_part s O) as E3.
+    pose proof (Rmult_le_0_lt_compat _ _ _ _ Fa0 Fa0 Out Out) as Q. rewrite len_square in Q. lra.
 Qed.
 
 End Stays.
@@ -1117,3 +1181,43 @@ Proof.
     unfold Rdiv. repeat split; assumption.
 Qed.
 End Decision.
+
+(** ** Theorem 5 *)
+
+(** Every motion of every vehicle within tolerances that begins as the certificate says stays in the domain and
+    within the bounds, and Ψ falls at its rate, as long as the motion goes on. *)
+Theorem vehicle_stays : forall v n b c until inside flown again,
+  matrices_ok c = true -> memory_ok (keeps b) (latest b) c = true -> limits_ok n b c = true ->
+  gains v = gains_in n -> pull_down v = Q2R (g_of n) ->
+  let l := real_limits b in
+  domain v c (far l) inside -> motion v l c until -> integrals v l c until flown again ->
+  begins v l c inside flown again ->
+  forall t, 0 <= t < until ->
+  let now := psi v l c flown again t in
+  now <= psi v l c flown again 0 * exp (- pace (real_constants (its_constants c)) * t) /\
+  inside (place v t) /\
+  len (from v (place v t) - wanted_height v * e3)%vec * len (from v (place v t) - wanted_height v * e3)%vec <= 2 * now /\
+  0 < pz (below (attitude v) t) /\ lever_least l <= arm_of v t /\
+  len (speeds_by v t) <= k1 (gains v) / mass (gains v) * fast l /\
+  len (stale_by v t) <= missed l /\
+  Rabs (set_rise v t) <= Vehicle.c (gains v) * kappa_ (gains v) * (sink l + missed l).
+Proof.
+  intros v n b c until inside flown again M O Ok Eg Ep l D Mo Ig Bg t T now.
+  assert (F : follows (gains v) (pull_down v) l c) by (rewrite Eg, Ep; apply limits_follow; exact Ok).
+  assert (Kept : exists MQ TQ, memory_ok MQ TQ c = true /\ keeps l = Q2R MQ /\ latest l = Q2R TQ)
+    by (exists (keeps b), (latest b); auto).
+  assert (G : forall s, 0 <= s <= t -> good v l c inside s).
+  { intros s S. apply (all_good v l c until inside flown again M F Kept D Mo Ig Bg); lra. }
+  assert (Gt : good v l c inside t) by (apply G; lra).
+  split; [|split; [apply Gt|split; [|split; [|split; [|split; [|split]]]]]].
+  - apply (falls_on v l c until inside flown again M F Kept D Mo Ig Bg); assumption.
+  - pose proof (energy_below_psi v l c until flown again F Kept Ig t T) as Below. fold now in Below.
+    assert (L0 : 0 < latest l) by apply (sizes _ _ _ _ F).
+    assert (O2 : orthonormal (attitude v t)) by (apply (is_whole _ _ _ _ Mo); lra).
+    rewrite len_square. eapply Rle_trans; [apply (first_part v l c until F Mo t O2)|]. lra.
+  - destruct Gt as [G1 [G2 _]]. apply (upright_enough v l c until F Mo t T G1). right. exact G2.
+  - eapply arm_at_least; eassumption.
+  - eapply speed_within; [eassumption..|]. apply Gt.
+  - eapply stale_within; eassumption.
+  - eapply calm_on; eassumption.
+Qed.
