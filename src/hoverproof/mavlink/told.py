@@ -24,7 +24,7 @@ RESTART = 1.0
 """s: a stamp that is older by more is of a vehicle that has started anew, not of a late packet."""
 
 DRIFT = 2e-4
-"""s in a second: by how much two clocks may run apart."""
+"""s in a second: by how much two clocks may run apart; that of a simulator may by more."""
 
 
 @dataclass
@@ -44,12 +44,15 @@ class Stamps:
         Whether the stamps began anew.
     overtaken : int
         How many came behind a newer one: a bare number.
+    drift : float
+        By how much the clocks may run apart, s in a second.
     """
 
     newest: float = -math.inf
     ahead: float = math.inf
     restarted: bool = False
     overtaken: int = 0
+    drift: float = DRIFT
 
     def read(self, stamp: float, now: float) -> float | None:
         """Return when that was by our clock, s; None of what is no newer than what came before.
@@ -66,7 +69,7 @@ class Stamps:
             return None
         passed = stamp - self.newest if self.newest > -math.inf else 0.0
         self.newest = stamp
-        self.ahead = min(self.ahead + DRIFT * passed, now - stamp)
+        self.ahead = min(self.ahead + self.drift * passed, now - stamp)
         return stamp + self.ahead
 
 
@@ -131,6 +134,8 @@ class Told:
         MAV_LANDED_STATE, a bare number; 0 if it does not say.
     refused : dict
         Messages that cannot be used, and why.
+    drift : float
+        By how much the vehicle's clock and ours may run apart, s in a second.
     """
 
     heartbeat: Heartbeat | None = None
@@ -141,6 +146,7 @@ class Told:
     thrust_setpoint: Reading | None = None
     landed: int = 0
     refused: dict[str, str] = field(default_factory=dict)
+    drift: float = DRIFT
     _clocks: dict[str, Stamps] = field(default_factory=dict)
 
     @property
@@ -172,7 +178,7 @@ class Told:
             return
         boot = getattr(message, "time_boot_ms", None)
         stamp = message.time_usec / 1e6 if boot is None else boot / 1e3
-        at = self._clocks.setdefault(kind, Stamps()).read(stamp, now)
+        at = self._clocks.setdefault(kind, Stamps(drift=self.drift)).read(stamp, now)
         if at is not None:
             taken(message, at)
 
