@@ -49,7 +49,7 @@ class Package:
     @property
     def name(self) -> str:
         """Of its files and functions."""
-        return self.manifest["name"]
+        return str(self.manifest["name"])
 
     @property
     def sources(self) -> list[Path]:
