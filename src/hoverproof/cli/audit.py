@@ -111,7 +111,9 @@ def audit(
     if path is not None:
         from hoverproof.reporting.audit_page import write_page
 
-        write_page(path, found, [*answer.text()], answer.command)
+        write_page(
+            path, found, answer.verdict, [*answer.text()], answer.command, [*answer.proof_anew()]
+        )
     return tell(answer, json_)
 
 

@@ -8,7 +8,6 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 from typing import Any
 
 import jinja2
@@ -21,6 +20,7 @@ from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.export.cost import STEPS
 from hoverproof.paper.judge import Verdict
 from hoverproof.reporting import glance, mathematics, pictures, tables, wording
+from hoverproof.reporting.assets import asset, environment
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts, sentence
 from hoverproof.reporting.player import player_data
 from hoverproof.reporting.tables import short
@@ -111,8 +111,8 @@ def context(parts: Parts, origin: Origin) -> dict[str, Any]:
         "verdict": parts.verdict,
         "version": __version__,
         "contents": [(anchor, wording.heading(words, parts)) for anchor, words in CONTENTS],
-        "css": _asset("report.css"),
-        "js": _asset("player.js"),
+        "css": asset("report.css"),
+        "js": asset("player.js"),
         "headline": wording.headline(parts),
         "glance": glance.rows(parts.attraction, wording.headline(parts)),
         "merits": list(wording.merits(parts)),
@@ -299,27 +299,14 @@ def _tone(verdict: Verdict) -> str:
 
 
 @cache
-def _asset(name: str) -> str:
-    folder = resources.files("hoverproof.reporting") / "templates"
-    return re.sub(r"(?m)\s+$", "", (folder / name).read_text(encoding="utf-8")) + "\n"
-
-
-@cache
 def _template() -> jinja2.Template:
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("hoverproof.reporting"),
-        undefined=jinja2.StrictUndefined,
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
+    filling = environment()
 
     def mathml(latex: str, *, block: bool = False) -> Markup:
         return Markup(mathematics.mathml(latex, block=block))
 
-    environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
-    environment.filters |= {
+    filling.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
+    filling.filters |= {
         "mathml": mathml,
         "short": short,
         "sentence": sentence,
@@ -328,4 +315,4 @@ def _template() -> jinja2.Template:
         "tone": _tone,
         "tight": _tight,
     }
-    return environment.get_template("report.html.j2")
+    return filling.get_template("report.html.j2")

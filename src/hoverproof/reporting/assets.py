@@ -1,0 +1,34 @@
+"""What comes along for pages: style sheets, scripts, templates."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from importlib import resources
+
+import jinja2
+
+
+@cache
+def asset(name: str) -> str:
+    """Return a style sheet or a script without what only its reader needs.
+
+    Parameters
+    ----------
+    name : str
+        Of its file.
+    """
+    folder = resources.files("hoverproof.reporting") / "templates"
+    return re.sub(r"(?m)\s+$", "", (folder / name).read_text(encoding="utf-8")) + "\n"
+
+
+def environment() -> jinja2.Environment:
+    """Return what fills in the templates."""
+    return jinja2.Environment(
+        loader=jinja2.PackageLoader("hoverproof.reporting"),
+        undefined=jinja2.StrictUndefined,
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
