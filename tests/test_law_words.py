@@ -21,10 +21,10 @@ from hoverproof.certification.problem import gain_problem
 from hoverproof.design.atlas import axis, cell_margins
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.export.standing import Standing
-from hoverproof.mission.sections import LawChoice
+from hoverproof.mission.task import LawChoice
 from hoverproof.plant.goal import hover_goal
 from hoverproof.reporting import mathematics
-from hoverproof.reporting.tables import bounded
+from hoverproof.reporting.numerals import bounded
 from hoverproof.servo.hover_error import hover_error
 from hoverproof.show.decay import decay_along
 from hoverproof.show.figures import features_figure

@@ -66,6 +66,7 @@ def test_after_a_crash_the_tolerance_that_would_have_said_so_is_named(capsys):
     assert status == 1
     assert "hit the height of the target" in out
     sets = named(out)
+    assert sets["model_error.mass"] == "0.02"  # of the mission that was flown
     assert float(sets["uncertainty.thrust"]) >= 1 - 1 / 1.02
     load("x4-flyer", sets)  # which is not refused
 
@@ -79,8 +80,10 @@ def test_after_a_flight_that_came_to_its_goal_none_is(capsys):
 
 @pytest.mark.parametrize(("option", "assumed"), [((), True), (("--over-box",), False)])
 def test_region_comes_next_where_bounds_are_assumed(option, assumed, capsys):
-    _, out = run(capsys, "certify", "x4-flyer", *option)
-    assert ("Then: hoverproof region x4-flyer" in out) is assumed
+    sets = ("--set", "start.position=[0, 1, -6]")
+    _, out = run(capsys, "certify", "x4-flyer", *sets, *option)
+    named = f"Then: hoverproof region {shlex.join(['x4-flyer', *sets])}, for bounds"
+    assert (named in out) is assumed
 
 
 @pytest.mark.parametrize(

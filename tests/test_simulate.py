@@ -18,7 +18,7 @@ from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import rotation_matrix
-from hoverproof.servo.loop import slowest_rate
+from hoverproof.servo.linearised import slowest_rate
 from hoverproof.simulation import compiled
 from hoverproof.simulation.flight import (
     default_duration,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Sequence
 
@@ -58,6 +57,8 @@ def suggestion(word: str, known: Sequence[str], title: str, *, shown: Sequence[s
     shown : sequence of str, optional
         A shorter list.
     """
+    import difflib
+
     by_lower = {name.lower(): name for name in known}
     near = difflib.get_close_matches(word.lower(), by_lower, n=1)
     return (

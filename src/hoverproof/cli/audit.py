@@ -170,7 +170,7 @@ def replay(
     from hoverproof.cli.answers.replay import ReplayAnswer
     from hoverproof.export.binding import Firmware
     from hoverproof.files import write_bytes
-    from hoverproof.firmware import exported
+    from hoverproof.firmware.exporting import exported
 
     loaded = load_mission(mission, set_)
     flight = read_log(log, _topics(topic))
@@ -192,6 +192,8 @@ def _topics(given: list[str] | None) -> dict[str, str]:
     pairs = [text.partition("=") for text in given or []]
     for part, equals, name in pairs:
         if not (part and equals and name):
+            from hoverproof.errors import InputError
+
             raise InputError("--topic", "", f"must be PART=NAME, as imu=/imu, not {part!r}")
     return {part: name for part, _, name in pairs}
 
@@ -201,12 +203,11 @@ def _claim(mission: Mission, path: Path | None) -> tuple[Claim | None, str]:
     from hoverproof import checker
     from hoverproof.audit.claim import Claim, given_claim
     from hoverproof.certification.convergence import attraction
+    from hoverproof.certification.reading import readable
 
     if path is not None:
-        try:
+        with readable(path):
             return given_claim(checker.read(path), str(path), mission), ""
-        except checker.Unreadable as error:
-            raise InputError(str(path), "", str(error)) from None
     with at_work() as doing:
         verdict = attraction(mission, progress=doing)
     if verdict.certificate is None or verdict.proved is None:

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from hoverproof.design.tuning import Found, Wish
     from hoverproof.mission.sections import Mission
 
+ENDING = ".tuned.cert.json"
+"""Of the certificate beside a mission file: another one than `attraction` writes."""
 VALUES = 5
 """So many of what is traded are tried, unless said."""
 
@@ -108,7 +110,8 @@ def tune(
     soonest settled, from its start, within what its camera sees, its rotors give and its controller
     samples. The gains are rounded to short decimals and then certified exactly, so what is printed
     is what is proved. A wish that cannot be met has status 1, and says what binds, by how much, and
-    what would help. With --out, a certificate of the start or the region is written too.
+    what would help. With --out FILE.toml, the certificate of the start or the region is written
+    to FILE.tuned.cert.json.
 
     Example: `hoverproof tune my-flyer.toml --out my-tuned-flyer.toml`
 
@@ -218,8 +221,8 @@ def _curve(mission: Mission, count: int, picture: Path, wish: Wish) -> CurveAnsw
     from hoverproof.design.outcome import RegionTuned, StartTuned, Tuned
     from hoverproof.design.tuning import pareto as curve
     from hoverproof.show.atlas import save_pareto_figure
-    from hoverproof.show.attraction import save_trade_off_figure
     from hoverproof.show.trade import save_trade_figure
+    from hoverproof.show.trade_off import save_trade_off_figure
 
     with progress("tune") as report:
         points = curve(mission, count, wish, report=report)

@@ -27,9 +27,10 @@ from hoverproof.design.axes import axis as axis
 from hoverproof.design.margins import Questions, margins
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import of_mission
-from hoverproof.mission.sections import Bounds, Gains, Mission
-from hoverproof.servo.law import Design
+from hoverproof.mission.sections import Mission
+from hoverproof.mission.task import Bounds, Gains
 from hoverproof.servo.laws.hamel_mahony import law_of
+from hoverproof.servo.variables import Design
 from hoverproof.simulation.record import Column, Record
 from hoverproof.spread import spread
 

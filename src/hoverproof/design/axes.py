@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
-from hoverproof.servo.law import Design
+from hoverproof.servo.variables import Design
 
 Array = NDArray[np.float64]
 Scale = Literal["log", "linear"]

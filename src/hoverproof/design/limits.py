@@ -15,7 +15,8 @@ from hoverproof.algebra.decimals import decimal_below
 from hoverproof.algebra.derived import kept_graph
 from hoverproof.errors import InputError
 from hoverproof.mission.frame import Frame
-from hoverproof.mission.sections import Gains, Mission
+from hoverproof.mission.sections import Mission
+from hoverproof.mission.task import Gains
 from hoverproof.plant import rotors
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Law

@@ -20,9 +20,9 @@ from hoverproof.mission.tags import Board
 from hoverproof.plant import camera
 from hoverproof.plant.lens import LensModel, Sight
 from hoverproof.plant.mount import CENTRAL, Mount
-from hoverproof.servo.law import Measurement
 from hoverproof.servo.laws.choices import CENTROID, SCALED
 from hoverproof.servo.loop import LoopNumbers
+from hoverproof.servo.variables import Measurement
 from hoverproof.simulation.record import Column, Record
 from hoverproof.version import __version__
 

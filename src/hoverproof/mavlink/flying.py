@@ -12,7 +12,7 @@ from hoverproof.errors import InputError
 from hoverproof.export.adapter import oldest_image
 from hoverproof.export.binding import Firmware
 from hoverproof.export.camera import KEPT
-from hoverproof.firmware import export_c
+from hoverproof.firmware.exporting import export_c
 from hoverproof.mavlink.dialect import dialect
 from hoverproof.mavlink.flight import Flight
 from hoverproof.mavlink.guide import Guide

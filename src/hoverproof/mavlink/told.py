@@ -26,6 +26,16 @@ RESTART = 1.0
 DRIFT = 2e-4
 """s in a second: by how much two clocks may run apart."""
 
+STALE = {"rotation": 0.15, "rate": 0.15, "velocity": 0.3, "specific_force": 0.15}
+"""s: the age from which on something is not flown by."""
+
+WORDS = {
+    "rotation": "attitude (ATTITUDE or ATTITUDE_QUATERNION)",
+    "rate": "body rate (ATTITUDE or ATTITUDE_QUATERNION)",
+    "velocity": "velocity (LOCAL_POSITION_NED or ODOMETRY)",
+    "specific_force": "specific force (HIGHRES_IMU, SCALED_IMU or ArduPilot's RAW_IMU)",
+}
+
 
 @dataclass
 class Stamps:
@@ -152,6 +162,22 @@ class Told:
     def restarted(self) -> bool:
         """Whether the vehicle has started anew since it was first heard."""
         return any(clock.restarted for clock in self._clocks.values())
+
+    def missing(self, now: float) -> str:
+        """Return what the vehicle has not told, or not lately, in words; "" if all is there.
+
+        Parameters
+        ----------
+        now : float
+            s.
+        """
+        for name, oldest in STALE.items():
+            reading = getattr(self, name)
+            if reading is None:
+                return WORDS[name]
+            if now - reading.at > oldest:
+                return f"{WORDS[name]} since {now - reading.at:.2f} s"
+        return ""
 
     def take(self, message: Any, now: float) -> None:
         """Take in a message; what is not known is left out.

@@ -8,6 +8,8 @@ from importlib import resources
 
 import jinja2
 
+from hoverproof.templates import templates
+
 
 @cache
 def asset(name: str) -> str:
@@ -22,13 +24,7 @@ def asset(name: str) -> str:
     return re.sub(r"(?m)\s+$", "", (folder / name).read_text(encoding="utf-8")) + "\n"
 
 
-def environment() -> jinja2.Environment:
-    """Return what fills in the templates."""
-    return jinja2.Environment(
-        loader=jinja2.PackageLoader("hoverproof.reporting"),
-        undefined=jinja2.StrictUndefined,
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
+def pages() -> jinja2.Environment:
+    """Return the templates of pages."""
+    layout = {"autoescape": True, "trim_blocks": True, "lstrip_blocks": True}
+    return templates("hoverproof.reporting", "templates", **layout)

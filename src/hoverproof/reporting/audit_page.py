@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hoverproof.audit.verdict import Audit
 from hoverproof.files import write_text
-from hoverproof.reporting.assets import asset, environment
+from hoverproof.reporting.assets import asset, pages
 from hoverproof.reporting.pictures import Picture, picture
 from hoverproof.show.audit import finding_figure
 from hoverproof.version import __version__
@@ -45,7 +45,7 @@ def write_page(
     told = [f for f in audit.findings if f.held is not None]
     tone = "refuted" if audit.broken else "proved" if told and audit.claim else "undecided"
     text = (
-        environment()
+        pages()
         .get_template("audit.html.j2")
         .render(
             audit=audit,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -19,11 +19,12 @@ from hoverproof.certification.convergence import not_covered
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.export.cost import STEPS
 from hoverproof.paper.judge import Verdict
-from hoverproof.reporting import glance, mathematics, pictures, tables, wording
-from hoverproof.reporting.assets import asset, environment
+from hoverproof.reporting import mathematics, pictures, tables, wording
+from hoverproof.reporting.assets import asset, pages
+from hoverproof.reporting.glance import Line
+from hoverproof.reporting.numerals import short
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts, sentence
 from hoverproof.reporting.player import player_data
-from hoverproof.reporting.tables import short
 from hoverproof.version import __version__
 
 CONTENTS = (
@@ -85,24 +86,26 @@ class File:
     link: str
 
 
-def render(parts: Parts, origin: Origin) -> str:
+def render(parts: Parts, origin: Origin, glance: Sequence[Line]) -> str:
     """Return the page, HTML in one piece.
 
     Parameters
     ----------
     parts : Parts
     origin : Origin
+    glance : sequence of Line
+        Questions and answers at its head.
     """
-    return _template().render(context(parts, origin))
+    return _template().render(context(parts, origin, glance))
 
 
-def context(parts: Parts, origin: Origin) -> dict[str, Any]:
+def context(parts: Parts, origin: Origin, glance: Sequence[Line]) -> dict[str, Any]:
     """Return what the template asks for, by name.
 
     Parameters
     ----------
-    parts : Parts
-    origin : Origin
+    parts, origin, glance
+        See `render`.
     """
     files = _files(parts)
     return {
@@ -114,7 +117,7 @@ def context(parts: Parts, origin: Origin) -> dict[str, Any]:
         "css": asset("report.css"),
         "js": asset("player.js"),
         "headline": wording.headline(parts),
-        "glance": glance.rows(parts.attraction, wording.headline(parts)),
+        "glance": glance,
         "merits": list(wording.merits(parts)),
         "certificate": files.get("gains"),
         "region_file": files.get("region"),
@@ -300,13 +303,13 @@ def _tone(verdict: Verdict) -> str:
 
 @cache
 def _template() -> jinja2.Template:
-    filling = environment()
+    environment = pages()
 
     def mathml(latex: str, *, block: bool = False) -> Markup:
         return Markup(mathematics.mathml(latex, block=block))
 
-    filling.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
-    filling.filters |= {
+    environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
+    environment.filters |= {
         "mathml": mathml,
         "short": short,
         "sentence": sentence,
@@ -315,4 +318,4 @@ def _template() -> jinja2.Template:
         "tone": _tone,
         "tight": _tight,
     }
-    return filling.get_template("report.html.j2")
+    return environment.get_template("report.html.j2")

@@ -24,10 +24,11 @@ import casadi as ca
 
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, hover_at_height, hover_goal
-from hoverproof.servo.law import Design, Law
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.choices import IMAGE, INERTIAL
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers
+from hoverproof.servo.variables import Design
 
 PERCENT = 0.01
 DOWN = [2.0**-k for k in range(20)]

@@ -20,10 +20,11 @@ from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design, Errors, Law, Measurement
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import horizontal
 from hoverproof.servo.layout import Packed, column, scalar
 from hoverproof.servo.uncertain import QUARTER, kappa
+from hoverproof.servo.variables import Design, Errors, Measurement
 
 
 @dataclass(frozen=True)

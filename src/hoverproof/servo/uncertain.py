@@ -16,9 +16,10 @@ from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.controller import Controller, derive_controller
-from hoverproof.servo.law import Design, Errors, Law, Measurement
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, horizontal
 from hoverproof.servo.layout import Packed, column, scalar
+from hoverproof.servo.variables import Design, Errors, Measurement
 
 QUARTER = ca.SX([[0, -1], [1, 0]])
 """e₃ × of a horizontal vector, (2, 2)."""

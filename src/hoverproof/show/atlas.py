@@ -19,7 +19,7 @@ from hoverproof.design.atlas import QUANTITIES, VERDICTS
 from hoverproof.design.limits import bandwidth
 from hoverproof.design.outcome import Tuned
 from hoverproof.mission.sections import Mission
-from hoverproof.show.style import COLOURS, save_figure
+from hoverproof.show.style import COLOURS, Powers, plain_powers, save_figure
 from hoverproof.simulation.record import Recorded
 
 Array = NDArray[np.float64]
@@ -48,6 +48,8 @@ def pareto_figure(mission: Mission, points: Sequence[tuple[float, Tuned]]) -> Fi
         axes.plot(
             own, float(before), "*", color=COLOURS[1], markersize=13, label="own gains, proved"
         )
+    for axis in (axes.xaxis, axes.yaxis):
+        plain_powers(axis)
     axes.set_title(f"{mission.title}: what a decay rate costs")
     axes.set_xlabel("attitude bandwidth (k1 k2 + k3 + k4)/m (rad/s)")
     axes.set_ylabel("certified decay rate of L (1/s)")
@@ -115,6 +117,9 @@ def draw_atlas(
     margin, shown = atlas["margin"].values, atlas[what].values
     axes.set_xscale(scales[0])
     axes.set_yscale(scales[1])
+    for axis, scale in zip((axes.xaxis, axes.yaxis), scales, strict=True):
+        if scale == "log":
+            plain_powers(axis)
     handles: list[Artist] = []
     if (margin > 0).any():
         good = np.ma.masked_where(~(margin > 0), shown)
@@ -122,7 +127,10 @@ def draw_atlas(
         mesh = axes.pcolormesh(across, along, good, norm=norm, cmap="viridis", shading="nearest")
         mesh.set_rasterized(True)
         figure = axes.figure
-        figure.colorbar(mesh, ax=axes, label=f"{LABELS[what]}, where certified", extend="min")
+        bar = figure.colorbar(
+            mesh, ax=axes, label=f"{LABELS[what]}, where certified", extend="min", format=Powers()
+        )
+        bar.minorformatter = Powers()
     if (margin <= 0).any():
         plain = np.ma.masked_where(~(margin <= 0), np.ones(margin.shape))
         grey = axes.pcolormesh(
