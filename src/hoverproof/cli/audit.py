@@ -192,8 +192,6 @@ def _topics(given: list[str] | None) -> dict[str, str]:
     pairs = [text.partition("=") for text in given or []]
     for part, equals, name in pairs:
         if not (part and equals and name):
-            from hoverproof.errors import InputError
-
             raise InputError("--topic", "", f"must be PART=NAME, as imu=/imu, not {part!r}")
     return {part: name for part, _, name in pairs}
 
