@@ -12,7 +12,7 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from typing import Any, TypeVar
 
-from hoverproof.errors import InputError
+from hoverproof.errors import InputError, needing
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -134,12 +134,9 @@ def _in_order(submit: Callable[[Item], Any], items: Iterable[Item], ahead: int) 
 def _on_cluster(
     function: Callable[[Item], Result], items: Iterable[Item], scheduler: str
 ) -> Iterator[Result]:
-    try:
+    with needing("cluster", "--scheduler", "needs the extra cluster"):
         from distributed import Client
         from distributed.scheduler import KilledWorker
-    except ImportError:
-        reason = "needs the extra cluster: pip install 'hoverproof[cluster]'"
-        raise InputError("--scheduler", "", reason) from None
     try:
         client = Client(scheduler, timeout=CONNECT_SECONDS, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
