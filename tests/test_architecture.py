@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import functools
 import graphlib
+import re
 import sys
 from pathlib import Path
 
@@ -76,6 +77,18 @@ def test_imports_run_downward():
                 yield f"imports {rest[0]}"
 
     assert faults(fault) == {}
+
+
+def test_CONTRIBUTING_lists_the_floors_of_the_house_from_the_top_down():
+    guide = (Path(__file__).parent.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    listed = guide.partition("How the house is built")[2].partition("What is added")[0]
+    rows = [
+        row[1].split(", ") for row in re.finditer(r"(?m)^    ([a-z]+(?:, [a-z]+)*)(?:  |$)", listed)
+    ]
+    floors = [{floor(part) for part in row} for row in rows]
+    assert all(len(found) == 1 for found in floors)
+    assert floors == sorted(floors, key=max, reverse=True)
+    assert {part for row in rows for part in row} == set().union(*FLOORS) - {"__main__"}
 
 
 def test_no_modules_import_each_other_in_a_circle():
