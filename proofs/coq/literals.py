@@ -314,9 +314,10 @@ LITTLE = Fraction(1, 2**40)
 
 
 class Follows:
-    """What `Stays.limits` holds: bounds of what there is at a level a little above the certificate's.
+    """What `Stays.limits` holds: bounds of what there is at a level above the certificate's.
 
-    A little, so that the start is below it. Each is rounded to the side that proves less.
+    It is above it by a little, so that the start is below it. Each is rounded to the side that
+    proves less.
     """
 
     def __init__(self, claim: Any) -> None:
@@ -328,9 +329,7 @@ class Follows:
         )
         force, push = claim.stiffness * self.spread, claim.m * may.wind
         high = Fraction(0) if claim.inertial else c.enclosures.goal[1]
-        lever = down(
-            root((claim.weight - force) ** 2 - push**2)[0] - claim.stiffness * high, FINE
-        )
+        lever = down(root((claim.weight - force) ** 2 - push**2)[0] - claim.stiffness * high, FINE)
         self.quick = up(claim.stiffness * claim.kappa / lever, FINE)
         self.drag, self.tipped = high * self.quick, push / lever
         past = claim.high * claim.k[0] / claim.m * self.fast

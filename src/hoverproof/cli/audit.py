@@ -13,6 +13,7 @@ from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import mission_names
 from hoverproof.cli.console import NO_FOLDER, Json, Set, at_work, load_mission
 from hoverproof.cli.reading import certificate_beside, mission_name
+from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
     from hoverproof.audit.claim import Claim
