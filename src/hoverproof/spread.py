@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from typing import Any, TypeVar
 
 from hoverproof.errors import InputError, needing
@@ -72,6 +72,39 @@ def spread(
                 stop()
             pool.shutdown(wait=False, cancel_futures=True)
             raise
+
+
+def collected(
+    work: Callable[[Item], Result],
+    items: Sequence[Item],
+    processes: int | None,
+    scheduler: str | None,
+    report: Callable[[int, int], None],
+) -> list[Result]:
+    """Do work in processes or on a cluster; return the results in the order of the items.
+
+    Parameters
+    ----------
+    work : callable
+        See `spread`.
+    items : sequence
+    processes : int, optional
+        Number of those that work at once; by default one for each CPU.
+    scheduler : str, optional
+        See `spread`, also for what is raised.
+    report : callable
+        Called with how many are done, of how many.
+    """
+    if scheduler is None and (processes == 1 or len(items) < 2):
+        done: Iterable[Result] = map(work, items)
+    else:
+        pool = ProcessPoolExecutor(processes) if scheduler is None else None
+        done = spread(work, items, executor=pool, scheduler=scheduler)
+    results = []
+    for result in done:
+        results.append(result)
+        report(len(results), len(items))
+    return results
 
 
 def interruptibly(function: Callable[[], Result], stop: Callable[[], None]) -> Result:
