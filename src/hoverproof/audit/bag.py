@@ -225,7 +225,13 @@ class Bag:
             yield "imu attitude", (time, _quaternion(message.orientation, turn))
 
     def odometry(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield what a message of the odometry tells; see `imu`."""
+        """Yield what a message of the odometry tells.
+
+        Parameters
+        ----------
+        message, at
+            See `imu`; the time in s.
+        """
         time, turn = _stamp(message), _turn(message)
         pose, frame = message.pose.pose, message.header.frame_id
         yield "attitude", (time, _quaternion(pose.orientation, turn))
@@ -234,21 +240,45 @@ class Bag:
             yield "odometry position", (time, turn(pose.position))
 
     def pose(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield what a message of the pose from the target tells; see `imu`."""
+        """Yield what a message of the pose from the target tells.
+
+        Parameters
+        ----------
+        message, at
+            See `imu`; the time in s.
+        """
         time, turn = _stamp(message), _turn(message)
         yield "position", (time, turn(message.pose.position))
         yield "pose attitude", (time, _quaternion(message.pose.orientation, turn))
 
     def feature(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield the feature that came in; its stamp is that of the exposure; see `imu`."""
+        """Yield the feature that came in; its stamp is that of the exposure.
+
+        Parameters
+        ----------
+        message, at
+            See `imu`; the time in s.
+        """
         yield "feature", (at, (_stamp(message), *_turn(message)(message.vector)))
 
     def sightings(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield whether there was something in an image; see `imu`."""
+        """Yield whether there was something in an image.
+
+        Parameters
+        ----------
+        message, at
+            See `imu`; the time in s.
+        """
         yield "frames", (_stamp(message), (float(len(message.detections) > 0),))
 
     def rates(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield the rates that were asked for; see `imu`."""
+        """Yield the rates that were asked for.
+
+        Parameters
+        ----------
+        message, at
+            See `imu`; the time in s.
+        """
         time, turn = _stamp(message), _turn(message)
         if hasattr(message, "body_rate"):
             yield "rate_command", (time, turn(message.body_rate))
@@ -257,11 +287,23 @@ class Bag:
             yield "rate_command", (time, turn(message.twist.angular))
 
     def thrust(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield the thrust that was asked for, N; see `imu`."""
+        """Yield the thrust that was asked for, N.
+
+        Parameters
+        ----------
+        message, at
+            See `imu`; the time in s.
+        """
         yield "thrust_command", (_stamp(message), (-_turn(message)(message.wrench.force)[2],))
 
     def rotors(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield the thrust that was asked of each rotor, N; see `imu`."""
+        """Yield the thrust that was asked of each rotor, N.
+
+        Parameters
+        ----------
+        message, at
+            See `imu`; the time in s.
+        """
         if len(message.effort):
             yield "rotor_command", (_stamp(message), tuple(map(float, message.effort)))
 

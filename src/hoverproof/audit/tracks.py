@@ -35,7 +35,7 @@ class Track:
     width : int
         Numbers in a row.
     most : int
-        So many rows are kept at most.
+        So many rows are kept at most, a bare number.
     each : bool
         Whether rows may not be left out: then those after the most are.
     """
@@ -84,7 +84,7 @@ class Tracks:
     origin : float
         What is taken from all times, s.
     damaged : dict of int
-        By quantity, rows that were left out since their times or values cannot be.
+        By quantity, the number of rows that were left out since their times or values cannot be.
     """
 
     held: dict[str, Track] = field(default_factory=dict)
@@ -234,7 +234,8 @@ def log_of(
     wanted : mapping, optional
         By quantity, where it was looked for and what it would tell.
     active : mapping, optional
-        Names of modes in which the law may fly: if it was in any, the log is of these times.
+        Names of modes in which the law may fly, by their numbers: if it was in any, the log is of
+        these times.
     notes : tuple of str
 
     Raises

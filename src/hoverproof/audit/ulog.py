@@ -112,7 +112,7 @@ class Pieces:
     ----------
     file : binary file
     size : int
-        Bytes.
+        A number of bytes.
     """
 
     def __init__(self, file: BinaryIO, size: int) -> None:
