@@ -196,6 +196,27 @@ def test_the_checker_imports_the_standard_library_alone():
     assert set(imports(HOUSE / "checker.py")) <= sys.stdlib_module_names | {"collections.abc"}
 
 
+LONG = {
+    "derive_form": "a derivation, read from top to bottom",
+    "_scheme": "a derivation, read from top to bottom",
+    "_fly_slowly": "it follows batch.c, which is held to the same bits",
+}
+"""Functions of more than 60 lines, and why."""
+
+
+def test_a_function_fits_on_a_screen():
+    """Without its signature and docstring, which may have much to say."""
+
+    def fault(path):
+        for function in nodes(path):
+            if isinstance(function, ast.FunctionDef) and function.name not in LONG:
+                does = function.body[1:] if ast.get_docstring(function) else function.body
+                if does and does[-1].end_lineno - does[0].lineno >= 60:
+                    yield function.name
+
+    assert faults(fault) == {}
+
+
 def test_a_module_fits_in_one_reading():
     def fault(path):
         most = 3200 if path == HOUSE / "checker.py" else 400  # the checker has to be a single file
