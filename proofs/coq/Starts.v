@@ -330,3 +330,215 @@ Proof.
   - intros t T. eapply Rle_trans; [apply (held_speed _ _ _ _ H); exact T|apply (speed0_is _ _ _ _ _ Bs)].
 Qed.
 End Start.
+
+(** * When the vehicle is near *)
+
+(** e^y is above a part of its series. *)
+Lemma series_below : forall y, 0 <= y ->
+  1 + y + y * y / 2 + y * y * y / 6 + y * y * y * y / 24 + y * y * y * y * y / 120 <= exp y.
+Proof.
+  intros y Y. set (f := fun z => (1 + z + z * z / 2 + z * z * z / 6 + z * z * z * z / 24 + z * z * z * z * z / 120)).
+  assert (Q : f y * exp (-1 * y) <= f 0 * exp (-1 * 0)).
+  { apply (falling (fun z => f z * exp (-1 * z))
+      (fun z => (1 + z + z * z / 2 + z * z * z / 6 + z * z * z * z / 24) * exp (-1 * z) + f z * (-1 * exp (-1 * z)))
+      0 y Y). intros z Z. split.
+    - apply (slope_mult f (fun z => exp (-1 * z))); [|apply slope_exp]. unfold f.
+      assert (I : slope (fun z => z) z 1) by apply derivable_pt_lim_id.
+      pose proof (slope_mult _ _ _ _ _ I I) as I2. pose proof (slope_mult _ _ _ _ _ I2 I) as I3.
+      pose proof (slope_mult _ _ _ _ _ I3 I) as I4. pose proof (slope_mult _ _ _ _ _ I4 I) as I5. cbv beta in *.
+      eapply slope_is.
+      + apply (slope_ext (fun z => 1 + z + / 2 * (z * z) + / 6 * (z * z * z) + / 24 * (z * z * z * z)
+          + / 120 * (z * z * z * z * z))); [intros; unfold Rdiv; ring|].
+        repeat apply slope_plus; [apply slope_const|exact I| | | |]; apply slope_scale; eassumption.
+      + cbv beta. field.
+    - pose proof (exp_pos (-1 * z)) as E. unfold f.
+      assert (0 <= z * z * z * z * z) by (repeat apply Rmult_le_pos; lra).
+      assert (0 <= z * z * z * z * z / 120 * exp (-1 * z)) by (apply Rmult_le_pos; lra). lra. }
+  rewrite Rmult_0_r, exp_0 in Q. unfold f in Q at 2.
+  assert (E : exp (-1 * y) * exp y = 1) by (rewrite <- exp_plus; replace (-1 * y + y) with 0 by ring; apply exp_0).
+  pose proof (exp_pos y) as P. pose proof (Rmult_le_compat_r _ _ _ (Rlt_le _ _ P) Q) as R.
+  rewrite Rmult_assoc, E in R. unfold f in R. lra.
+Qed.
+
+(** From a time on: how near what a level camera sees then is, the time (s), a 64th of r times the time, and
+    bounds of e to that, to twice, ..., to 64 times that. *)
+Record settling := Settling { near_off : Q; after : Q; sixtyfourth : Q; first_power : Q; powers : list Q }.
+
+Fixpoint squared (a : Q) (l : list Q) : bool :=
+  match l with [] => Qle_bool 0 a | e :: l => Qle_bool 0 a && Qle_bool e (a * a) && squared e l end.
+Lemma last_of : forall (l : list Q) e a, last (e :: l) a = last l e.
+Proof.
+  induction l as [|f l IH]; intros e a; [reflexivity|].
+  change (last (f :: l) a = last (f :: l) e). rewrite !IH. reflexivity.
+Qed.
+Lemma squared_below : forall l a x, squared a l = true -> Q2R a <= exp x ->
+  0 <= Q2R (last l a) <= exp (x * 2 ^ length l).
+Proof.
+  induction l as [|e l IH]; intros a x S L; cbn [squared] in S.
+  - apply Qle_bool_iff, Qle_Rle in S. rewrite Q2R_zero in S. cbn [last length pow]. rewrite Rmult_1_r. lra.
+  - apply andb_prop in S. destruct S as [S S2]. apply andb_prop in S. destruct S as [S0 S1].
+    apply Qle_bool_iff, Qle_Rle in S0. rewrite Q2R_zero in S0. apply Qle_bool_iff, Qle_Rle in S1. rewrite Q2R_mult in S1.
+    assert (E : Q2R e <= exp (2 * x)).
+    { eapply Rle_trans; [exact S1|]. replace (2 * x) with (x + x) by ring. rewrite exp_plus.
+      apply Rmult_le_compat; assumption. }
+    specialize (IH e (2 * x) S2 E). replace (last (e :: l) a) with (last l e).
+    + replace (x * 2 ^ length (e :: l)) with (2 * x * 2 ^ length l) by (cbn [length pow]; ring). exact IH.
+    + symmetry. apply last_of.
+Qed.
+
+Definition settled_ok (b : limits Q) (c : matrices) (z : settling) : bool :=
+  let y := sixtyfourth z in
+  Qle_bool 0 y && Qle_bool 0 (near_off z) && Qle_bool 0 (after z) && Qle_bool (64 * y) (pace (its_constants c) * after z)
+  && Qle_bool (first_power z)
+    (1 + y + y * y * (1 # 2) + y * y * y * (1 # 6) + y * y * y * y * (1 # 24) + y * y * y * y * y * (1 # 120))
+  && squared (first_power z) (powers z) && (length (powers z) =? 6)%nat
+  && Qle_bool (2 * start_of b) (near_off z * near_off z * last (powers z) (first_power z)).
+
+Lemma settled_sound : forall b c z, settled_ok b c z = true ->
+  let r := pace (real_constants (its_constants c)) in
+  0 <= Q2R (near_off z) /\ 0 <= Q2R (after z) /\
+  2 * Q2R (start_of b) * exp (- r * Q2R (after z)) <= Q2R (near_off z) * Q2R (near_off z).
+Proof.
+  intros b c z O r. unfold settled_ok in O.
+  do 7 (apply andb_prop in O; let H := fresh "O" in destruct O as [O H]).
+  apply Nat.eqb_eq in O1.
+  repeat match goal with H : Qle_bool _ _ = true |- _ => apply Qle_bool_iff, Qle_Rle in H end.
+  rewrite Q2R_zero in *. set (y := Q2R (sixtyfourth z)) in *.
+  assert (Two : Q2R 2 = 2) by (unfold Q2R; simpl; field). assert (Many : Q2R 64 = 64) by (unfold Q2R; simpl; field).
+  assert (H2 : Q2R (1 # 2) = / 2) by (unfold Q2R; simpl; field). assert (H6 : Q2R (1 # 6) = / 6) by (unfold Q2R; simpl; field).
+  assert (H24 : Q2R (1 # 24) = / 24) by (unfold Q2R; simpl; field).
+  assert (H120 : Q2R (1 # 120) = / 120) by (unfold Q2R; simpl; field).
+  repeat rewrite ?Q2R_plus, ?Q2R_mult, ?Q2R_one, ?Two, ?Many, ?H2, ?H6, ?H24, ?H120 in O3.
+  repeat rewrite ?Q2R_mult, ?Many in O4. repeat rewrite ?Q2R_mult, ?Two in O0. fold y in O3, O4.
+  change (Q2R (pace (its_constants c))) with r in O4.
+  split; [assumption|]. split; [assumption|].
+  assert (L : Q2R (first_power z) <= exp y).
+  { eapply Rle_trans; [exact O3|]. eapply Rle_trans; [|apply series_below; exact O]. unfold Rdiv. lra. }
+  destruct (squared_below _ _ _ O2 L) as [P0 P]. rewrite O1 in P.
+  assert (P' : Q2R (last (powers z) (first_power z)) <= exp (r * Q2R (after z))).
+  { eapply Rle_trans; [exact P|]. replace (y * 2 ^ 6) with (64 * y) by ring.
+    destruct O4 as [O4|O4]; [left; apply exp_increasing; exact O4|right; f_equal; exact O4]. }
+  pose proof (exp_pos (- r * Q2R (after z))) as E.
+  assert (E1 : exp (r * Q2R (after z)) * exp (- r * Q2R (after z)) = 1).
+  { rewrite <- exp_plus. replace (r * Q2R (after z) + - r * Q2R (after z)) with 0 by ring. apply exp_0. }
+  apply Rle_trans with (Q2R (near_off z) * Q2R (near_off z) * exp (r * Q2R (after z)) * exp (- r * Q2R (after z))).
+  - apply Rmult_le_compat_r; [lra|]. eapply Rle_trans; [exact O0|]. apply Rmult_le_compat_l; [|exact P'].
+    apply Rmult_le_pos; assumption.
+  - rewrite Rmult_assoc, E1. lra.
+Qed.
+
+(** * The decision about a start *)
+
+Definition real_start (s : start Q) : start R :=
+  Start (Q2R (off_by s)) (Q2R (level_off s)) (Q2R (speed0 s)) (Q2R (force0 s)) (Q2R (rate0 s)) (Q2R (cosine s))
+    (Q2R (lean s)) (Q2R (flat1 s)) (Q2R (turn0 s)).
+
+Section Decision.
+Variables (n : setting) (b : limits Q) (c : matrices) (s : start Q).
+Local Notation k := (its_constants c).
+Local Notation m := (m_of n).
+Let stiffQ := (k1_of n * k1_of n * k2_of n / m)%Q.
+Let kapQ := ((k1_of n * k2_of n + k3_of n) / m)%Q.
+Let W := (m * g_of n)%Q.
+Let sine := (force0 s + m * windy b)%Q.
+
+Definition start_sizes_ok : list Q :=
+  [off_by s; level_off s; speed0 s; force0 s; rate0 s; cosine s; lean s; flat1 s; turn0 s].
+Definition start_psi_of : Q :=
+  let moved := (m / k1_of n * speed0 s)%Q in let pushed := (/ stiffQ * force0 s)%Q in
+  let e2 := (off_by s + moved)%Q in let e3 := (e2 + pushed)%Q in
+  let e4 := (flat1 s + moved + pushed + turn0 s)%Q in
+  let asked := (stiff k * e4 + k12 k * pushed)%Q in
+  let flows := ((middle c + reach c) * speed0 s)%Q in
+  (off_by s * off_by s + v2 k * (e2 * e2) + v3 k * (e3 * e3) + v4 k * (e4 * e4)
+    + lag_most c * (a5 k * (asked * asked) + a6 k * (kap k * e3 * (kap k * e3)))
+    + keeps b * (latest b * flows * (latest b * flows)))%Q.
+Definition start_ok : bool :=
+  forallb (Qle_bool 0) start_sizes_ok && above sine W
+  && Qle_bool (cosine s * cosine s * (W * W) + sine * sine) (W * W)
+  && Qle_bool (2 * (sine * sine)) (lean s * lean s * (1 + cosine s) * (W * W))
+  && (Qle_bool (off_by s) (flat1 s) || Qle_bool (level_off s + lean s * off_by s) (flat1 s))
+  && Qle_bool ((W + force0 s) * rate0 s) (stiffQ * kapQ * turn0 s)
+  && Qle_bool (speed0 s) (k1_of n / m * fast b) && Qle_bool start_psi_of (2 * start_of b).
+
+Theorem start_follows : limits_ok n b c = true -> start_ok = true ->
+  begun (gains_in n) (Q2R (g_of n)) (real_limits b) c (real_start s).
+Proof.
+  intros L O. pose proof (limits_follow n b c L) as F. unfold start_ok in O.
+  do 7 (apply andb_prop in O; let H := fresh "O" in destruct O as [O H]).
+  repeat match goal with H : Qle_bool _ _ = true |- _ => apply Qle_bool_iff, Qle_Rle in H end.
+  apply above_correct in O6.
+  assert (Two : Q2R 2 = 2) by (unfold Q2R; simpl; field).
+  destruct (positive _ _ _ _ F) as [[P1 P2 P3 P4 P5] Pg]. cbn [gains_in mass k1 k2 k3 k4] in P1, P2, P3, P4, P5.
+  assert (NZ : forall q, 0 < Q2R q -> Q2R (/ q) = / Q2R q).
+  { intros q Pq. apply Q2R_inv. intro X. apply Qeq_eqR in X. rewrite Q2R_zero in X. lra. }
+  pose proof (NZ _ P1) as I1. pose proof (NZ _ P2) as I2.
+  assert (KQ : Q2R kapQ = kappa_ (gains_in n)).
+  { unfold kapQ, Qdiv. rewrite Q2R_mult, Q2R_plus, Q2R_mult, I1. reflexivity. }
+  assert (CQ : Q2R stiffQ = Vehicle.c (gains_in n)).
+  { unfold stiffQ, Qdiv. rewrite !Q2R_mult, I1. reflexivity. }
+  assert (C0 : 0 < Q2R stiffQ).
+  { rewrite CQ. apply c_is_pos, (positive _ _ _ _ F). }
+  pose proof (NZ _ C0) as IC. rewrite CQ in IC.
+  destruct (same _ _ _ _ F) as [S1 [S2 [S3 S4]]]. cbn [real_constants k12 kap stiff speed] in S1, S2, S3, S4.
+  assert (Z : forall a, List.In a start_sizes_ok -> 0 <= Q2R a).
+  { intros a H. rewrite forallb_forall in O. specialize (O a H). apply Qle_bool_iff, Qle_Rle in O.
+    rewrite Q2R_zero in O. exact O. }
+  unfold start_sizes_ok in Z.
+  assert (M1 : Q2R (m / k1_of n) = mass (gains_in n) / k1 (gains_in n)).
+  { unfold Qdiv. rewrite Q2R_mult, I2. reflexivity. }
+  assert (M2 : Q2R (k1_of n / m) = k1 (gains_in n) / mass (gains_in n)).
+  { unfold Qdiv. rewrite Q2R_mult, I1. reflexivity. }
+  unfold start_psi_of in O0. cbv zeta in O0.
+  unfold sine, W in *. clearbody kapQ stiffQ.
+  set (mk := (m / k1_of n)%Q) in *. set (km := (k1_of n / m)%Q) in *. clearbody mk km.
+  constructor.
+  - cbn [real_start off_by level_off speed0 force0 rate0 cosine lean flat1 turn0].
+    repeat split; apply Z; cbn; tauto.
+  - repeat rewrite ?Q2R_plus, ?Q2R_mult in O6. exact O6.
+  - repeat rewrite ?Q2R_plus, ?Q2R_mult in O5. exact O5.
+  - repeat rewrite ?Q2R_plus, ?Q2R_mult, ?Two, ?Q2R_one in O4. exact O4.
+  - apply orb_prop in O3. destruct O3 as [A|A]; apply Qle_bool_iff, Qle_Rle in A; [left; exact A|right].
+    rewrite Q2R_plus, Q2R_mult in A. exact A.
+  - repeat rewrite ?Q2R_plus, ?Q2R_mult, ?CQ, ?KQ in O2. exact O2.
+  - rewrite Q2R_mult, M2 in O1. exact O1.
+  - repeat rewrite ?Q2R_plus, ?Q2R_mult, ?Two, ?M1, ?IC, ?S1, ?S2, ?S3 in O0. exact O0.
+Qed.
+End Decision.
+
+(** ** Theorem 5, from a start *)
+
+(** From every state of a start, and with every vehicle within tolerances: Ψ(t) <= ℓ0 e^(-rt), no motion leaves the
+    domain, and from a time on what a level camera sees is as near to what is wanted as is said. *)
+Theorem start_arrives : forall v n b c s z until inside flown again,
+  matrices_ok c = true -> memory_ok (keeps b) (latest b) c = true -> limits_ok n b c = true ->
+  start_ok n b c s = true -> settled_ok b c z = true ->
+  gains v = gains_in n -> pull_down v = Q2R (g_of n) ->
+  let l := real_limits b in
+  domain v c (far l) inside -> motion v l c until -> integrals v l c until flown again ->
+  held v l inside (real_start s) ->
+  forall t, 0 <= t < until ->
+  let away := len (from v (place v t) - wanted_height v * e3)%vec in
+  let most := start_of l * exp (- pace (real_constants (its_constants c)) * t) in
+  psi v l c flown again t <= most /\ inside (place v t) /\ away * away <= 2 * most /\
+  (Q2R (after z) <= t -> away <= Q2R (near_off z)) /\ 0 < pz (below (attitude v) t).
+Proof.
+  intros v n b c s z until inside flown again M O Ok So Zo Eg Ep l D Mo Ig Hd t T away most.
+  assert (F : follows (gains v) (pull_down v) l c) by (rewrite Eg, Ep; apply limits_follow; exact Ok).
+  assert (Kept : exists MQ TQ, memory_ok MQ TQ c = true /\ keeps l = Q2R MQ /\ latest l = Q2R TQ)
+    by (exists (keeps b), (latest b); auto).
+  assert (Bs : begun (gains v) (pull_down v) l c (real_start s)) by (rewrite Eg, Ep; apply start_follows; assumption).
+  assert (Bg : begins v l c inside flown again) by (eapply start_begins; try eassumption; lra).
+  destruct (vehicle_stays v n b c until inside flown again M O Ok Eg Ep D Mo Ig Bg t T)
+    as [A1 [A2 [A3 [A4 _]]]]. fold l in A1, A3. fold away in A3.
+  pose proof (exp_pos (- pace (real_constants (its_constants c)) * t)) as E.
+  assert (Ps : psi v l c flown again t <= most).
+  { eapply Rle_trans; [exact A1|]. apply Rmult_le_compat_r; [lra|]. apply (low_at_first _ _ _ _ _ _ Bg). }
+  split; [exact Ps|]. split; [exact A2|]. split; [lra|]. split; [|exact A4].
+  intros Af. destruct (settled_sound b c z Zo) as [Z1 [Z2 Z3]]. cbv zeta in Z3.
+  apply below_square; [exact Z1|]. eapply Rle_trans; [|exact Z3]. apply Rle_trans with (2 * most); [lra|].
+  unfold most. rewrite <- Rmult_assoc. apply Rmult_le_compat_l.
+  - destruct (levels _ _ _ _ F) as [[S0 _] _]. change (start_of l) with (Q2R (start_of b)) in S0. lra.
+  - destruct (kept_pos v l c F Kept) as [_ P0].
+    rewrite <- !Ropp_mult_distr_l, !Ropp_mult_distr_r. apply exp_grows; lra.
+Qed.

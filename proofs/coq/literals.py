@@ -225,7 +225,10 @@ class Tolerant:
         self.ball = [claim.low, claim.high]
         self.slope = t.slope
         follows = Follows(claim)
-        self.limits = follows.limits if late and claim.inertial else None
+        whole = late and claim.inertial
+        self.limits = follows.limits if whole else None
+        self.starts = [started(claim, start) for start in c.claim.starts] if whole else []
+        self.settling = settled(claim) if whole else []
         self.setting = [claim.m, *claim.k, claim.gravity]
         self.radii = [up(r) for r in follows.radii(claim)]
         known = iter(t.terms)
@@ -358,6 +361,30 @@ class Follows:
 
 
 FINE = 64
+
+
+def started(claim: Any, start: Any) -> list[Fraction]:
+    """Return a set of states at first as a `Starts.start`: what the checker sees from there."""
+    moved = start.speed * claim.late
+    box = [(a - moved, b + moved) for a, b in start.position]
+    off, level = (up(x, FINE) for x in claim.place.start(claim.grid, claim.grid.cell(box)))
+    force = start.thrust + claim.weight * start.tilt
+    sine = (force + claim.m * claim.may.wind) / claim.weight
+    cosine = down(root(1 - sine**2)[0], FINE)
+    lean = up(sine * root(2 / (1 + cosine))[1], FINE)
+    flat = min(off, up(level + lean * off, FINE))
+    turn = (claim.weight + force) * start.rate / (claim.stiffness * claim.kappa)
+    return [off, level, start.speed, force, start.rate, cosine, lean, flat, up(turn, FINE)]
+
+
+def settled(claim: Any) -> list[Fraction]:
+    """Return when the vehicle is near as a `Starts.settling`, and powers of e from below."""
+    soon = claim.c.claim.settling
+    y = down(claim.c.claim.rate * soon.time / 64, FINE)
+    powers = [down(sum((y**k / math.factorial(k) for k in range(6)), Fraction(0)), FINE)]
+    for _ in range(6):
+        powers.append(down(powers[-1] ** 2, FINE))
+    return [soon.offset, soon.time, y, *powers]
 
 
 def up(x: Fraction, bits: int = 28) -> Fraction:
@@ -538,7 +565,19 @@ def theorems(c: Gains | Tolerant) -> str:
                 f"Definition setting_{name} := Setting {setting}.",
                 f"Theorem bounds_{name} : limits_ok {its} = true.\n{decided}",
                 f"Definition stays_{name} := fun vehicle => vehicle_stays vehicle {its}.",
+                f"Definition settling_{name} := Settling {' '.join(map(q, c.settling[:4]))}\n"
+                f"  [{'; '.join(map(q, c.settling[4:]))}].",
+                f"Theorem settled_{name} : settled_ok limits_{name} matrices_{name} "
+                f"settling_{name} = true.\n{decided}",
             ]
+            for number, start in enumerate(c.starts, 1):
+                term = f"start_{name}_{number}"
+                lines += [
+                    f"Definition {term} := Start {' '.join(map(q, start))}.",
+                    f"Theorem held_{name}_{number} : start_ok {its} {term} = true.\n{decided}",
+                    f"Definition arrives_{name}_{number} := fun vehicle =>\n"
+                    f"  start_arrives vehicle {its} {term} settling_{name}.",
+                ]
         return "\n".join(lines) + "\n"
     lines = [
         f"Definition cert_{name} : certificate :=\n  {c.literal()}.",
@@ -570,7 +609,7 @@ def main(arguments: list[str]) -> None:
         sys.stdout.writelines(c.plain() for c in certificates(arguments[1:], gains=True))
         return
     print("(* Written by literals.py from certificates. *)")
-    print("From Hoverproof Require Import Forms Gains Target Decay Tolerant Late Stays.")
+    print("From Hoverproof Require Import Forms Gains Target Decay Tolerant Late Stays Starts.")
     print("Require Import QArith List.\nImport ListNotations.\n")
     for c in certificates(arguments):
         print(theorems(c))
