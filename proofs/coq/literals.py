@@ -180,7 +180,7 @@ class Gains:
         """Return the certificate, and its target if any, as `extracted/main.ml` reads it."""
         its, rest = self.numbers()
         hints = "\n".join(hint.plain() for hint in self.hints())
-        text = f"{self.name}\n{' '.join(map(str, its + rest))}\n{hints}\n"
+        text = f"gains {self.name}\n{' '.join(map(str, its + rest))}\n{hints}\n"
         if self.given is not None:
             return f"{text}given {' '.join(map(str, self.given))}\n"
         if not self.of_target:
@@ -297,12 +297,16 @@ class Tolerant:
         denominators = {x.denominator for m in parts for row in m for x in row}
         return hint(parts, math.lcm(*denominators))
 
+    def hints(self) -> list[Hint]:
+        """Return those of all corners."""
+        return [*map(self.hint, self.corners())]
+
     def literal(self) -> str:
         """Return the certificate as a term of `Tolerant.matrices`."""
         constants = " ".join(map(q, self.constants))
         prices = "; ".join(f"({q(t)}, {q(s)})" for t, s in self.prices)
         ends = " ".join(f"({q(a)}, {q(b)})" for a, b in (self.chi, self.drag, self.gain))
-        hints = ";\n  ".join(self.hint(corner).literal() for corner in self.corners())
+        hints = ";\n  ".join(hint.literal() for hint in self.hints())
         return (
             f"Matrices (Constants {constants})\n  {' '.join(map(q, (*self.ball, self.slope)))}"
             f" [{prices}] [{'; '.join(map(q, self.radii))}]\n  {ends} {q(self.lag)} {q(self.pace)}"
@@ -310,9 +314,19 @@ class Tolerant:
         )
 
 
+    def plain(self) -> str:
+        """Return the certificate as `extracted/main.ml` reads it."""
+        prices = itertools.chain(*self.prices)
+        numbers = [*self.constants, *self.ball, self.slope, *prices, *self.radii]
+        numbers += [*self.chi, *self.drag, *self.gain, self.lag, self.pace]
+        hints = [hint.plain() for hint in self.hints()]
+        rest = [*self.setting, *self.limits, *self.settling, len(self.starts)]
+        rest += itertools.chain(*self.starts)
+        lines = f"tolerant {self.name}", " ".join(map(str, numbers)), str(len(hints)), *hints
+        return "\n".join([*lines, " ".join(map(str, rest)), ""])
+
+
 M = 20
-
-
 LITTLE = Fraction(1, 2**40)
 
 
@@ -477,14 +491,14 @@ def tolerant_of(held: dict[str, Any], name: str) -> Tolerant | None:
     return Tolerant(claim, name) if plain else None
 
 
-def certificates(paths: list[str], gains: bool = False) -> Iterator[Gains | Tolerant]:
-    """Yield the certificates that Coq can decide, or those of gains among them."""
+def certificates(paths: list[str]) -> Iterator[Gains | Tolerant]:
+    """Yield the certificates that Coq can decide."""
     for path in map(Path, paths):
         held = json.loads(path.read_text(encoding="utf-8"))
         name = path.name.removesuffix(".cert.json")
         if held["kind"] == "gains":
             yield Gains(held, name)
-        elif held["kind"] == "exponential" and not gains:
+        elif held["kind"] == "exponential":
             found = tolerant_of(held, name)
             if found:
                 yield found
@@ -606,7 +620,8 @@ def main(arguments: list[str]) -> None:
         sys.stdout.buffer.write(json.dumps(about(held)).encode())
         return
     if arguments[:1] == ["--plain"]:
-        sys.stdout.writelines(c.plain() for c in certificates(arguments[1:], gains=True))
+        known = certificates(arguments[1:])
+        sys.stdout.writelines(c.plain() for c in known if isinstance(c, Gains) or c.limits)
         return
     print("(* Written by literals.py from certificates. *)")
     print("From Hoverproof Require Import Forms Gains Target Decay Tolerant Late Stays Starts.")
