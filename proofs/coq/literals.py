@@ -313,7 +313,6 @@ class Tolerant:
             f"\n  [{hints}]"
         )
 
-
     def plain(self) -> str:
         """Return the certificate as `extracted/main.ml` reads it."""
         prices = itertools.chain(*self.prices)
@@ -331,9 +330,9 @@ LITTLE = Fraction(1, 2**40)
 
 
 class Follows:
-    """What `Stays.limits` holds: bounds of what there is at a level a little above the certificate's.
+    """What `Stays.limits` holds: bounds at a level a little above that of the certificate.
 
-    A little, so that the start is below it. Each is rounded to the side that proves less.
+    Above, so that the start is below it. Each is rounded to the side that proves less.
     """
 
     def __init__(self, claim: Any) -> None:
@@ -345,9 +344,7 @@ class Follows:
         )
         force, push = claim.stiffness * self.spread, claim.m * may.wind
         high = Fraction(0) if claim.inertial else c.enclosures.goal[1]
-        lever = down(
-            root((claim.weight - force) ** 2 - push**2)[0] - claim.stiffness * high, FINE
-        )
+        lever = down(root((claim.weight - force) ** 2 - push**2)[0] - claim.stiffness * high, FINE)
         self.quick = up(claim.stiffness * claim.kappa / lever, FINE)
         self.drag, self.tipped = high * self.quick, push / lever
         past = claim.high * claim.k[0] / claim.m * self.fast
@@ -510,9 +507,14 @@ PLAIN = (
     "none of noise, gusts, a control period, a lag of the force, and images that are not turned"
 )
 STEPS = (
-    "that the corners and the bounds follow from the level and the mission, that no motion leaves "
-    "the level, the domain, the starts, the settling and the rotors are on paper, and left to "
-    "checker.py"
+    "that the corners and the bounds follow from the level, that no motion leaves it, the domain, "
+    "the starts, the settling and the rotors are on paper, and left to checker.py"
+)
+PLACES = (
+    "what depends on where the target is is left to checker.py: that J is in its ball and all "
+    "points are seen all over the domain, that it ends where what is seen is beyond the offset, "
+    "how far off a start sees, the radius within which the offset is, and the angle; so are the "
+    "rotors; that a motion exists, and motions of thrusts that jump, are on paper"
 )
 ENCLOSED = "that the wanted feature is in its box is left to checker.py"
 GOAL = "that J or Q is within its bounds at the goal is left to checker.py"
@@ -522,7 +524,8 @@ BOX = "that J or Q is within its bounds over the box, and at the goal, is left t
 def about(held: dict[str, Any]) -> dict[str, Any]:
     """Return what Coq shows of a certificate, and what is left, in words."""
     if held["kind"] == "exponential":
-        if tolerant_of(held, "") is None:
+        known = tolerant_of(held, "")
+        if known is None:
             return {"shown": [], "left": PLAIN}
         shown = [
             "matrices_sound: the inequality of theorem 5, that Ψ falls faster than at its rate, "
@@ -534,7 +537,15 @@ def about(held: dict[str, Any]) -> dict[str, Any]:
         ]
         if held["memory"] is not None:
             shown.append("late_remembers: the memory in Ψ makes up for an image that is late")
-        return {"shown": shown, "left": STEPS}
+        if not known.limits:
+            return {"shown": shown, "left": STEPS}
+        shown += [
+            "vehicle_stays: no motion from a start leaves the domain or what is between the "
+            "corners, and Ψ(t) <= Ψ(0) exp(-r t) along all of it",
+            "start_arrives: Ψ(0) is at most its level in every state of a start, and from the "
+            "settling time on what a level camera sees is within the offset",
+        ]
+        return {"shown": shown, "left": PLACES}
     if held["kind"] != "gains":
         return {"shown": [], "left": PAPER}
     c = Gains(held, "")
