@@ -1,7 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test quick trials docs notebooks coq proofs bench fuzz missions lint clean
+.PHONY: demo test quick trials docs notebooks coq proofs bench fuzz missions lint release clean
 .DELETE_ON_ERROR:
 
 # Prove a small vehicle's start, check the certificate, fly it; then the paper's vehicle. Everything lands in demo/.
@@ -63,6 +63,7 @@ bench: .venv/installed-dev
 	$(BIN)/python benchmarks/commands.py --write
 	$(BIN)/python benchmarks/tolerances.py --write
 	$(BIN)/python benchmarks/eyes.py --write
+	$(BIN)/python benchmarks/tour.py --write
 
 # Ten million calls of the firmware with hostile inputs, under sanitizers (needs clang).
 fuzz: .venv/installed-dev
@@ -71,6 +72,12 @@ fuzz: .venv/installed-dev
 # Two thousand random mission files, valid, broken and absurd, through every command: takes hours.
 missions: .venv/installed-dev
 	$(BIN)/python tests/mission_trials.py --count 2000
+
+# What is released, in dist/: sdist, wheel, and the documentation as pages that open without a build.
+release: docs
+	$(BIN)/python -m build --no-isolation
+	@cd docs/_build && $(CURDIR)/$(BIN)/python -m zipfile -c \
+	  $(CURDIR)/dist/hoverproof-$$($(CURDIR)/$(BIN)/hoverproof --version)-docs.zip html
 
 .venv/installed: pyproject.toml
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv

@@ -21,8 +21,9 @@ from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import STATE_SIZE
-from hoverproof.servo.law import Design
-from hoverproof.servo.loop import LoopNumbers, loop_rate, slowest_rate
+from hoverproof.servo.linearised import slowest_rate
+from hoverproof.servo.loop import LoopNumbers, loop_rate
+from hoverproof.servo.variables import Design
 from hoverproof.simulation.compiled import runner
 from hoverproof.simulation.step import flight_states
 

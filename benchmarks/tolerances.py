@@ -15,7 +15,8 @@ from hoverproof.certification.attraction import proof as potential
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import ROOMS
-from hoverproof.certification.exponential.search import Search
+from hoverproof.certification.exponential.question import Question
+from hoverproof.certification.exponential.search import deepest
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
@@ -35,9 +36,9 @@ MUCH = 100.0
 
 def share(mission: Mission) -> float | None:
     """Return Ψ at the start over the highest level found; None if no weights satisfy it."""
-    whole = Search.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
-    search = replace(whole, wider=ROOMS[0][0], highest=ROOMS[0][1])
-    best = search.deepest(MUCH * search.terms())
+    whole = Question.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
+    question = replace(whole, wider=ROOMS[0][0], highest=ROOMS[0][1])
+    best = deepest(question, MUCH * question.terms())
     found = [] if best is None else [best.solution.fill / MUCH]
     if mission.law.feature == "centroid":
         with contextlib.suppress(ValueError):  # no weights

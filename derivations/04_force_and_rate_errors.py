@@ -16,9 +16,9 @@ from hoverproof.algebra.identity import prove_equal
 from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant import rigid_body
 from hoverproof.plant.rigid_body import E3, skew
-from hoverproof.servo.law import Design, Measurement
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY as LAW
 from hoverproof.servo.lyapunov import thrust_factor
+from hoverproof.servo.variables import Design, Measurement
 
 # %% [markdown]
 # ## What is given

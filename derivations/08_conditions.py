@@ -20,8 +20,8 @@ from hoverproof import checker
 from hoverproof.algebra.definite import is_positive_definite
 from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.identity import prove_equal, prove_zero
-from hoverproof.servo.law import Design
 from hoverproof.servo.lyapunov import derive_lyapunov_form, symmetric_matrix
+from hoverproof.servo.variables import Design
 
 # %% [markdown]
 # ## What is given

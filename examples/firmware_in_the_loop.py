@@ -25,7 +25,7 @@ from hoverproof.export.precision import PRECISIONS
 from hoverproof.export.vectors import law_at, random_step
 from hoverproof.plant.goal import hover_goal
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design
+from hoverproof.servo.variables import Design
 from hoverproof.show.style import COLOURS, STYLES, legend_above
 from hoverproof.simulation.flight import summary
 

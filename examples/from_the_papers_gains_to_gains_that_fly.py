@@ -20,7 +20,7 @@ from hoverproof.design.atlas import axis, cell_values
 from hoverproof.design.limits import bandwidth
 from hoverproof.paper.conditions import where_met
 from hoverproof.plant.goal import hover_goal
-from hoverproof.servo.loop import slowest_rate
+from hoverproof.servo.linearised import slowest_rate
 from hoverproof.show.atlas import atlas_figure, pareto_figure
 from hoverproof.show.decay import decay_along
 from hoverproof.show.style import COLOURS, STYLES, legend_above

@@ -21,9 +21,10 @@ import hoverproof as hp
 from hoverproof import checker
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.verdict import NOT_COVERED
-from hoverproof.servo.loop import slowest_rate
-from hoverproof.show.attraction import attraction_figure, trade_off_figure
+from hoverproof.servo.linearised import slowest_rate
+from hoverproof.show.attraction import attraction_figure
 from hoverproof.show.style import COLOURS, legend_above
+from hoverproof.show.trade_off import trade_off_figure
 from hoverproof.simulation.flight import summary
 
 # %matplotlib inline

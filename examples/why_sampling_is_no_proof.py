@@ -22,7 +22,7 @@ import hoverproof as hp
 from hoverproof import checker
 from hoverproof.algebra.definite import is_positive_definite
 from hoverproof.certification.problem import gain_problem, sigma_function
-from hoverproof.servo.law import Design
+from hoverproof.servo.variables import Design
 from hoverproof.show.style import COLOURS, legend_above
 
 # %matplotlib inline

@@ -5,10 +5,11 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from hoverproof.certification.attraction.lemmas import LEMMAS, Lemma
+from hoverproof.certification.attraction.lemmas import LEMMAS
 from hoverproof.certification.convergence import attraction, start_or_ball
 from hoverproof.certification.exponential.lemmas import LEMMAS as TOLERANCES
 from hoverproof.certification.gains import Proved, certify
+from hoverproof.certification.lemma import Lemma
 from hoverproof.certification.over_box import certify_region
 from hoverproof.certification.region import default_box
 from hoverproof.mission.presets import presets

@@ -6,6 +6,7 @@ gives, positions and states are drawn, and the feature and its slope are those o
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import json
 import re
@@ -19,10 +20,11 @@ import pytest
 
 import test_potential
 import uncertain_body as kit
-from hoverproof.certification.exponential import proof, search
+from hoverproof.certification.exponential import proof, question, search
 from hoverproof.certification.exponential.inequality import Ball, Sector, falls
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.reach import Reach
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.mission.reading import load
 from hoverproof.servo.laws.hamel_mahony import LAWS
 from laws_kit import depth_matrix, feature, floats, seen, slope
@@ -43,9 +45,15 @@ SMALL = {  # near, with a domain that few cells cover, so that it is soon proved
     | {"target.points": UNEVEN, "goal": "{centroid = [0, 0, 4.97]}"}
     | {"start.position": "[0.08, 0, -1.27]"},
 }
-FEW = {"HIGHEST": 0.25, "SETTLED": 0.8, "NEAR": 0.5, "EVALUATIONS": 4}
 SHARE = 1e-8
 """By which share floating point may differ from what is exact."""
+
+
+@contextlib.contextmanager
+def soon_found():
+    """Let less be searched and more be spared for the proof, so that one is soon found."""
+    with patch.object(question, "NEAR", 0.5), patch.object(search, "EVALUATIONS", 4):
+        yield
 
 
 def small(name):
@@ -53,7 +61,7 @@ def small(name):
 
     def make(folder):
         folder.mkdir()
-        with patch.multiple(search, **FEW):
+        with soon_found():
             verdict = proof.converge(load(MISSION, SMALL[name]))
         assert verdict.status == "proved", verdict.reason
         verdict.certificate.save(folder / "made.json")

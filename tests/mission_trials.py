@@ -312,7 +312,7 @@ def _rotors_fit(mission: Any) -> bool:
 
 
 def _slowest(mission: Any) -> float:
-    from hoverproof.servo.loop import slowest_rate
+    from hoverproof.servo.linearised import slowest_rate
 
     return slowest_rate(mission)
 

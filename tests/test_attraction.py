@@ -33,8 +33,8 @@ from hoverproof.certification.pattern import Pattern
 from hoverproof.certification.verdict import Proved, Undecided
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
-from hoverproof.servo.law import Design
-from hoverproof.servo.loop import slowest_rate
+from hoverproof.servo.linearised import slowest_rate
+from hoverproof.servo.variables import Design
 from papers_law import PAPERS
 from random_missions import case
 from sharing import kept_value
@@ -446,7 +446,7 @@ def test_flights_of_a_picture_are_those_of_three_times_the_steps_flown_to_the_en
 def test_the_trade_off_is_drawn_at_the_speed_and_the_reach_of_each_region():
     from types import SimpleNamespace
 
-    from hoverproof.show.attraction import trade_off_figure
+    from hoverproof.show.trade_off import trade_off_figure
 
     missions = [load("x4-flyer", {"gains.k1": k1}) for k1 in ("0.3", "0.2")]
     reaches = [

@@ -16,7 +16,8 @@ from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.laws.hamel_mahony import LAWS
-from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, slowest_rate
+from hoverproof.servo.linearised import slowest_rate
+from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters
 from laws_kit import depth_matrix, numbers_of, seen, slope
 from sampling import mostly_whole
 

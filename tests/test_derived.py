@@ -14,7 +14,7 @@ from hoverproof.algebra import derived
 from hoverproof.algebra.derived import kept_graph, kept_json
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.certification import gains, problem
-from hoverproof.servo import loop
+from hoverproof.servo import linearised, loop
 from hoverproof.servo.feature import Feature
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.simulation import compiled, record, step, timing
@@ -24,7 +24,7 @@ GRAPHS = [
     (step.step_function, (3, HAMEL_MAHONY)),
     (loop.readout_function, (3,)),
     (loop._controller, (HAMEL_MAHONY,)),
-    (loop._loop_at_goal, (HAMEL_MAHONY,)),
+    (linearised._loop_at_goal, (HAMEL_MAHONY,)),
     (problem.sigma_function, (HAMEL_MAHONY,)),
     (timing._linearised, (3, HAMEL_MAHONY)),
 ]
@@ -142,7 +142,7 @@ def test_every_file_that_a_graph_is_derived_from_counts(tmp_path, monkeypatch):
 
 def test_what_is_derived_of_a_law_that_is_not_of_the_house_is_not_kept(folder):
     other = replace(HAMEL_MAHONY, feature=Feature("other", HAMEL_MAHONY.feature.of))
-    assert anew(loop._loop_at_goal, other)
+    assert anew(linearised._loop_at_goal, other)
     assert not folder.exists()
 
 

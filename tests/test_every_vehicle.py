@@ -4,26 +4,32 @@ from __future__ import annotations
 
 import inspect
 import json
+import re
 import typing
+from dataclasses import replace
 from fractions import Fraction as F
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import hoverproof as hp
-from exponential_truth import FEW, MISSION, NEAR
+from command_line import run
+from exponential_truth import MISSION, NEAR, soon_found
 from hoverproof import cli
 from hoverproof.certification import convergence, largest
-from hoverproof.certification.exponential import search
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.cli import attraction as command
+from hoverproof.design.proved_and_flown import why_longer
 from hoverproof.mission import tolerances
 from hoverproof.mission.reading import load, with_tolerance
 from hoverproof.mission.uncertainty import Uncertainty
 from hoverproof.reporting import glance, parts
 from hoverproof.show.exponential import View, fly, save_exponential_figure
 from hoverproof.show.largest import largest_figure
+from hoverproof.simulation.flight import flown
+from hoverproof.simulation.timing import Timing
 from once import attraction_once
 
 GUIDE = Path(__file__).parents[1] / "docs" / "how-to" / "prove-every-vehicle.md"
@@ -51,14 +57,11 @@ def answer(proved, monkeypatch, capsys):
     """Return a function that runs `attraction` with what was proved once."""
     monkeypatch.setattr(convergence, "attraction", lambda *_, **__: proved)
 
-    def run(*options):
-        capsys.readouterr()
-        path = str(guide_mission("."))
-        with pytest.raises(SystemExit) as done:
-            cli.main(["attraction", path, *options])
-        return done.value.code, capsys.readouterr().out
+    def attraction(*options):
+        status, out, _ = run(capsys, "attraction", guide_mission("."), *options)
+        return status, out
 
-    return run
+    return attraction
 
 
 @pytest.mark.slow
@@ -122,8 +125,6 @@ def test_a_simulated_flight_stays_below_the_bound_of_the_figure(proved):
 
 @pytest.mark.slow
 def test_no_flight_is_drawn_from_a_start_of_which_nothing_is_proved(proved, tmp_path):
-    from dataclasses import replace
-
     elsewhere = replace(proved, starts=(hp.Start.hover(F(0), F(1, 5), F(-3, 2)),))
     assert fly(View(elsewhere)) is None
     save_exponential_figure(elsewhere, tmp_path / "other.png")
@@ -166,10 +167,41 @@ def test_at_one_glance_a_report_says_for_whom_from_where_and_how_soon(
     assert head.index("For whom") < head.index("How soon") < head.index("Not covered")
 
 
-def test_at_one_glance_a_start_that_is_not_proved_is_said_not_to_be(proved):
+def test_at_one_glance_a_start_that_is_not_proved_is_said_not_to_be(proved, monkeypatch):
+    monkeypatch.setattr(glance, "headline", lambda parts: "The gains work.")
     undecided = hp.certification.verdict.Undecided(mission=proved.mission, reason="too far")
-    rows = glance.rows(parts.Attracted(undecided, None), "The gains work.")
+    rows = glance.rows(SimpleNamespace(attraction=parts.Attracted(undecided, None)))
     assert rows == [("Gains", "The gains work."), ("From its start", "undecided: too far")]
+
+
+@pytest.mark.slow
+def test_at_one_glance_a_flight_stands_beside_the_time_that_is_proved(proved, monkeypatch):
+    monkeypatch.setattr(glance, "headline", lambda parts: "The gains work.")
+    whole = flown(proved.mission, Timing(duration=float(proved.settling.time)))
+    flight = SimpleNamespace(whole=whole)
+    told = SimpleNamespace(attraction=parts.Attracted(proved, proved), flight=flight)
+    (said,) = [words for question, words in glance.rows(told) if "flight" in question]
+    since = float(re.search(r"from ([\d.]+) s on \(simulated", said)[1])
+    far = np.linalg.norm(whole["position"].values - [0, 0, -1.2], axis=1)
+    near = far <= float(proved.settling.radius)
+    assert near[whole["time"].values >= since].all()
+    assert not near[whole["time"].values < since - 0.1][-1]
+    assert ("the proof takes" in said) is (proved.settling.time > 4 * since)
+
+
+@pytest.mark.slow
+def test_it_is_said_why_a_proof_takes_more_than_four_times_as_long_as_a_flight(proved):
+    time = float(proved.settling.time)
+    assert why_longer(proved, None) is None
+    assert why_longer(proved, time / 3.9) is None
+    said = why_longer(proved, time / 8)
+    assert said.startswith("8 times as long as in a flight")
+    assert 0 < float(re.search(r"the tolerances cost ([\d.]+) %", said)[1]) < 20
+    assert f"holds J all the way, from {float(proved.slope[0]):.3g} to" in said
+    exact = replace(
+        proved, mission=proved.mission.model_copy(update={"uncertainty": Uncertainty()})
+    )
+    assert "tolerances" not in why_longer(exact, time / 8)
 
 
 def test_a_scaled_mission_that_is_not_proved_has_no_ball_to_fall_back_on(monkeypatch, tmp_path):
@@ -261,13 +293,11 @@ def test_every_number_of_uncertainty_may_be_asked_for():
 )
 def test_the_largest_noise_and_period_are_proved_and_drawn(name, monkeypatch, capsys):
     """Of what is tried: 0 and 0.001."""
-    for key, value in FEW.items():
-        monkeypatch.setattr(search, key, value)
     thousandth = next(k for k in range(-300, 0) if largest.two_digits(k) == F("0.001"))
     for key, value in {"FIRST": thousandth, "HIGHEST": thousandth, "DOUBLED": 1}.items():
         monkeypatch.setattr(largest, key, value)
     near = [f"--set={key}={value}" for key, value in NEAR.items()]
-    with pytest.raises(SystemExit) as done:
+    with soon_found(), pytest.raises(SystemExit) as done:
         cli.main(["attraction", str(MISSION), *near, "--largest", name, "--json"])
     told = json.loads(capsys.readouterr().out)
     assert done.value.code == 0

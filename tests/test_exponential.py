@@ -27,7 +27,7 @@ from hoverproof.certification.exponential.inequality import (
 )
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import SPARE
-from hoverproof.certification.exponential.search import Search
+from hoverproof.certification.exponential.question import Question
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.pattern import Pattern
 from hoverproof.mission.reading import load
@@ -242,10 +242,10 @@ def test_the_program_finds_what_another_solver_finds(number, whole):
     if number >= 1 and not whole:
         pytest.skip("with --whole")
     mission = asked(number)
-    search = Search.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
-    starts, (low, high) = search.terms(), np.log(search.ends)
+    question = Question.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
+    starts, (low, high) = question.terms(), np.log(question.ends)
     x = np.array([low + 0.6 * (high - low), -1.7])
-    found = search.at(x, search.slow(float(np.exp(low))), starts)
+    found = question.at(x, question.slow(float(np.exp(low))), starts)
     assert found is not None
-    fill = by_another_solver(search.limits(x, found.ball), found, starts)
+    fill = by_another_solver(question.limits(x, found.ball), found, starts)
     assert found.solution.fill == pytest.approx(fill, rel=0.01)

@@ -27,8 +27,8 @@ from exponential_kit import (
     sealed,
 )
 from hoverproof import checker
-from hoverproof.servo.law import Design, Errors
 from hoverproof.servo.uncertain import Doubt, Motion, error_rates
+from hoverproof.servo.variables import Design, Errors
 
 GAINS = (0.03, 20, 2.6, 5.8)
 NO_LAG = {**TOLERANCES, "rotor_lag": "0"}

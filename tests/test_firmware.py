@@ -23,15 +23,16 @@ from hoverproof.cli import main
 from hoverproof.errors import InputError
 from hoverproof.export import targets
 from hoverproof.export.binding import Firmware
-from hoverproof.export.flight_law import assert_is_the_controller, flight_law
+from hoverproof.export.flight_law import flight_law
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.export.precision import FLOAT32, FLOAT64
+from hoverproof.export.same_controller import assert_is_the_controller
 from hoverproof.export.standing import Standing
 from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_goal
 from hoverproof.plant.rotors import wrench
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design
+from hoverproof.servo.variables import Design
 from papers_law import CRAZYFLIE, PAPERS
 from sampling import mostly_whole
 

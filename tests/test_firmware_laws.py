@@ -14,7 +14,8 @@ from firmware_kit import export, tool
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
 from hoverproof.export.chain import body_sensors
-from hoverproof.export.flight_law import assert_is_the_controller, flight_law
+from hoverproof.export.flight_law import flight_law
+from hoverproof.export.same_controller import assert_is_the_controller
 from hoverproof.mission.reading import load
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.laws.choices import WithAccelerometer

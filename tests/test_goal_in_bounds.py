@@ -21,7 +21,7 @@ from hoverproof.design.tuning import tune
 from hoverproof.errors import InputError
 from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
-from hoverproof.servo.loop import slowest_rate
+from hoverproof.servo.linearised import slowest_rate
 from papers_law import CRAZYFLIE
 from test_brute_force import random_mission
 from test_tuning import tuned_once

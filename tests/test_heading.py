@@ -17,7 +17,8 @@ from hoverproof import checker
 from hoverproof.certification.gains import certify
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
-from hoverproof.export.flight_law import assert_is_the_controller, flight_law
+from hoverproof.export.flight_law import flight_law
+from hoverproof.export.same_controller import assert_is_the_controller
 from hoverproof.mission.reading import load
 from hoverproof.mission.writing import mission_text
 from hoverproof.plant import rigid_body

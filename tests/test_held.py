@@ -9,13 +9,14 @@ import pytest
 
 import hoverproof as hp
 import uncertain_body as kit
-from exponential_truth import FEW, MISSION, NEAR
+from exponential_truth import MISSION, NEAR, soon_found
 from hoverproof import checker
-from hoverproof.certification.exponential import proof, search
+from hoverproof.certification.exponential import proof
 from hoverproof.certification.exponential.held import moved
 from hoverproof.certification.exponential.inequality import HOLD, Ball, falls
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.reach import Reach
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.mission.reading import load
 from sampling import mostly_whole
 from sharing import kept_value
@@ -39,9 +40,7 @@ def mission(name, **more):
 
 @pytest.fixture(scope="module", params=mostly_whole(CASES, every=2))
 def proved(request):
-    with pytest.MonkeyPatch.context() as patch:
-        for key, value in FEW.items():
-            patch.setattr(search, key, value)
+    with soon_found():
         found = kept_value(("held", request.param), lambda: proof.converge(mission(request.param)))
     assert found.status == "proved", found.reason
     return found

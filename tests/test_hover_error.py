@@ -16,8 +16,8 @@ from hoverproof.plant.rigid_body import RigidBodyState, state_rate
 from hoverproof.reporting.tables import hover_error_tables
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.hover_error import hover_error
-from hoverproof.servo.law import Design
 from hoverproof.servo.loop import LoopNumbers, command, parameters, sense
+from hoverproof.servo.variables import Design
 from hoverproof.simulation.flight import simulate
 from hoverproof.simulation.step import runge_kutta
 from papers_law import CRAZYFLIE

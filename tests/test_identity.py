@@ -17,13 +17,13 @@ from hoverproof.algebra.identity import normal_form, prove_equal, prove_zero
 from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant import camera
 from hoverproof.plant.rigid_body import E3, skew
-from hoverproof.servo.law import Errors
 from hoverproof.servo.lyapunov import (
     derive_error_dynamics,
     derive_lyapunov_form,
     measurement_of_errors,
     thrust_of_factor,
 )
+from hoverproof.servo.variables import Errors
 
 X = ca.vertcat(*(ca.SX.sym("x") for _ in range(3)))  # three symbols of one name
 x, y, z = ca.vertsplit(X)

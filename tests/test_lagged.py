@@ -8,17 +8,19 @@ import casadi as ca
 import pytest
 
 from hoverproof.algebra.identity import prove_equal
-from hoverproof.certification.exponential import lemmas
+from hoverproof.certification.exponential import energy_identities
 from hoverproof.certification.exponential.form import ROWS, derive_form
+from hoverproof.certification.exponential.identities import GOALS
 from hoverproof.servo.lagged import (
     Rotors,
     Setting,
     derive_lagged_loop,
     lagged_rates,
     own_gyroscopic,
+    smooth_command,
 )
-from hoverproof.servo.law import Design, Errors
 from hoverproof.servo.laws.hamel_mahony import LAWS
+from hoverproof.servo.variables import Design, Errors
 from sampling import share_of
 from test_uncertain import MEASURED, MODELLED, graph_mutants, rejected, swapped
 
@@ -63,7 +65,7 @@ def without(loop, what):
     missing = (k + d.k4 / d.mass) * right[9:11]
     if what == "drift":
         follows = k * e.d3[2] + rotors.thrust
-        applied = lemmas.smooth_command(e, d) + rotors.torque
+        applied = smooth_command(e, d) + rotors.torque
         missing = (rotors.thrust_gain * at.quickness / k * follows + at.crosswind) * applied
     return right - ca.vertcat(ca.SX.zeros(11), rotors.lag * missing, 0)
 
@@ -95,7 +97,7 @@ def spoiled(block, factor):
 
     def derive(law, lagged):
         inputs = [ca.SX.sym(f"x{i}", derive_form(law, lagged).size1_in(i)) for i in range(3)]
-        m = lemmas._matrices(derive_form(law, lagged)(*inputs))
+        m = energy_identities.matrices(derive_form(law, lagged)(*inputs))
         m[block] = factor * m[block]
         return ca.Function("falls", inputs, [ca.vertcat(*m.values())])
 
@@ -112,12 +114,12 @@ def test_the_form_of_the_search_is_told_from_a_spoiled_one(
 
     Each block is negated, and with `make trials` doubled as well.
     """
-    law = lemmas.GOALS[goal]
+    law = GOALS[goal]
     unused |= {"energy", "pull", "sum"} | (set() if lagged else {"h3", "pulled"})
     for block in ROWS:
         for factor in (-1, 2) if whole else (-1,):
-            monkeypatch.setattr(lemmas, "derive_form", spoiled(block, factor))
-            assert lemmas._falls(law, lagged) == (block in unused), (block, factor)
+            monkeypatch.setattr(energy_identities, "derive_form", spoiled(block, factor))
+            assert energy_identities.falls(law, lagged) == (block in unused), (block, factor)
 
 
 def test_the_gyroscopic_torque_is_what_the_controller_makes_up_for():

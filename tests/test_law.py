@@ -19,25 +19,27 @@ from hoverproof.compilers import find_compiler
 from hoverproof.export.binding import Firmware
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.export.standing import Standing
-from hoverproof.firmware import export_c, fly_firmware
+from hoverproof.firmware.exporting import export_c
+from hoverproof.firmware.flying import fly_firmware
 from hoverproof.mission.reading import load
-from hoverproof.mission.sections import Gains
+from hoverproof.mission.task import Gains
 from hoverproof.plant import camera
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.feature import Feature
-from hoverproof.servo.law import Design, Errors, Measurement
 from hoverproof.servo.laws.choices import WithAccelerometer
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, LAWS, horizontal, wanted_rates
 from hoverproof.servo.laws.heading import DesignWithHeading
 from hoverproof.servo.layout import scalar
-from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, sense, slowest_rate
+from hoverproof.servo.linearised import slowest_rate
+from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, sense
 from hoverproof.servo.lyapunov import (
     derive_error_dynamics,
     derive_lyapunov_form,
     linearised_loop,
     thrust_factor,
 )
+from hoverproof.servo.variables import Design, Errors, Measurement
 from hoverproof.simulation.block import fly_raw
 from hoverproof.simulation.flight import simulate, summary
 from hoverproof.simulation.plan import Plan

@@ -13,7 +13,8 @@ import pytest
 import xarray as xr
 
 import hoverproof as hp
-from hoverproof import checker, cli
+from command_line import run
+from hoverproof import checker
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.certification import robust
 from hoverproof.certification.flow import flow_of
@@ -21,10 +22,10 @@ from hoverproof.certification.problem import gain_problem
 from hoverproof.design.atlas import axis, cell_margins
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.export.standing import Standing
-from hoverproof.mission.sections import LawChoice
+from hoverproof.mission.task import LawChoice
 from hoverproof.plant.goal import hover_goal
 from hoverproof.reporting import mathematics
-from hoverproof.reporting.tables import bounded
+from hoverproof.reporting.numerals import bounded
 from hoverproof.servo.hover_error import hover_error
 from hoverproof.show.decay import decay_along
 from hoverproof.show.figures import features_figure
@@ -56,13 +57,6 @@ def small():
 
 def mission_of(law, more=None):
     return hp.load("small.toml", {**named(law), **(more or {})})
-
-
-def run(capsys, *arguments):
-    capsys.readouterr()
-    with pytest.raises(SystemExit) as done:
-        cli.main([str(a) for a in arguments])
-    return done.value.code, *capsys.readouterr()
 
 
 def symbol(law):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import struct
 from pathlib import Path
 
 import numpy as np
@@ -18,34 +17,15 @@ from hoverproof.audit.vehicle import Vehicle
 from hoverproof.audit.verdict import audit
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
-from hoverproof.firmware import export_c
+from hoverproof.firmware.exporting import export_c
 from hoverproof.mission.reading import load
 from hoverproof.simulation.flight import flown, save
 from hoverproof.simulation.timing import Timing
+from log_kit import ulog
 
 BANDWIDTH = 20.0
 MISSION = load("research-1.5kg", {"interface.rate_bandwidth": 25})
 WIND = 0.8
-
-
-def message(kind, content):
-    return struct.pack("<HB", len(content), ord(kind)) + content
-
-
-def ulog(path, topics):
-    """Write a log of PX4: by topic, the names of its fields and rows (time in s, floats)."""
-    content = b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 0) + message("B", bytes(40))
-    for name, (fields, _) in topics.items():
-        words = "".join(f"float{size} {field};" for field, size in fields)
-        content += message("F", f"{name}:uint64_t timestamp;{words}".encode())
-    for number, name in enumerate(topics):
-        content += message("A", struct.pack("<BH", 0, number) + name.encode())
-    for number, (_, rows) in enumerate(topics.values()):
-        for time, *values in rows:
-            row = struct.pack(f"<HQ{len(values)}f", number, round(1e6 * time), *values)
-            content += message("D", row)
-    path.write_bytes(content)
-    return path
 
 
 @pytest.fixture(scope="module")

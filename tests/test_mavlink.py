@@ -15,11 +15,12 @@ import pytest
 from firmware_kit import export, tool
 from hoverproof.export.binding import Firmware
 from hoverproof.mavlink.autopilots import ARDUPILOT, PX4
-from hoverproof.mavlink.flight import HEARTBEAT_LOST, PAUSE, STALE
+from hoverproof.mavlink.flight import HEARTBEAT_LOST, PAUSE
 from hoverproof.mavlink.flying import Wish, flight_of, package_of
 from hoverproof.mavlink.guide import Guide
 from hoverproof.mavlink.rehearsal import Rehearsal, patient_pilot
 from hoverproof.mavlink.stand_in import HOLD, TAKES, Habits, StandIn
+from hoverproof.mavlink.told import STALE
 from hoverproof.mission.reading import load
 from papers_law import CRAZYFLIE
 

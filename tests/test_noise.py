@@ -10,9 +10,10 @@ import pytest
 
 import uncertain_body as kit
 from hoverproof import checker
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.proof import converge
 from hoverproof.certification.exponential.reach import Reach
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.cli.answers.exponential import as_json, lines
 from hoverproof.mission.reading import load
 from sampling import mostly_whole

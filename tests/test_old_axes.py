@@ -10,10 +10,10 @@ import pytest
 
 import test_potential
 import uncertain_body as kit
-from exponential_truth import FEW, MISSION, NEAR, OfPotential, Truth
+from exponential_truth import MISSION, NEAR, OfPotential, Truth, soon_found
 from hoverproof import checker
 from hoverproof.certification.attraction.proof import attraction
-from hoverproof.certification.exponential import proof, search
+from hoverproof.certification.exponential import proof
 from hoverproof.mission.reading import load
 from papers_law import CRAZYFLIE
 from test_hostile_exponential import changed, larger, pruned
@@ -34,9 +34,7 @@ def proofs():
 
     def of(name):
         if name not in made:
-            with pytest.MonkeyPatch.context() as patch:
-                for key, value in FEW.items():
-                    patch.setattr(search, key, value)
+            with soon_found():
                 made[name] = proof.converge(load(MISSION, CASES[name]))
         return made[name]
 
@@ -98,9 +96,7 @@ def test_the_natural_potential_proves_it_too(natural):
 @pytest.mark.slow
 def test_turning_the_image_costs_less(proofs):
     turned = CASES["inertial"] | {"sensors.gyro_turned": "true"}
-    with pytest.MonkeyPatch.context() as patch:
-        for key, value in FEW.items():
-            patch.setattr(search, key, value)
+    with soon_found():
         sooner = proof.converge(load(MISSION, turned)).settling.time
     assert sooner < proofs("inertial").settling.time
 
@@ -120,9 +116,7 @@ def test_a_certificate_is_about_its_own_class(proofs):
 @pytest.mark.slow
 def test_wind_on_a_vehicle_that_yaws_leaves_it_near_the_goal():
     """It leans, and what it sees of that turns: a bound in metres, and nothing by the potential."""
-    with pytest.MonkeyPatch.context() as patch:
-        for key, value in FEW.items():
-            patch.setattr(search, key, value)
+    with soon_found():
         windy = CASES["inertial"] | {"uncertainty.wind": "0.05", "uncertainty.yaw_rate": "0.2"}
         found = proof.converge(load(MISSION, windy))
     assert found.status == "proved", found.reason
@@ -162,9 +156,7 @@ def test_evolution_finds_no_state_and_delay_that_break_the_inequality(name, near
 @pytest.mark.slow
 def test_evolution_tells_old_axes_where_they_are_not_proved():
     """Three times the yaw rate is within what weights allow if the image is turned, else not."""
-    with pytest.MonkeyPatch.context() as patch:
-        for key, value in FEW.items():
-            patch.setattr(search, key, value)
+    with soon_found():
         turned = CASES["inertial"] | {"sensors.gyro_turned": "true"}
         made = copy.deepcopy(proof.converge(load(MISSION, turned)).certificate.content)
     made["mission"]["uncertainty"]["yaw_rate"] = "3"

@@ -22,7 +22,6 @@ from hoverproof.paper import ledger as ledger_module
 from hoverproof.paper.judge import Verdict, identity, proof_of
 from hoverproof.paper.ledger import ORDER, all_proved, as_rows, derive, derive_once, ledger
 from hoverproof.paper.notation import (
-    Equation,
     Number,
     Power,
     Product,
@@ -32,19 +31,11 @@ from hoverproof.paper.notation import (
     Sum,
     Symbol,
     Transpose,
-    UnitError,
 )
-from hoverproof.paper.symbols import (
-    closed_loop_no_yaw,
-    d1,
-    d1_rate,
-    k1,
-    k3,
-    k4,
-    m,
-    number,
-    sk,
-)
+from hoverproof.paper.printed import Equation
+from hoverproof.paper.symbols import d1, d1_rate, k1, k3, k4, m, number, sk
+from hoverproof.paper.units import UnitError
+from hoverproof.paper.worlds import closed_loop_no_yaw
 from hoverproof.plant.camera import depth_matrix
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation.flight import simulate
@@ -325,7 +316,7 @@ def test_the_prover_rejects_every_mutant(record_property, whole):
 
 def test_a_controller_with_one_wrong_sign_breaks_the_derivative_of_L():
     """Mutants of the control law itself, not of its closed form: eq. 34 must not survive them."""
-    world = symbols.closed_loop_no_yaw()
+    world = closed_loop_no_yaw()
     claim = next(c for c in PROVED if c.id == "34")
     assert prove_equal(claim.printed.left.value(world), claim.printed.right.value(world))
     for i, spoiled in enumerate(("k1", "k2", "k3", "k4")):

@@ -18,8 +18,8 @@ from hoverproof.certification.attraction.search import SLACKS, Found, Search, fi
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.tolerant import posed
 from hoverproof.certification.exponential.inequality import Sector, falls
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.reach import Reach
-from hoverproof.certification.exponential.vehicles import Limits
 from hoverproof.mission.reading import load
 from papers_law import CRAZYFLIE
 from sampling import mostly_whole

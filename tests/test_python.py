@@ -123,3 +123,28 @@ def test_many_flights_are_opened_as_a_dataset(tmp_path, monkeypatch):
     with flown.open() as runs:
         assert runs.sizes["run"] == 3
         assert hp.plot(runs).axes
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: hp.certify(9.6), "name of a preset or the path of a file, not float"),
+        (lambda: hp.replace(5, {}), "name of a preset or the path of a file, not int"),
+        (lambda: hp.replace("x4-flyer", 5), "by dotted key"),
+        (lambda: hp.load("x4-flyer", [1]), "by dotted key"),
+        (lambda: hp.replace("x4-flyer", {5: 1}), "by dotted key"),
+    ],
+)
+def test_what_is_no_mission_and_no_values_is_told(call, said):
+    with pytest.raises(TypeError, match=said):
+        call()
+
+
+def test_a_certificate_that_is_not_there_is_named():
+    with pytest.raises(hp.InputError, match=r"missing\.json: No such file"):
+        hp.check("missing.json")
+
+
+def test_a_flight_that_starts_at_its_goal_is_drawn(tmp_path):
+    flight = hp.simulate(hp.replace("crazyflie-2.1", {"start.position": [0, 0, -1]}), duration=0.5)
+    hp.plot(flight).savefig(tmp_path / "still.png")  # a warning is an error here

@@ -12,8 +12,9 @@ import pytest
 import hoverproof
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
-from hoverproof.export.flight_law import assert_is_the_controller, flight_law
+from hoverproof.export.flight_law import flight_law
 from hoverproof.export.options import Options
+from hoverproof.export.same_controller import assert_is_the_controller
 from hoverproof.mission.reading import load
 from hoverproof.servo.laws.heading import flown_law
 from test_firmware_laws import SQUARE, feature_of, made, mission_of, step_at

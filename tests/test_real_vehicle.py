@@ -12,7 +12,8 @@ from scipy.optimize import fsolve
 
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
-from hoverproof.firmware import export_c, fly_firmware
+from hoverproof.firmware.exporting import export_c
+from hoverproof.firmware.flying import fly_firmware
 from hoverproof.mission.presets import conditions_text
 from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import rotation_matrix
@@ -23,7 +24,7 @@ from hoverproof.simulation.block import fly_raw
 from hoverproof.simulation.draws import lag_shares, memory_and_parameters
 from hoverproof.simulation.flight import simulate, summary, without_conditions
 from hoverproof.simulation.plan import Plan, check_runs_differ
-from hoverproof.simulation.realistic import felt
+from hoverproof.simulation.sensing import felt
 from hoverproof.simulation.surroundings import FurtherSurroundings
 from hoverproof.simulation.timing import fastest_rate
 from sampling import mostly_whole

@@ -24,7 +24,7 @@ from hoverproof.design.region_tuning import tune_region
 from hoverproof.design.tuning import tune
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
-from hoverproof.servo.loop import slowest_rate
+from hoverproof.servo.linearised import slowest_rate
 from hoverproof.simulation.flight import simulate, summary
 from papers_law import CRAZYFLIE
 from sharing import kept

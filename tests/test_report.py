@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.spatial.transform import Rotation
 
 import hoverproof as hp
 from command_line import run
@@ -27,8 +28,9 @@ from hoverproof.export import cost
 from hoverproof.mission.presets import presets
 from hoverproof.paper.ledger import derive
 from hoverproof.reporting import document, mathematics, parts
+from hoverproof.reporting.numerals import at_least, at_most, short
 from hoverproof.reporting.page import CONTENTS
-from hoverproof.reporting.tables import at_least, at_most, short
+from hoverproof.reporting.player import _quaternions
 from once import start_or_ball_once
 from papers_law import PAPERS
 from sampling import mostly_whole
@@ -517,3 +519,11 @@ def test_many_flights_join_the_report_and_scroll_in_their_own_box(browser):
     document.report(mission, "report.html", runs=8, without=without)
     check_in_browser(browser, "report.html", VIEWS[1:2])
     assert "8 flights drawn from the scatter" in Path("report.html").read_text(encoding="utf-8")
+
+
+def test_the_attitudes_of_a_player_are_those_of_scipy():
+    half = Rotation.from_euler("z", [[180]], degrees=True)
+    turns = Rotation.concatenate([Rotation.random(200, random_state=0), half])
+    own, other = _quaternions(turns.as_matrix()), turns.as_quat(scalar_first=True)
+    nearer = np.where((own * other).sum(axis=1, keepdims=True) < 0, -own, own)
+    assert np.abs(nearer - other).max() < 1e-14

@@ -15,7 +15,6 @@ import checker_kit
 from hoverproof.algebra.graph import evaluate
 from hoverproof.errors import InputError
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design, Measurement
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, wanted_rates
 from hoverproof.servo.lyapunov import (
     Errors,
@@ -25,6 +24,7 @@ from hoverproof.servo.lyapunov import (
     thrust_factor,
     thrust_of_factor,
 )
+from hoverproof.servo.variables import Design, Measurement
 
 positive = st.fractions(min_value=Fraction(1, 9), max_value=9, max_denominator=9)
 signed = st.fractions(min_value=-3, max_value=3, max_denominator=9)

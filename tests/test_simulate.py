@@ -18,7 +18,7 @@ from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import rotation_matrix
-from hoverproof.servo.loop import slowest_rate
+from hoverproof.servo.linearised import slowest_rate
 from hoverproof.simulation import compiled
 from hoverproof.simulation.flight import (
     default_duration,
@@ -295,6 +295,13 @@ def test_the_flight_file_is_the_one_that_xarray_writes(x4, change):
     assert ours.identical(theirs) and ours.identical(flight.dataset())
     for name in theirs.variables:
         stored = [{**file[name].encoding, "source": ""} for file in files]
+        numbers = theirs[name].dtype.kind in "fiu" and theirs[name].ndim > 0
+        assert stored[0].pop("fletcher32", False) is numbers
+        assert stored[1].pop("fletcher32", False) is False
+        stored = [
+            {k: v for k, v in each.items() if "chunk" not in k and k != "contiguous"}
+            for each in stored
+        ]
         assert str(stored[0]) == str(stored[1])
 
 

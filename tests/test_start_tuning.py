@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 from dataclasses import replace
 from fractions import Fraction
@@ -18,18 +17,20 @@ from hoverproof.certification.exponential.domain import COST_BESIDE, Domain
 from hoverproof.certification.exponential.inequality import Ball, falls
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import Program
-from hoverproof.certification.exponential.search import Search
+from hoverproof.certification.exponential.question import Question
+from hoverproof.certification.exponential.search import deepest, soonest
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.cli.answers.beyond import beyond_text, covering
 from hoverproof.design import start_trade
 from hoverproof.design.limits import Limits
+from hoverproof.design.start_guesses import guesses
 from hoverproof.design.start_search import StartSearch
 from hoverproof.design.start_tuning import Failed, ill_conditioned, is_shown, why_not
 from hoverproof.design.tuning import Wish, pareto, tune
 from hoverproof.errors import InputError
 from hoverproof.mission.conditions import Rotors
 from hoverproof.mission.reading import load
-from hoverproof.servo.loop import slowest_rate
+from hoverproof.servo.linearised import slowest_rate
 from sampling import mostly_whole
 from small_kit import small_vehicle
 from start_trials import sooner, vehicle
@@ -80,15 +81,15 @@ def test_the_search_sets_out_near_for_vehicles_of_20_g_and_of_20_kg(small, mass_
 
 def test_few_vertices_give_the_weights_of_all(small):
     mission = small()
-    search = replace(
-        Search.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),)), wider=0.3
+    question = replace(
+        Question.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),)), wider=0.3
     )
     rate = 0.02
-    first = search.deepest(search.terms())
-    limits = search.limits(first.x, first.ball)
+    first = deepest(question, question.terms())
+    limits = question.limits(first.x, first.ball)
     every = range(len(list(limits.vertices())))
     level = first.solution.level
-    program = Program.of(limits, first.ball, rate, level, search.terms())
+    program = Program.of(limits, first.ball, rate, level, question.terms())
     few, whole = (program.solve(likely) for likely in ((), every))
     assert len(few.tight) < len(every)
     assert few.fill == pytest.approx(whole.fill, rel=1e-5)
@@ -114,12 +115,12 @@ def test_the_dual_tells_how_time_and_rate_change_with_gains_d_share_and_rate(sma
 @pytest.mark.slow
 def test_a_candidate_is_made_faster_and_stays_inside(small):
     mission = small()
-    search = replace(
-        Search.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),)), wider=0.3
+    question = replace(
+        Question.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),)), wider=0.3
     )
-    terms, offset = search.terms(), search.settled_offset
-    first = search.deepest(terms)
-    last = search.soonest(first, terms, offset)
+    terms, offset = question.terms(), question.settled_offset
+    first = deepest(question, terms)
+    last = soonest(question, first, terms, offset)
     assert last.time(offset) < first.time(offset) / 2
     assert last.solution.fill < 1
 
@@ -130,10 +131,10 @@ def test_the_rate_of_the_controller_and_the_rotors_are_the_mission_s(small):
     limits = Wish().limits(mission)
     assert (limits.fastest, limits.rotors) == (4.0, (0.0, 1.5))
     search = StartSearch.of(mission, limits)
-    _, guess = itertools.islice(search.guesses(), 2)  # the first is the mission's own
+    guess = next(guesses(search.whole, limits, search.ends))
     four = np.exp(guess[:4])
-    assert (search.beyond(four[None]) <= 0).all()
-    assert (search.beyond(four[None] * [1, 1, 10, 10]) > 0).any()
+    assert (search.held_to.beyond(four[None]) <= 0).all()
+    assert (search.held_to.beyond(four[None] * [1, 1, 10, 10]) > 0).any()
     assert Wish(rate=50).limits(mission).fastest == 10.0
 
 
@@ -300,10 +301,10 @@ def test_tune_writes_a_mission_and_a_certificate_that_holds_its_start(small, cap
 def test_a_camera_beside_the_centre_leaves_fewer_cells(position, shown, small, monkeypatch):
     """Its cells cost more to check, so that what is shown without an arm is too much with one."""
     mission = small(changes=LATE | {"camera.position": position})
-    search = Search.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
-    most = most_cells(len(search.scene.points), COST_BESIDE)
+    question = Question.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
+    most = most_cells(len(question.scene.points), COST_BESIDE)
     monkeypatch.setattr(Domain, "tree", lambda *_: "0" * most)
-    assert is_shown(mission, search, 0.1) == shown
+    assert is_shown(mission, question, 0.1) == shown
 
 
 @pytest.mark.whole

@@ -7,9 +7,9 @@ import pytest
 
 from hoverproof import cli
 from hoverproof.errors import InputError
-from hoverproof.firmware import fly_firmware
+from hoverproof.firmware.flying import fly_firmware
 from hoverproof.mission.reading import load
-from hoverproof.servo.loop import slowest_rate
+from hoverproof.servo.linearised import slowest_rate
 from hoverproof.simulation.flight import simulate, without_conditions
 from hoverproof.simulation.runs import simulate_batch
 from hoverproof.simulation.timing import STEP, fastest_rate, flight_step

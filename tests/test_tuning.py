@@ -33,13 +33,8 @@ from hoverproof.design.tuning import pareto
 from hoverproof.design.tuning import tune as any_gains
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
-from hoverproof.servo.loop import (
-    LoopNumbers,
-    loop_rate,
-    parameters,
-    slowest_rate,
-    slowest_rates,
-)
+from hoverproof.servo.linearised import slowest_rate, slowest_rates
+from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters
 from hoverproof.simulation.flight import simulate
 from sharing import kept_value
 

@@ -13,18 +13,12 @@ from hoverproof.algebra.linear import lie_derivative
 from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design, Errors, Measurement
 from hoverproof.servo.laws.choices import SCALED
 from hoverproof.servo.laws.hamel_mahony import LAWS
 from hoverproof.servo.lyapunov import derive_error_dynamics
-from hoverproof.servo.uncertain import (
-    QUARTER,
-    Doubt,
-    Motion,
-    derive_uncertain_loop,
-    error_rates,
-    kappa,
-)
+from hoverproof.servo.true_vehicle import QUARTER, kappa
+from hoverproof.servo.uncertain import Doubt, Motion, derive_uncertain_loop, error_rates
+from hoverproof.servo.variables import Design, Errors, Measurement
 from sampling import share_of
 
 each_law = pytest.mark.parametrize("law", LAWS.values(), ids=lambda law: law.name)

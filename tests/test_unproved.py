@@ -15,10 +15,11 @@ from exponential_truth import MISSION
 from hoverproof import checker
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.form import Variables, Vertex
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.reach import Reach
 from hoverproof.certification.exponential.refuting import refused, without_noise
 from hoverproof.certification.exponential.terms import terms
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.cli import main
 from hoverproof.design.worst_vehicle import vehicles, worst_flight
 from hoverproof.mission.reading import load

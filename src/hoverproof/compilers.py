@@ -26,9 +26,14 @@ def command_words(command: str) -> list[str]:
     Parameters
     ----------
     command : str
-        As in ``$CC``: a program, perhaps with options.
+        As in ``$CC``: a program, perhaps with options. The path of a program may have blanks, as it
+        often has on Windows, and there a backslash is part of it.
     """
+    if shutil.which(command):
+        return [command]
+    plain = os.name == "nt"
     try:
-        return shlex.split(command)
+        words = shlex.split(command, posix=not plain)
     except ValueError:  # a quotation that does not end
         return []
+    return [word.strip("\"'") for word in words] if plain else words

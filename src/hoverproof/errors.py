@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
+import contextlib
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 
 class InputError(ValueError):
@@ -44,6 +44,28 @@ def _in_python(line: str) -> str:
     return re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda m: m[1].replace("-", "_"), arguments)
 
 
+@contextlib.contextmanager
+def needing(extra: str, where: str, reason: str) -> Iterator[None]:
+    """Say which extra has what is imported here, if it is not installed.
+
+    Parameters
+    ----------
+    extra : str
+        As pip knows it, ``hoverproof[extra]``.
+    where, reason : str
+        See `InputError`.
+
+    Raises
+    ------
+    InputError
+        In place of ImportError.
+    """
+    try:
+        yield
+    except ImportError:
+        raise InputError(where, "", f"{reason}: pip install 'hoverproof[{extra}]'") from None
+
+
 def suggestion(word: str, known: Sequence[str], title: str, *, shown: Sequence[str] = ()) -> str:
     """Suggest the nearest of what is known; list it (or what is to be `shown`) if nothing is near.
 
@@ -58,6 +80,8 @@ def suggestion(word: str, known: Sequence[str], title: str, *, shown: Sequence[s
     shown : sequence of str, optional
         A shorter list.
     """
+    import difflib
+
     by_lower = {name.lower(): name for name in known}
     near = difflib.get_close_matches(word.lower(), by_lower, n=1)
     return (

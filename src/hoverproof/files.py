@@ -6,7 +6,6 @@ import contextlib
 import errno
 import os
 import sys
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -20,6 +19,38 @@ def cache_folder() -> Path:
     import platformdirs
 
     return Path(platformdirs.user_cache_dir("hoverproof"))
+
+
+def kept(path: Path) -> bytes | None:
+    """Return what `keep` has put into a file of the cache; None if it is not there, or damaged.
+
+    Parameters
+    ----------
+    path : Path
+    """
+    import hashlib
+
+    with contextlib.suppress(OSError, ValueError):
+        checksum, content = path.read_bytes().split(b"\n", 1)
+        if checksum == hashlib.sha256(content).hexdigest().encode():
+            return content
+    return None
+
+
+def keep(path: Path, content: bytes) -> None:
+    """Put what can be made anew into a file of the cache, or do nothing if that cannot be.
+
+    Parameters
+    ----------
+    path : Path
+        In `cache_folder`.
+    content : bytes
+    """
+    import hashlib
+
+    with contextlib.suppress(OSError, InputError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_bytes(path, hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
 
 
 def discard_unfinished() -> None:
@@ -43,6 +74,8 @@ def replacing(path: Path | str) -> Iterator[Path]:
     InputError
         If the folder does not exist or cannot be written to.
     """
+    import tempfile
+
     path = Path(path)
     if path.is_dir():
         raise InputError(str(path), "", "is a directory, not a file to write")
@@ -174,7 +207,7 @@ def _lock_on_windows(handle: int) -> None:
 
 
 def write_text(path: Path | str, text: str) -> None:
-    """Write UTF-8 text to `path`, whole or not at all.
+    """Write UTF-8 text to `path`, whole or not at all, with the same bytes on every system.
 
     Parameters
     ----------
@@ -183,7 +216,7 @@ def write_text(path: Path | str, text: str) -> None:
     text : str
     """
     with replacing(path) as beside:
-        beside.write_text(text, encoding="utf-8")
+        beside.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _umask() -> int:

@@ -221,7 +221,7 @@ def slow_motion(mission: Mission) -> Iterator[Finding]:
     ----------
     mission : Mission
     """
-    from hoverproof.servo.loop import slowest_rate
+    from hoverproof.servo.linearised import slowest_rate
 
     rate = slowest_rate(mission)
     if rate * SLOWEST_MOTION < 1:

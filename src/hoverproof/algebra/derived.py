@@ -7,7 +7,6 @@ damaged, or cannot be read or written, costs the time to derive anew and nothing
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import hashlib
 import json
@@ -19,8 +18,7 @@ from typing import ParamSpec, TypeVar, cast
 
 import casadi as ca
 
-from hoverproof.errors import InputError
-from hoverproof.files import cache_folder, write_text
+from hoverproof.files import cache_folder, keep, kept
 
 Given = ParamSpec("Given")
 Made = TypeVar("Made")
@@ -63,11 +61,11 @@ def _kept(
         path = None if kwargs else _place(make, args)
         if path is None:
             return make(*args, **kwargs)
-        text = _read(path)
+        text = kept(path)
         if text is not None:
-            return decode(text)
+            return decode(text.decode())
         made = make(*args, **kwargs)
-        _write(path, encode(made))
+        keep(path, encode(made).encode())
         return made
 
     return cast(Callable[Given, Made], functools.wraps(make)(functools.cache(get)))
@@ -121,17 +119,3 @@ def _content(folder: Path) -> tuple[str, frozenset[Path]]:
         content = path.read_bytes()
         digest.update(f"{path.relative_to(folder)}\0{len(content)}\0".encode() + content)
     return digest.hexdigest(), frozenset(paths)
-
-
-def _read(path: Path) -> str | None:
-    with contextlib.suppress(OSError, ValueError):
-        checksum, text = path.read_text(encoding="utf-8").split("\n", 1)
-        if checksum == hashlib.sha256(text.encode()).hexdigest():
-            return text
-    return None
-
-
-def _write(path: Path, text: str) -> None:
-    with contextlib.suppress(OSError, InputError):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_text(path, f"{hashlib.sha256(text.encode()).hexdigest()}\n{text}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import operator
+import sys
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import lru_cache
@@ -24,6 +25,8 @@ _UNARY: dict[int, Callable[[Any], Any]] = {
     ca.OP_TWICE: lambda a: a + a,
     ca.OP_SQRT: lambda a: a.sqrt(),
 }
+SHORT = 2000
+"""Instructions of a graph that the standard library evaluates sooner than FLINT is there."""
 
 
 def evaluate(
@@ -55,8 +58,8 @@ def evaluate(
     ZeroDivisionError
         If the graph divides by zero.
     """
-    if number is Fraction:
-        return _in_fractions(function, arguments)
+    if number is Fraction and ("flint" in sys.modules or function.n_instructions() > SHORT):
+        return _by_flint(function, arguments)
     work: list[Any] = [None] * function.sz_w()
     zero = number(Fraction(0))
     results: list[list[Any]] = [[zero] * function.nnz_out(i) for i in range(function.n_out())]
@@ -79,11 +82,11 @@ def evaluate(
     return [_dense(values, function.sparsity_out(i), zero) for i, values in enumerate(results)]
 
 
-def _in_fractions(
+def _by_flint(
     function: ca.Function, arguments: Sequence[Sequence[Fraction]]
 ) -> list[list[list[Fraction]]]:
-    """Run a graph over the rationals of FLINT, which are as exact and ten times as fast."""
-    from flint import fmpq  # not where nothing is evaluated
+    """Run a graph over the rationals of FLINT, which are as exact and faster, once imported."""
+    from flint import fmpq
 
     given = [[fmpq(a.numerator, a.denominator) for a in values] for values in arguments]
     found = evaluate(function, given, lambda c: fmpq(c.numerator, c.denominator))

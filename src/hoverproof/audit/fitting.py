@@ -93,11 +93,9 @@ def over(times: Array, values: Array, window: float) -> Array:
     window : float
         s.
     """
-    known = np.isfinite(values)
-    total = np.cumsum(np.concatenate([0 * values[:1], np.where(known, values, 0)]), axis=0)
-    count = np.cumsum(np.concatenate([0.0 * values[:1], known]), axis=0) if known.size else total
-    count = np.nan_to_num(count)
-    total = np.nan_to_num(total)
+    known, none = np.isfinite(values), np.zeros_like(values[:1])
+    total = np.cumsum(np.concatenate([none, np.where(known, values, 0)]), axis=0)
+    count = np.cumsum(np.concatenate([none, known]), axis=0)
     first = np.searchsorted(times, times - window / 2)
     last = np.searchsorted(times, times + window / 2, side="right")
     number = count[last] - count[first]

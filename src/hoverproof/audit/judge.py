@@ -238,6 +238,10 @@ def images(log: FlightLog, mission: Mission) -> Iterator[Finding]:
     _, exposed = seen.exposures
     base, slack = max(seen.latency, 0.0), log_step(log)
     period = seen.period if seen.period > 1.5 * slack else 0.0  # else an image at every row
+    if log.image_age is None and period > LOST / 2:
+        why = f"the log has an image each {period:.3g} s: too few to tell"
+        yield from (untold(name, why) for name in names)
+        return
     if log.image_age is None:
         yield untold("latency", "the log has time stamps of images, not of their use")
     else:

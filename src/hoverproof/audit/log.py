@@ -62,6 +62,8 @@ class FlightLog:
         Exact numbers of the mission that the log holds.
     notes : tuple of str
         What was taken for something else.
+    lacks : tuple of str
+        What was looked for and is not in it, in the words of its format, and what it would tell.
     """
 
     source: str
@@ -88,6 +90,7 @@ class FlightLog:
     outcome: str = ""
     mission: dict[str, Any] | None = None
     notes: tuple[str, ...] = field(default=())
+    lacks: tuple[str, ...] = field(default=())
 
     def has(self, *names: str) -> bool:
         """Tell whether there is a number of each of these.

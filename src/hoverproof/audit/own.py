@@ -18,6 +18,7 @@ from hoverproof.plant.rigid_body import rotation_rows
 Array = NDArray[np.float64]
 
 AT_A_TIME = 100_000
+"""So many rows of a column are read at once."""
 
 
 def read(path: Path) -> FlightLog:
@@ -35,7 +36,7 @@ def read(path: Path) -> FlightLog:
     try:
         with h5py.File(path, "r") as file:
             return _read(file, str(path))
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError):
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, IndexError):
         reason = "is damaged or cut short, or was not written by simulate, fly or see"
         raise InputError(str(path), "", reason) from None
 
@@ -65,7 +66,7 @@ def _read(file: Any, source: str) -> FlightLog:
         held["mission"] = json.loads(attrs["mission"])
     held["outcome"] = str(attrs.get("outcome", ""))
     if title.startswith("what was seen"):
-        whole = ~np.isnan(np.asarray(file["pixel"])).any(axis=(1, 2))
+        whole = _whole(file["pixel"])
         return FlightLog(
             kind="images, by see",
             partial=str(attrs.get("partial", "")),
@@ -100,11 +101,17 @@ def _read(file: Any, source: str) -> FlightLog:
         held |= {"ahead": 0, "continuous": True}
     if "frame" in file:
         held["frames"] = np.asarray(file["frame"], np.float64)
-        held["frames_whole"] = ~np.isnan(np.asarray(file["pixel_found"])).any(axis=(1, 2))
+        held["frames_whole"] = _whole(file["pixel_found"])
     if held["specific_force"] is None:
         held["specific_force"] = _felt(held)
         held["notes"] += ("the specific force is made of the velocity, which is not noisy here",)
     return FlightLog(kind="flight, by simulate", **held)
+
+
+def _whole(pixels: Any) -> NDArray[np.bool_]:
+    """Tell in which images all of the target was found, (m,), of (m, n, 2) px in a file."""
+    parts = (pixels[i : i + AT_A_TIME] for i in range(0, pixels.shape[0], AT_A_TIME))
+    return np.concatenate([np.zeros(0, bool), *(~np.isnan(p).any(axis=(1, 2)) for p in parts)])
 
 
 def _felt(held: dict[str, Any]) -> Array:

@@ -4,28 +4,53 @@ from __future__ import annotations
 
 import contextlib
 import io
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.audit.log import MOST_ROWS, FlightLog
-from hoverproof.errors import InputError
+from hoverproof.audit.log import FlightLog
+from hoverproof.audit.tracks import Tracks, log_of
+from hoverproof.errors import InputError, needing
 
 Array = NDArray[np.float64]
 
-TOPICS = {
-    "vehicle_angular_velocity": ("xyz[0]", "xyz[1]", "xyz[2]"),
-    "vehicle_acceleration": ("xyz[0]", "xyz[1]", "xyz[2]"),
-    "vehicle_attitude": ("q[0]", "q[1]", "q[2]", "q[3]"),
-    "vehicle_local_position": ("vx", "vy", "vz"),
-    "vehicle_rates_setpoint": ("roll", "pitch", "yaw", "thrust_body[2]"),
-    "landing_target_pose": ("rel_pos_valid",),
-    "vehicle_status": ("nav_state",),
+XYZ = ("xyz[0]", "xyz[1]", "xyz[2]")
+TOPICS: dict[str, dict[str, tuple[str, ...]]] = {
+    "vehicle_angular_velocity": {"rate": XYZ},
+    "vehicle_acceleration": {"specific_force": XYZ},
+    "vehicle_attitude": {"attitude": ("q[0]", "q[1]", "q[2]", "q[3]")},
+    "vehicle_local_position": {"world_velocity": ("vx", "vy", "vz")},
+    "vehicle_rates_setpoint": {
+        "rate_command": ("roll", "pitch", "yaw"),
+        "throttle": ("thrust_body[2]",),
+    },
+    "landing_target_pose": {"frames": ("rel_pos_valid",)},
+    "vehicle_status": {"mode": ("nav_state",)},
+    "sensor_combined": {
+        "older rate": ("gyro_rad[0]", "gyro_rad[1]", "gyro_rad[2]"),
+        "older force": ("accelerometer_m_s2[0]", "accelerometer_m_s2[1]", "accelerometer_m_s2[2]"),
+    },
 }
-OFFBOARD = 14
+OLDER = {"rate": "older rate", "specific_force": "older force"}
+"""What stands in where a quantity is not there, of releases that did not log it."""
+WANTED = {
+    "specific_force": "vehicle_acceleration: wind, gusts",
+    "attitude": "vehicle_attitude: wind",
+    "world_velocity": "vehicle_local_position: velocity",
+    "rate_command": "vehicle_rates_setpoint: rate loop",
+    "frames": "landing_target_pose: images, whether the target was seen",
+}
+OFFBOARD = {14: "OFFBOARD"}
 HEADER, MESSAGE_HEADER = 16, 3
+FLAGS, ADDED, DATA = b"BAD"
+DEFINITIONS, KNOWN = b"BFIMPQ", b"ABCDFILMOPQRS"
+FLAGS_LENGTH = 40
+SYNC = b"\x2f\x73\x13\x20\x25\x0c\xbb\x12"
+PIECE = 8 << 20
+"""So many bytes of what is wanted are given to pyulog at once."""
 
 
 def read(path: Path) -> FlightLog:
@@ -40,88 +65,125 @@ def read(path: Path) -> FlightLog:
     InputError
         If pyulog is not there, or nothing of a flight can be read.
     """
-    try:
+    with needing("logs", str(path), "needs pyulog to be read"):
         from pyulog import ULog
-    except ImportError:
-        reason = "needs pyulog to be read: pip install 'hoverproof[logs]'"
-        raise InputError(str(path), "", reason) from None
-    try:
-        with contextlib.redirect_stdout(io.StringIO()):  # it prints what is damaged
-            read = ULog(str(path), list(TOPICS))
-    except Exception as error:  # pyulog raises what struct, numpy and its own parser do
-        reason = f"is damaged: {' '.join(str(error).split())[:80] or type(error).__name__}"
-        raise InputError(str(path), "", reason) from None
-    topics = {d.name: d.data for d in read.data_list if d.multi_id == 0}
-    rates = _values(topics, "vehicle_angular_velocity")
-    if rates is None:
-        raise InputError(str(path), "", "holds no flight: no vehicle_angular_velocity in it")
-    times, rate = rates
-    kept = slice(None, None, max(1, -(-len(times) // MOST_ROWS)))
-    times, rate = times[kept], rate[kept]
-    held: dict[str, Any] = {"rate": rate, "times": times}
-    if (felt := _values(topics, "vehicle_acceleration")) is not None:
-        held["specific_force"] = _between(times, *felt)
-    if (attitude := _values(topics, "vehicle_attitude")) is not None:
-        held["rotation"] = _rotations(_between(times, *attitude))
-    if (moved := _values(topics, "vehicle_local_position")) is not None and "rotation" in held:
-        world = _between(times, *moved)
-        held["velocity"] = np.einsum("nij,ni->nj", held["rotation"], world)
-    if (asked := _values(topics, "vehicle_rates_setpoint")) is not None:
-        command = _last(times, *asked)
-        held |= {"rate_command": command[:, :3], "throttle": -command[:, 3]}
-    if (seen := _values(topics, "landing_target_pose")) is not None:
-        held |= {"frames": seen[0], "frames_whole": seen[1][:, 0] > 0}
-    short = "" if not read.file_corruption else "parts of it are damaged"
-    log = FlightLog(
-        source=str(path),
-        kind="PX4 log",
-        partial=_cut_short(path) or short,
-        notes=("positions are about the autopilot's own origin: not told from the target",),
-        **held,
-    )
-    status = _values(topics, "vehicle_status")
-    if status is None or not (status[1] == OFFBOARD).any():
-        return log
-    return log.rows(_last(times, *status)[:, 0] == OFFBOARD)
-
-
-def _values(topics: dict[str, Any], name: str) -> tuple[Array, Array] | None:
-    """Return times, s, and the columns of a topic that rise in time, if all are there."""
-    data, wanted = topics.get(name), TOPICS[name]
-    if data is None or not all(key in data for key in wanted) or len(data["timestamp"]) < 2:
-        return None
-    times = np.asarray(data["timestamp"], np.float64) / 1e6
-    first = np.maximum.accumulate(times)
-    rising = np.r_[True, times[1:] > first[:-1]]
-    return times[rising], np.stack([np.asarray(data[k], float) for k in wanted], 1)[rising]
-
-
-def _between(times: Array, at: Array, values: Array) -> Array:
-    each = [np.interp(times, at, c, left=np.nan, right=np.nan) for c in values.T]
-    return np.stack(each, axis=1)
-
-
-def _last(times: Array, at: Array, values: Array) -> Array:
-    place = np.searchsorted(at, times, side="right") - 1
-    return np.where(place[:, None] >= 0, values[np.maximum(place, 0)], np.nan)
-
-
-def _rotations(q: Array) -> Array:
-    """Return rotations, (n, 3, 3), body to world, of quaternions, scalar first."""
-    w, x, y, z = (q / np.linalg.norm(q, axis=1, keepdims=True)).T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.array(rows).transpose(2, 0, 1)
-
-
-def _cut_short(path: Path) -> str:
-    """Say whether the last message of a file is not whole."""
-    size, at = path.stat().st_size, HEADER
+    tracks, damaged = Tracks(), False
     with path.open("rb") as file:
-        while at + MESSAGE_HEADER <= size:
-            file.seek(at)
-            at += MESSAGE_HEADER + int.from_bytes(file.read(2), "little")
-    return "it is cut short within a message" if at != size else ""
+        pieces = Pieces(file, path.stat().st_size)
+        for piece in pieces:
+            try:
+                with contextlib.redirect_stdout(io.StringIO()):  # it prints what is damaged
+                    read = ULog(io.BytesIO(piece), [*TOPICS])
+            except Exception as error:  # pyulog raises what struct, numpy and its own parser do
+                reason = f"is damaged: {' '.join(str(error).split())[:80] or type(error).__name__}"
+                raise InputError(str(path), "", reason) from None
+            damaged |= read.file_corruption
+            for topic in read.data_list:
+                _add(tracks, topic.name, topic.data)
+    for name, older in OLDER.items():
+        if older in tracks.held and name not in tracks.held:
+            tracks.held[name] = tracks.held[older]
+    partial = ["parts of it are damaged" if damaged or pieces.damaged else "", pieces.cut]
+    return log_of(
+        tracks,
+        str(path),
+        "PX4 log",
+        rates="vehicle_angular_velocity",
+        partial=partial,
+        wanted=WANTED,
+        active=OFFBOARD,
+        notes=("positions are about the autopilot's own origin: not told from the target",),
+    )
+
+
+def _add(tracks: Tracks, topic: str, data: dict[str, Any]) -> None:
+    """Add what a topic tells, if it has the fields."""
+    for name, fields in TOPICS[topic].items():
+        if {"timestamp", *fields} <= data.keys():
+            values = np.stack([np.asarray(data[key], np.float64) for key in fields], axis=1)
+            times = np.asarray(data["timestamp"], np.float64) / 1e6
+            tracks.add(name, times, -values if name == "throttle" else values)
+
+
+class Pieces:
+    """A .ulg file in pieces that are such files themselves, of the topics that are wanted.
+
+    Parameters
+    ----------
+    file : binary file
+    size : int
+        Bytes.
+    """
+
+    def __init__(self, file: BinaryIO, size: int) -> None:
+        self.file, self.size = file, size
+        self.damaged, self.cut = False, ""
+        self._ids: set[bytes] = set()
+
+    def __iter__(self) -> Iterator[bytes]:
+        """Yield pieces."""
+        head, added, piece = bytearray(self.file.read(HEADER)), bytearray(), bytearray()
+        begins, ends = self._parts()
+        for begin, end in zip(begins, ends, strict=True):
+            for kind, message in self._messages(begin, end):
+                if kind in DEFINITIONS and not added:
+                    head += _alone(message) if kind == FLAGS else message
+                elif kind == ADDED and self._is_wanted(message):
+                    added += message
+                elif kind == DATA and message[3:5] in self._ids:
+                    piece += message
+                if len(piece) >= PIECE:
+                    yield bytes(head + added + piece)
+                    piece.clear()
+        yield bytes(head + added + piece)
+
+    def _parts(self) -> tuple[list[int], list[int]]:
+        """Return where what was written at once begins and ends: more may have been appended."""
+        self.file.seek(HEADER)
+        first = self.file.read(MESSAGE_HEADER + FLAGS_LENGTH)
+        places: list[int] = []
+        if first[2:3] == bytes([FLAGS]) and first[11:12] and first[11] & 1:
+            places = [int.from_bytes(first[at : at + 8], "little") for at in (19, 27, 35)]
+        appended = sorted({p for p in places if HEADER < p < self.size})
+        return [HEADER, *appended], [*appended, self.size]
+
+    def _messages(self, at: int, end: int) -> Iterator[tuple[int, bytes]]:
+        """Yield kinds and messages that are whole."""
+        self.file.seek(at)
+        while at + MESSAGE_HEADER <= end:
+            header = self.file.read(MESSAGE_HEADER)
+            length = MESSAGE_HEADER + int.from_bytes(header[:2], "little")
+            if header[2] not in KNOWN or length == MESSAGE_HEADER:
+                self.damaged = True
+                at = self._after_next_sync(at + 1, end)
+                continue
+            if at + length > end:
+                break
+            yield header[2], header + self.file.read(length - MESSAGE_HEADER)
+            at += length
+        if end == self.size and at != end:
+            self.cut = "it is cut short within a message"
+
+    def _after_next_sync(self, at: int, end: int) -> int:
+        """Return where messages go on behind a mark for that, and go there; else the end."""
+        while at < end:
+            self.file.seek(at)
+            part = self.file.read(PIECE)
+            if (found := part.find(SYNC)) >= 0:
+                at += found + len(SYNC)
+                self.file.seek(at)
+                return at
+            at += max(len(part) - len(SYNC) + 1, 1)
+        return end
+
+    def _is_wanted(self, message: bytes) -> bool:
+        """Tell whether what is to follow is of a topic that is wanted, and remember its number."""
+        wanted = message[3] == 0 and message[6:].decode(errors="replace") in TOPICS
+        if wanted:
+            self._ids.add(message[4:6])
+        return wanted
+
+
+def _alone(flags: bytes) -> bytes:
+    """Return a message of flags that tells of nothing appended."""
+    return flags[:11] + bytes([flags[11] & ~1]) + flags[12:19] + bytes(24) + flags[43:]

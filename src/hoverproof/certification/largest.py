@@ -12,7 +12,7 @@ from hoverproof.certification.attraction import proof as potential
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.convergence import Converges, attraction
 from hoverproof.certification.exponential import proof as exponential
-from hoverproof.certification.exponential.search import ROOM, Array
+from hoverproof.certification.exponential.question import ROOM, Array
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import with_tolerance
 from hoverproof.mission.sections import Mission

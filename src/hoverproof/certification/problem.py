@@ -28,13 +28,14 @@ from hoverproof.certification.robust import Array, Inequality, Term
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, Interval, hover_goal
-from hoverproof.servo.law import Errors, Law
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, law_of
 from hoverproof.servo.lyapunov import (
     derive_error_dynamics,
     derive_lyapunov_form,
     force_function,
 )
+from hoverproof.servo.variables import Errors
 
 Rows = list[list[Fraction]]
 BITS = 64

@@ -66,7 +66,7 @@ def replay(content: dict[str, Any], progress: Callable[[str], None]) -> Replay:
         raise InputError("--coq", "", f"{needed}: on Debian it is the package coq")
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "certificate.cert.json"
-        file.write_text(json.dumps(content), encoding="utf-8")
+        file.write_text(json.dumps(content), encoding="utf-8", newline="\n")
         literals = [sys.executable, "-I", "-S", str(sources / "literals.py")]
         about = json.loads(_call([*literals, "--about", str(file)]).stdout)
         if not about["shown"]:
@@ -74,7 +74,7 @@ def replay(content: dict[str, Any], progress: Callable[[str], None]) -> Replay:
         library = _library(sources, progress)
         progress("Coq decides the certificate")
         terms = Path(folder) / "Replay.v"
-        terms.write_text(_call([*literals, str(file)]).stdout, encoding="utf-8")
+        terms.write_text(_call([*literals, str(file)]).stdout, encoding="utf-8", newline="\n")
         done = _call(["coqc", "-q", "-Q", str(library), "Hoverproof", str(terms)], check=False)
         if done.returncode == 0:
             return Replay(tuple(about["shown"]), about["left"])

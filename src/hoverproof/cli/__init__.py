@@ -7,12 +7,17 @@ Exit status: 0 done or proved, 1 refuted, rejected or a flight cut short, 2 bad 
 from __future__ import annotations
 
 import atexit
+import gc
 import io
 import os
 import signal
 import sys
 import time
 from typing import NoReturn
+
+# Next to nothing that a command imports is ever garbage; to look through it as often as Python
+# does by itself, and once more at the exit, takes a fifth of the time of a short command.
+gc.set_threshold(200_000)
 
 try:
     from cyclopts import CycloptsError
@@ -43,6 +48,7 @@ for command in COMMANDS:
 def main(arguments: list[str] | None = None) -> NoReturn:
     """Run a command and exit with its status."""
     atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)  # what is answered stays answered
+    atexit.register(gc.freeze)
     for stream in (sys.stdout, sys.stderr):  # a terminal may know few letters
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")

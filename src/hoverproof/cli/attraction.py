@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -18,7 +17,7 @@ from hoverproof.cli.console import (
     at_work,
     load_mission,
 )
-from hoverproof.cli.reading import certificate_stem, refuse_given
+from hoverproof.cli.reading import as_named, certificate_stem, refuse_given
 from hoverproof.errors import InputError
 from hoverproof.files import require_folder
 from hoverproof.mission.tolerances import Tolerance
@@ -118,15 +117,10 @@ def attraction(
     if path is not None and figure and verdict.proved:
         picture = _draw(verdict.proved, path)
         search = _draw_search(found, path) if found is not None else None
-    tune = _tune_next(mission, set_) if told is not None and starts is None else None
+    wanted = told is not None and starts is None
+    tune = f"hoverproof tune {as_named(mission, set_)}" if wanted else None
     answer = AttractionAnswer(verdict, path, picture, found, search, told, tune)
     return tell(answer, json_, loaded)
-
-
-def _tune_next(mission: str, set_: list[str] | None) -> str:
-    """Return the command that looks for gains with which the start is proved."""
-    sets = [word for setting in set_ or [] for word in ("--set", setting)]
-    return shlex.join(["hoverproof", "tune", mission, *sets])
 
 
 def _saved(verdict: Converges, told: Unproved | None, out: Path | None, stem: str) -> Path | None:

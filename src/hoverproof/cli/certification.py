@@ -20,7 +20,7 @@ from hoverproof.cli.console import (
     load_mission,
     warn_of,
 )
-from hoverproof.cli.reading import box_sides, certificate_stem, parse_weights
+from hoverproof.cli.reading import as_named, box_sides, certificate_stem, parse_weights
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
@@ -86,7 +86,8 @@ def certify(
         warn_of(loaded, finding)
     demands = demands_of(loaded, verdict.problem.eigenvalues)
     asked = box_sides(loaded, box) if over_box else None
-    answer = CertifyAnswer(verdict, path, demands, weights is not None, strange, asked)
+    named = as_named(mission, set_)
+    answer = CertifyAnswer(verdict, path, demands, weights is not None, strange, asked, named)
     return tell(answer, json_, loaded)
 
 
@@ -160,7 +161,7 @@ def region(
         verdict,
         path if verdict.certificate else None,
         picture if figure else None,
-        f"{mission} {'--over-box' if box is None else f'--box={box}'}",
+        f"{as_named(mission, set_)} {'--over-box' if box is None else f'--box={box}'}",
     )
     return tell(answer, json_, loaded)
 
@@ -202,6 +203,7 @@ def check(
     Example: `hoverproof check x4-flyer.cert.json --json`
     """
     from hoverproof import checker
+    from hoverproof.certification.reading import readable
     from hoverproof.cli.answers.check import CheckAnswer
 
     if set_ and mission is None:
@@ -210,10 +212,9 @@ def check(
     statement = reason = None
     differing: list[str] = []
     try:
-        content = checker.read(certificate)
-        statement = checker.check(content)
-    except checker.Unreadable as error:
-        raise InputError(str(certificate), "", str(error)) from None
+        with readable(certificate):
+            content = checker.read(certificate)
+            statement = checker.check(content)
     except checker.Rejected as error:
         reason = str(error)
     if wanted is not None and statement is not None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,6 +34,8 @@ def preset_names(context: CompletionContext) -> list[str]:
 
 def settings(context: CompletionContext) -> list[str]:
     """Offer each number of the mission typed so far as KEY=VALUE, to be changed."""
+    import tomllib
+
     from hoverproof.mission.presets import preset_text, presets
 
     mission = context.get("mission")

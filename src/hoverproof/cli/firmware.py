@@ -79,7 +79,7 @@ def export(
     from hoverproof import checker
     from hoverproof.cli.answers.export import ExportAnswer, refused_as_json
     from hoverproof.export.package import NotCertified
-    from hoverproof.firmware import export_c
+    from hoverproof.firmware.exporting import export_c
 
     loaded = load_mission(mission, set_)
     given = None if certificate is None else _read(certificate)
@@ -116,11 +116,10 @@ def export(
 def _read(path: Path) -> Mapping[str, Any]:
     """Read a certificate of `attraction`; what it says is checked where it is written."""
     from hoverproof import checker
+    from hoverproof.certification.reading import readable
 
-    try:
+    with readable(path):
         content: dict[str, Any] = checker.read(path)
-    except checker.Unreadable as error:
-        raise InputError(str(path), "", str(error)) from None
     return content
 
 

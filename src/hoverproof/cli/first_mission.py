@@ -16,12 +16,13 @@ from hoverproof.algebra.decimals import decimal_above
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import candidate
-from hoverproof.certification.exponential.search import HIGHEST, ROOM
+from hoverproof.certification.exponential.question import HIGHEST, ROOM
 from hoverproof.cli.questions import CONTROL_RATES, NONE, Answers, in_layout
 from hoverproof.design.limits import designed_gains
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
-from hoverproof.mission.sections import Gains, Mission
+from hoverproof.mission.sections import Mission
+from hoverproof.mission.task import Gains
 from hoverproof.mission.writing import decimal
 
 GRAVITY = "9.81"
@@ -166,7 +167,7 @@ def make(path: Path, name: str, answers: Answers) -> str:
         If the answers do not go together, or no gains are found that hold the start.
     """
     decisions = decided(name, answers)
-    path.write_text(written(decisions), encoding="utf-8")
+    path.write_text(written(decisions), encoding="utf-8", newline="\n")
     mission = load(path)
     held = first_gains(mission)
     if held is None:

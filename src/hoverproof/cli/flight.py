@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, load_mission, progress
 from hoverproof.cli.pixels import ByImages
-from hoverproof.cli.reading import refuse_given
+from hoverproof.cli.reading import as_named, refuse_given
 from hoverproof.cli.runs import fly_many
 from hoverproof.errors import InputError
 
@@ -114,7 +114,9 @@ def simulate(
         timing = Timing(duration, step, every)
         flight = _fly(loaded, seed, timing, images or ByImages(), firmware=controller == "firmware")
         path = out or Path(f"{loaded.name}.flight.nc")
-        return tell(_keep(loaded, flight, path, figures, animate, speed_up), json_, loaded)
+        named = as_named(mission, set_)
+        told = _keep(loaded, named, flight, path, figures, animate, speed_up)
+        return tell(told, json_, loaded)
     firmware = controller == "firmware"
     for_one = {"--animate": animate, "--speed-up": speed_up, "--controller": firmware}
     refuse_given(for_one, "is for a single flight, not for --runs")
@@ -153,7 +155,7 @@ def _fly(
         return images.fly(mission, seed, timing, firmware=firmware)
     images.refuse()
     if firmware:
-        from hoverproof.firmware import flown_firmware
+        from hoverproof.firmware.flying import flown_firmware
 
         return flown_firmware(mission, timing, seed=seed)
     from hoverproof.simulation.flight import flown
@@ -163,6 +165,7 @@ def _fly(
 
 def _keep(
     mission: Mission,
+    named: str,
     flight: Record,
     path: Path,
     figures: Sequence[str] | None,
@@ -185,7 +188,7 @@ def _keep(
         from hoverproof.eyes.in_the_loop import seen_well
 
         facts["images"] = seen_well(flight)
-    return FlightAnswer(mission, facts, decay, path, pictures, animate, uncovered)
+    return FlightAnswer(mission, named, facts, decay, path, pictures, animate, uncovered)
 
 
 def _draw(

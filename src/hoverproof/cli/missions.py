@@ -45,7 +45,7 @@ def presets(
     from hoverproof.mission.presets import preset_text
     from hoverproof.mission.presets import presets as names
     from hoverproof.mission.reading import load
-    from hoverproof.servo.loop import slowest_rate
+    from hoverproof.servo.linearised import slowest_rate
 
     if name is not None:
         return tell(PresetAnswer(preset_text(name), load(name)), json_)
@@ -134,7 +134,7 @@ def new(
     with replacing(path) as beside:
         own = beside, name, answers, asks, found, described
         text = _copied(preset, name, found) if preset else _own(*own)
-        beside.write_text(with_conditions(text), encoding="utf-8")
+        beside.write_text(with_conditions(text), encoding="utf-8", newline="\n")
         made = load(beside)  # nothing is put in place that does not load
     made = made.model_copy(update={"source": str(path)})
     warn(made)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+import shlex
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from hoverproof.certification.region import Box, Enclosure
     from hoverproof.mission.sections import Mission
@@ -22,6 +23,11 @@ def refuse_given(options: Mapping[str, object], reason: str) -> None:
     for option, value in options.items():
         if value is not None and value is not False:
             raise InputError(option, "", reason)
+
+
+def as_named(mission: str, settings: Iterable[str] | None) -> str:
+    """Return the arguments with which a command was given its mission, for the next command."""
+    return shlex.join([mission, *(word for it in settings or () for word in ("--set", it))])
 
 
 def box_sides(mission: Mission, text: str | None) -> Box:
@@ -66,6 +72,11 @@ def picture_path(path: Path) -> Path:
 def mission_name(path: Path) -> str:
     """Return a mission's name for a file."""
     return re.sub(r"[^A-Za-z0-9._-]", "-", path.stem).lstrip("._-")[:64] or "mission"
+
+
+def certificate_beside(mission: Path) -> Path:
+    """Return where the certificate of a mission file is written."""
+    return mission.with_suffix(".attraction.cert.json")
 
 
 def certificate_stem(mission: Mission, source: str, settings: list[str] | None) -> str:

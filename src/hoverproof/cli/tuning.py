@@ -22,7 +22,7 @@ from hoverproof.cli.console import (
     progress,
     warn,
 )
-from hoverproof.cli.reading import mission_name, parse_weights, picture_path
+from hoverproof.cli.reading import certificate_beside, mission_name, parse_weights, picture_path
 from hoverproof.errors import InputError
 from hoverproof.files import require_folder
 
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from hoverproof.design.tuning import Found, Wish
     from hoverproof.mission.sections import Mission
 
-ENDING = ".attraction.cert.json"
-"""Of the certificate beside a mission file."""
+ENDING = ".tuned.cert.json"
+"""Of the certificate beside a mission file: another one than `attraction` writes."""
 VALUES = 5
 """So many of what is traded are tried, unless said."""
 
@@ -110,7 +110,8 @@ def tune(
     soonest settled, from its start, within what its camera sees, its rotors give and its controller
     samples. The gains are rounded to short decimals and then certified exactly, so what is printed
     is what is proved. A wish that cannot be met has status 1, and says what binds, by how much, and
-    what would help. With --out, a certificate of the start or the region is written too.
+    what would help. With --out FILE.toml, the certificate of the start or the region is written
+    to FILE.tuned.cert.json.
 
     Example: `hoverproof tune my-flyer.toml --out my-tuned-flyer.toml`
 
@@ -182,13 +183,14 @@ def _write(found: Tuned | RegionTuned | StartTuned, out: Path) -> Path | None:
     from hoverproof.files import write_text
     from hoverproof.mission.writing import mission_text
 
-    certificate: Path | None = out.with_suffix(ENDING)
+    beside = certificate_beside(out)
+    certificate: Path | None = beside
     if isinstance(found, RegionTuned):
         proved = f"certified hovers about the goal: {reach_text(found.region)}"
-        found.region.certificate.save(out.with_suffix(ENDING))
+        found.region.certificate.save(beside)
     elif isinstance(found, StartTuned):
         proved = f"settled from the start, proved: {settled_text(found)}"
-        found.verdict.certificate.save(out.with_suffix(ENDING))
+        found.verdict.certificate.save(beside)
     else:
         proved = f"certified decay rate of L: {number(found.verdict.decay_rate)} 1/s"
         certificate = None
@@ -219,8 +221,8 @@ def _curve(mission: Mission, count: int, picture: Path, wish: Wish) -> CurveAnsw
     from hoverproof.design.outcome import RegionTuned, StartTuned, Tuned
     from hoverproof.design.tuning import pareto as curve
     from hoverproof.show.atlas import save_pareto_figure
-    from hoverproof.show.attraction import save_trade_off_figure
     from hoverproof.show.trade import save_trade_figure
+    from hoverproof.show.trade_off import save_trade_off_figure
 
     with progress("tune") as report:
         points = curve(mission, count, wish, report=report)

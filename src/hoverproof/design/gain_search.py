@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hoverproof.design.limits import FirstCommand, Limits, highest_k4
 from hoverproof.design.margins import Questions, margins
-from hoverproof.servo.loop import slowest_rates
+from hoverproof.servo.linearised import slowest_rates
 
 Array = NDArray[np.float64]
 Objective = Literal["decay", "settling"]

@@ -9,7 +9,7 @@ import numpy as np
 
 from hoverproof.certification.flow import flow_of
 from hoverproof.design.gain_search import COARSE, GainSearch
-from hoverproof.mission.sections import Gains
+from hoverproof.mission.task import Gains
 
 STEP = 8.0
 STEPS = 4

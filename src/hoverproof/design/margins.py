@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from hoverproof.algebra.graph import evaluate
 from hoverproof.certification import robust
 from hoverproof.certification.problem import GainProblem, gain_inequality, squares
-from hoverproof.servo.law import Design, Law
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import law_of
 from hoverproof.servo.lyapunov import force_function
+from hoverproof.servo.variables import Design
 
 Array = NDArray[np.float64]
 Numbers = float | Array

@@ -116,6 +116,8 @@ class StartTuned(_OfMission):
     flown, flown_before : float or None
         When the mission has settled as near in a flight, s, with the new gains and with those that
         it had; None if not as soon as is proved.
+    why_longer : str or None
+        Where the proof takes much longer than the flight, why.
     uses : list of Use
         How much of each limit the gains use.
     """
@@ -128,6 +130,7 @@ class StartTuned(_OfMission):
     estimate: float
     flown: float | None
     flown_before: float | None
+    why_longer: str | None
     uses: list[Use]
 
 

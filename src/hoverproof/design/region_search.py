@@ -29,9 +29,10 @@ from hoverproof.design.limits import (
     highest_k4,
 )
 from hoverproof.errors import InputError
-from hoverproof.mission.sections import Gains, Mission
-from hoverproof.servo.law import Design
-from hoverproof.servo.loop import slowest_rates
+from hoverproof.mission.sections import Mission
+from hoverproof.mission.task import Gains
+from hoverproof.servo.linearised import slowest_rates
+from hoverproof.servo.variables import Design
 
 Array = NDArray[np.float64]
 ROUNDS = 4

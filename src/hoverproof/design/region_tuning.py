@@ -28,7 +28,7 @@ from hoverproof.design.outcome import Infeasible, RegionTuned
 from hoverproof.design.region_search import GainRegionSearch
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
-from hoverproof.servo.loop import slowest_rate
+from hoverproof.servo.linearised import slowest_rate
 
 Report = Callable[[int, int], None]
 

@@ -2,17 +2,15 @@
 
 Gains, the largest offset of the feature on the way, the share of the largest force and the rate are
 searched together, one semidefinite program each, whose dual solution tells how its value changes
-with all of them. Gains over mass are rates, 1/s; where the search sets out, these stand in fixed
-proportions, and the fastest of them suits latency and lag of the rotors, the force that the way
-there takes, and the bandwidth that is allowed. So it sets out alike for small vehicles and large
-ones.
+with all of them. It sets out from a few guesses (`start_guesses`) and descends; what gains may not
+exceed is in `start_limits`.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -21,37 +19,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.starts import Start
-from hoverproof.certification.exponential.candidate import VIEW_ROOM, Asked, Near
+from hoverproof.certification.exponential.candidate import Asked, Near
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import Solution
 from hoverproof.certification.exponential.proof import ROOMS
-from hoverproof.certification.exponential.search import FAILED, OUTSIDE, ROOM, Search
+from hoverproof.certification.exponential.question import ROOM, Question
+from hoverproof.certification.exponential.search import FAILED, OUTSIDE
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.design.limits import FirstCommand, Limits
+from hoverproof.design.start_guesses import guesses
+from hoverproof.design.start_limits import KEEPS, PLACES, StartLimits
 from hoverproof.mission.sections import Mission
 from hoverproof.sequential import Descent, Value
 
 Array = NDArray[np.float64]
 Likely = tuple[int, ...]
 Progress = Callable[[str], None]
-RATES = 0.02, 0.14, 0.26, 1.0
-"""j k1/m, k1 k2/m, k3/m and k4/m where the search sets out, over the last of them."""
-WAITS = 1.3
-"""The last of them times latency and lag of the rotors is at most that there."""
-FORCE = 0.04
-"""And the force that d asks for at most that share of the weight."""
-OF_BANDWIDTH, PLACES = 0.9, 60
-SCALES = 1.0, 0.6, 0.36, 0.2, 0.1
-PARTS, SHARES = (0.9, 0.5), (-1.5, -2.5)
-FIRST_RATE = 0.3
 LITTLE = np.array([1e-3, 1e-3, 1e-3, 1e-3, -1e-2, 1e-3, 1e-3])
 """By how much each parameter is changed to see what comes of it."""
 BEGINNINGS, EVALUATIONS = 2, 70
 OWN, FEW = 14, 25
 """So many, at most, for the mission's own gains, and to find out whether any hold the start."""
-KEEPS = 2e-3
-"""A limit is kept that is exceeded by less than that share, or rad: for the view, which the proof
-does not let be exceeded, it is spared."""
 SPARED = (0.35, 0.06), (0.6, 0.1)
 """By which shares the ball of J is widened, and d exceeded, for the proof, one after the other."""
 
@@ -62,7 +50,7 @@ class Point(NamedTuple):
     Attributes
     ----------
     cost : float
-        See `Search.cost`, a bare number.
+        See `search.cost_of`, a bare number.
     z : (7,)
         The logarithms of k1 to k4 and of d, the odds' of the share of the force, and that of r.
     """
@@ -94,7 +82,7 @@ class StartSearch:
         Its gains do not count.
     limits : Limits
     command : FirstCommand
-    whole : Search
+    whole : Question
         With the gains of the mission.
     tried : list of (7,)
         The points that were looked at.
@@ -103,7 +91,7 @@ class StartSearch:
     mission: Mission
     limits: Limits
     command: FirstCommand
-    whole: Search
+    whole: Question
     tried: list[Array] = field(default_factory=list, compare=False)
 
     @classmethod
@@ -115,7 +103,7 @@ class StartSearch:
         mission : Mission
         limits : Limits
         """
-        whole = Search.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
+        whole = Question.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
         wider, beyond = SPARED[0]
         half = mission.camera.about_vertical
         half_angle = None if half is None else float(half)
@@ -134,8 +122,8 @@ class StartSearch:
         s = self.whole
         return Near(point.z[4:6], math.exp(point.z[6]), s.settled, s.wider, s.beyond)
 
-    def with_gains(self, four: Array) -> Search:
-        """Return the search of weights for gains.
+    def with_gains(self, four: Array) -> Question:
+        """Return the question with other gains.
 
         Parameters
         ----------
@@ -148,48 +136,10 @@ class StartSearch:
             numbers[design.place(name)] = value
         return replace(self.whole, vehicles=v.with_numbers(numbers))
 
-    def beyond(self, fours: Array) -> Array:
-        """Return by which share gains are beyond each limit, below 0 if they keep it, (n, m).
-
-        Parameters
-        ----------
-        fours : (n, 4)
-            k1 to k4.
-        """
-        k1, k2, k3, k4 = fours.T
-        fastest = float(self.mission.vehicle.mass) * self.limits.fastest
-        excess = [(k1 * k2 + k3 + k4) / fastest - 1]
-        if self.limits.tilt is not None or self.limits.rotors is not None:
-            thrusts, tilt = self.command((k1, k2, k3, k4))
-            if self.limits.tilt is not None:
-                excess.append(tilt / self.limits.tilt - 1)
-            if self.limits.rotors is not None:
-                least, most = self.limits.rotors
-                hover = float(self.mission.vehicle.weight) / 4
-                excess += [thrusts.max(axis=0) / most - 1, (least - thrusts.min(axis=0)) / hover]
-        return np.stack(excess, axis=1)
-
-    def limited_by(self) -> list[str]:
-        """Return the names of what `beyond` and `_unseen` say, in their order."""
-        names = ["the bandwidth"] + ["the tilt"] * (self.limits.tilt is not None)
-        if self.limits.rotors is not None:
-            names += ["the largest thrust of a rotor", "the least thrust of a rotor"]
-        return names + ["the field of view"] * (self.whole.half_angle is not None)
-
     @cached_property
-    def _views(self) -> tuple[Array, Array]:
-        """Logarithms of |σ - σ*|, ascending, and the largest angle to the vertical up to each."""
-        scene = self.whole.scene
-        far = np.linspace(1 / PLACES, 1, PLACES) * self.whole.highest * scene.wanted
-        return np.log(far), np.maximum.accumulate([scene.cone(d) for d in far])
-
-    def _unseen(self, asked: Asked) -> list[float]:
-        """Return how far beyond the half angle of the camera points may be, rad, if it is said."""
-        half = self.whole.half_angle
-        if half is None:
-            return []
-        wide = (1 + VIEW_ROOM) * float(np.interp(asked.x[0], *self._views))
-        return [wide + float(np.arcsin(asked.limits.tilt)) + VIEW_ROOM + KEEPS - half]
+    def held_to(self) -> StartLimits:
+        """What a point may not exceed."""
+        return StartLimits(self.mission, self.limits, self.command, self.whole)
 
     def pose(self, z: Array) -> Asked | None:
         """Return what is asked at a point; None if that is no question.
@@ -199,8 +149,8 @@ class StartSearch:
         z : (7,)
             See `Point`.
         """
-        search = self.with_gains(np.exp(z[:4]))
-        return search.pose(z[4:6], math.exp(z[6]), search.terms(), fill=1 - ROOM)
+        question = self.with_gains(np.exp(z[:4]))
+        return question.pose(z[4:6], math.exp(z[6]), question.terms(), fill=1 - ROOM)
 
     def value(self, z: Array, likely: Likely = ()) -> Value | None:
         """Return the logarithm of the time at a point, and what is beyond a limit there.
@@ -217,18 +167,18 @@ class StartSearch:
         solution = None if asked is None else asked.program.solve(likely)
         if asked is None or solution is None:
             return None
-        limited = self.beyond(np.exp(z[None, :4]))[0]
+        limited = self.held_to.beyond(np.exp(z[None, :4]))[0]
         found = Found(asked, solution)
         return self._value(asked, float(solution.optimum.x[-1]), limited)._replace(found=found)
 
     def _value(self, asked: Asked, missing: float, limited: Array) -> Value:
         """Return the value at a point where so much of the rate is missing, 1/s."""
         time = asked.time(self.whole.settled_offset, 1 - ROOM)
-        over = [missing / asked.rate, *limited, *self._unseen(asked)]
+        over = [missing / asked.rate, *limited, *self.held_to.unseen(asked)]
         return Value(math.log(time) if 0 < time < math.inf else FAILED, np.array(over), None)
 
-    def slopes(self, z: Array, at: Value) -> Array:
-        """Return how the time and what is beyond limits change with a point, (1 + m, 7).
+    def slopes(self, z: Array, at: Value, first: int = 0) -> Array:
+        """Return how the time and what is beyond limits change with a point, (1 + m, 7 - first).
 
         Parameters
         ----------
@@ -236,17 +186,19 @@ class StartSearch:
             See `Point`.
         at : Value
             What is there.
+        first : int
+            Number of the first parameter that changes.
         """
         found: Found = at.found
         places = z + np.diag(LITTLE)
-        limited = self.beyond(np.exp(places[:, :4]))
-        result = np.zeros((len(at.all), len(z)))
-        for k, step in enumerate(LITTLE):
+        limited = self.held_to.beyond(np.exp(places[:, :4]))
+        result = np.zeros((len(at.all), len(z) - first))
+        for k, step in list(enumerate(LITTLE))[first:]:
             new = self.pose(places[k])
             if new is not None:
                 missing = found.solution.optimum.x[-1]
                 missing += found.asked.program.change(found.solution, new.program)
-                result[:, k] = (self._value(new, missing, limited[k]).all - at.all) / step
+                result[:, k - first] = (self._value(new, missing, limited[k]).all - at.all) / step
         return result
 
     @property
@@ -267,29 +219,6 @@ class StartSearch:
     def ends(self) -> tuple[float, float]:
         """The least d that may hold the start, and the largest that is searched."""
         return max(float(np.sqrt(2 * self.whole.terms()[:, 0].max())), 1e-3), self.known
-
-    def guesses(self) -> Iterator[Array]:
-        """Yield points to set out from, the fastest first."""
-        low, high = self.ends
-        if not low < high:
-            return
-        v = self.whole.vehicles
-        mass, gravity = float(v.design.mass), float(v.design.gravity)
-        wait = v.latency + v.rotor_lag
-        for scale, part in itertools.product(SCALES, PARTS):
-            d = low * (high / low) ** part
-            j = sum(self.whole.balls.within(d)) / 2
-            slow, pull = RATES[0], RATES[1]
-            quick = math.sqrt(FORCE * gravity * j / (d * slow * pull))
-            quick = min(quick, OF_BANDWIDTH * self.limits.fastest / sum(RATES[1:]))
-            if wait:
-                quick = min(quick, WAITS / wait)
-            rates = scale * quick * np.array(RATES)
-            k1 = mass * rates[0] / j
-            gains = [k1, mass * rates[1] / k1, mass * rates[2], mass * rates[3]]
-            for share in SHARES:
-                last = math.log(d), share, math.log(FIRST_RATE * rates[0])
-                yield np.array([*np.log(gains), *last])
 
     def best_for(self, four: Array, near: Array, evaluations: int = OWN) -> Point:
         """Return the best point for gains that are given.
@@ -313,7 +242,7 @@ class StartSearch:
             return self.value(np.array([*fixed, *rest]), tried[0][1].found.solution.tight)
 
         def slopes(rest: Array, at: Value) -> Array:
-            return self.slopes(np.array([*fixed, *rest]), at)[:, 4:]
+            return self.slopes(np.array([*fixed, *rest]), at, first=4)
 
         z, at = min(tried, key=lambda pair: pair[1].merit)
         rest, at = Descent(value, slopes, self.highest[4:]).run(z[4:], at, evaluations)
@@ -324,19 +253,29 @@ class StartSearch:
         """What is found for the mission's own gains."""
         names = self.whole.vehicles.law.design.chain_gains()
         four = np.array([getattr(self.mission.gains, name) for name in names], float)
-        low, high = self.ends
-        if not low < high:
-            return Point(FAILED, np.zeros(7))
-        near = [
-            [math.log(low * (high / low) ** part), share, math.log(self.with_gains(four).slow(low))]
-            for part, share in itertools.product((0.6, 0.85), (-1.7, -3.0))
-        ]
         best = Point(FAILED, np.zeros(7))
-        for z in near:
-            best = min(best, self.best_for(four, np.array([z])), key=lambda point: point.cost)
+        for near in self.places(four):
+            best = min(best, self.best_for(four, near[None]), key=lambda point: point.cost)
             if best.cost < OUTSIDE:
                 break
         return best
+
+    def places(self, four: Array) -> list[Array]:
+        """Return from which d, share and rate to set out where nothing is known, (3,) each.
+
+        Parameters
+        ----------
+        four : (4,)
+            k1 to k4.
+        """
+        low, high = self.ends
+        if not low < high:
+            return []
+        rate = math.log(self.with_gains(four).slow(low))
+        return [
+            np.array([math.log(low * (high / low) ** part), share, rate])
+            for part, share in itertools.product((0.6, 0.85), (-1.7, -3.0))
+        ]
 
     @property
     def settled_before(self) -> float | None:
@@ -385,7 +324,7 @@ class StartSearch:
         """
         tell("looking for gains to set out from")
         likely, tried = Likely(), []
-        for z in self.guesses():
+        for z in guesses(self.whole, self.limits, self.ends):
             at = self.value(z, likely)
             if at is not None:
                 tried.append((z, at))

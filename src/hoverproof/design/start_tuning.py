@@ -18,16 +18,19 @@ from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.domain import Domain
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import converge, require_question
-from hoverproof.certification.exponential.search import FAILED, OUTSIDE, SETTLED, Search
+from hoverproof.certification.exponential.question import SETTLED, Question
+from hoverproof.certification.exponential.search import FAILED, OUTSIDE
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.design.limits import BINDS, Limits, Use, designed_gains, uses
 from hoverproof.design.outcome import Infeasible, StartTuned
+from hoverproof.design.proved_and_flown import why_longer
 from hoverproof.design.start_advice import scaled, what_helps
 from hoverproof.design.start_rounding import rounded
 from hoverproof.design.start_search import SPARED, Point, StartSearch
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.simulation.flight import flown
+from hoverproof.simulation.numbers import near_from
 from hoverproof.simulation.timing import Timing
 
 Progress = Callable[[str], None]
@@ -147,13 +150,13 @@ def _narrower(search: StartSearch, point: Point) -> tuple[StartSearch, Point] | 
     return None
 
 
-def is_shown(mission: Mission, whole: Search, d: float) -> bool:
+def is_shown(mission: Mission, whole: Question, d: float) -> bool:
     """Tell whether bounds of J are shown over the domain of a d with few enough cells.
 
     Parameters
     ----------
     mission : Mission
-    whole : Search
+    whole : Question
     d : float
         A bare number, dimensionless.
     """
@@ -190,13 +193,15 @@ def _tuned(
     before = search.settled_before
     tell("flying")
     time, radius = float(verdict.settling.time), float(verdict.settling.radius)
+    flight = settled_in_flight(tuned, radius, time)
     return StartTuned(
         mission=tuned,
         verdict=verdict,
         before=before,
         estimate=math.exp(point.cost),
-        flown=settled_in_flight(tuned, radius, time),
+        flown=flight,
         flown_before=settled_in_flight(search.mission, radius, time),
+        why_longer=why_longer(verdict, flight),
         uses=[*uses(search.limits, search.command, tuned), *_seen(tuned, verdict)],
     )
 
@@ -227,11 +232,11 @@ def settled_in_flight(mission: Mission, radius: float, time: float) -> float | N
         How long it is flown, s.
     """
     flight = flown(mission, Timing(duration=time))
-    goal = np.array([float(c) for c in hover_goal(mission).position])
-    far = np.linalg.norm(flight["position"].values - goal, axis=1) > radius
-    if flight.attrs["outcome"] != "flown" or far[-1]:
+    if flight.attrs["outcome"] != "flown":
         return None
-    return float(flight["time"].values[np.flatnonzero(far)[-1] + 1]) if far.any() else 0.0
+    goal = np.array([float(c) for c in hover_goal(mission).position])
+    far = np.linalg.norm(flight["position"].values - goal, axis=1)
+    return near_from(flight["time"].values, far, radius)
 
 
 def why_not(search: StartSearch, point: Point | None) -> str:
@@ -276,7 +281,7 @@ def _why_not(search: StartSearch, point: Point | None) -> Iterator[str]:
         f"{searched}: with none of them the start is held; of the best, Ψ falls only at a rate "
         f"{100 * max(at.over[0], 0):.3g} % below the {rate:.3g} 1/s asked for"
     )
-    names = search.limited_by()
+    names = search.held_to.names()
     binding = [name for name, over in zip(names, at.over[1:], strict=True) if over > -BINDS]
     yield f"what binds: {', '.join(['the inequality of Ψ', *binding])}"
 

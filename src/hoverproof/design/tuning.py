@@ -41,8 +41,9 @@ from hoverproof.design.start_tuning import tune_start
 from hoverproof.errors import InputError
 from hoverproof.mission.conditions import common_limits
 from hoverproof.mission.reading import of_mission
-from hoverproof.mission.sections import Gains, Mission
-from hoverproof.servo.loop import slowest_rate
+from hoverproof.mission.sections import Mission
+from hoverproof.mission.task import Gains
+from hoverproof.servo.linearised import slowest_rate
 
 Array = NDArray[np.float64]
 Weights = tuple[Fraction, ...] | Literal["search"]

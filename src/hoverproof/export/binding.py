@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import json
-import re
 import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from hoverproof.compilers import command_words, find_compiler
 from hoverproof.errors import InputError
+from hoverproof.export.structs import put, structs_of
 from hoverproof.spread import interruptibly
 
 FLAGS = (
@@ -89,7 +89,7 @@ class Firmware:
         self._real = {"float32": ctypes.c_float, "float64": ctypes.c_double}[
             self.manifest["precision"]
         ]
-        self._structs = _structs(header, self.name)
+        self._structs = structs_of(header, self.name)
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as build:
             library = _built(folder, self.name, compiler, Path(build))
             try:
@@ -286,7 +286,7 @@ class Firmware:
     def _filled(self, kind: str, **values: Any) -> ctypes.Structure:
         given: ctypes.Structure = self._new(kind)
         for key, value in values.items():
-            _put(given, key, value)
+            put(given, key, value)
         return given
 
     def fly(self, dt: float, samples: int, every: int) -> Mapping[str, Any]:
@@ -352,44 +352,13 @@ class Firmware:
 
 ROW = 22
 """Numbers in a row of a flight, besides the rotors."""
-NUMBERS = {"float": ctypes.c_float, "double": ctypes.c_double, "uint32_t": ctypes.c_uint32}
-
-
-def _structs(header: str, name: str) -> dict[str, type[ctypes.Structure]]:
-    """Return the structs of a package's header, by the word between its name and ``_t``."""
-    text = re.sub(r"/\*.*?\*/", "", header, flags=re.S)
-    points = re.search(rf"#define {name.upper()}_POINTS \((\d+)\)", text)
-    text = text.replace(f"{name.upper()}_POINTS", points[1] if points else "")
-    found = {}
-    for body, kind in re.findall(rf"typedef struct \{{([^}}]*)\}} {name}_(\w+)_t;", text):
-        fields = []
-        for number, field, sizes in re.findall(r"(\w+) (\w+)((?:\[\d+\])*);", body):
-            held: Any = NUMBERS[number]
-            for size in reversed(re.findall(r"\d+", sizes)):
-                held *= int(size)
-            fields.append((field, held))
-        found[kind] = type(kind, (ctypes.Structure,), {"_fields_": fields})
-    return found
-
-
-def _put(struct: ctypes.Structure, key: str, value: Any) -> None:
-    """Set a field to a number, or to numbers of its own shape."""
-    field = getattr(struct, key)
-    if not isinstance(field, ctypes.Array):
-        setattr(struct, key, int(value) if isinstance(field, int) else float(value))
-        return
-    place = np.ctypeslib.as_array(field)
-    if place.shape != np.shape(value):
-        raise ValueError(f"{key} has the shape {place.shape}, not {np.shape(value)}")
-    with np.errstate(over="ignore"):  # beyond its precision it is infinite: the step refuses it
-        place[...] = value
 
 
 def _built(folder: Path, name: str, compiler: str | None, build: Path) -> Path:
     """Compile a package with the loop of `Firmware.fly` and return the shared library."""
     loop = (resources.files("hoverproof.export") / "loop.c").read_text("utf-8")
     library = build / f"{name}.so"
-    (build / "loop.c").write_text(loop.replace("NAME", name), encoding="utf-8")
+    (build / "loop.c").write_text(loop.replace("NAME", name), encoding="utf-8", newline="\n")
     sources = [folder / f"{name}.c", folder / f"{name}_selftest.c", folder / "example/vehicle.c"]
     sources += [*folder.glob(f"{name}_camera.c"), *folder.glob(f"{name}_lens.c")]
     words = command_words(compiler or find_compiler())

@@ -12,7 +12,8 @@ from hoverproof.export.closed_form import closed_forms
 from hoverproof.plant import rigid_body
 from hoverproof.plant.rate_loop import rate_command
 from hoverproof.servo.controller import Controller, derive_controller
-from hoverproof.servo.law import Design, Law, Measurement
+from hoverproof.servo.law import Law
+from hoverproof.servo.variables import Design, Measurement
 
 
 @dataclass(frozen=True)

@@ -201,14 +201,9 @@ def _write(out: str | Path, texts: Mapping[str, str]) -> None:
 
 @cache
 def _templates() -> Any:
-    import jinja2
+    from hoverproof.templates import templates
 
-    return jinja2.Environment(
-        loader=jinja2.PackageLoader("hoverproof.export", "."),
-        undefined=jinja2.StrictUndefined,
-        keep_trailing_newline=True,
-        autoescape=False,
-    )
+    return templates("hoverproof.export", ".", autoescape=False)
 
 
 def _rendered(filled: Contents) -> dict[str, str]:

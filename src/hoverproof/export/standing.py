@@ -12,7 +12,8 @@ from typing import Any
 from hoverproof import checker
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.surd import sqrt_enclosure
-from hoverproof.mission.sections import LawChoice, Mission
+from hoverproof.mission.sections import Mission
+from hoverproof.mission.task import LawChoice
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.heading import flown_law
 

@@ -32,15 +32,6 @@ from hoverproof.simulation.record import Record
 HEARTBEAT_LOST = 3.0
 """s without a heartbeat, which come once a second at least."""
 
-STALE = {"rotation": 0.15, "rate": 0.15, "velocity": 0.3, "specific_force": 0.15}
-"""s: the age from which on something is not flown by."""
-
-WORDS = {
-    "rotation": "attitude (ATTITUDE or ATTITUDE_QUATERNION)",
-    "rate": "body rate (ATTITUDE or ATTITUDE_QUATERNION)",
-    "velocity": "velocity (LOCAL_POSITION_NED or ODOMETRY)",
-    "specific_force": "specific force (HIGHRES_IMU, SCALED_IMU or ArduPilot's RAW_IMU)",
-}
 PAUSE = 0.1
 """s: a step that comes later by more was kept from running; what it would send is old."""
 
@@ -159,7 +150,7 @@ class Flight:
             if ended:
                 self._over(ended, fault=fault)
                 return
-        missing, before = self._missing(now), self.sent
+        missing, before = self.told.missing(now), self.sent
         measured = None if missing else self._measured()
         wanted = None if measured is None else self._guided(measured, dt)
         if self.phase == "flying":
@@ -226,16 +217,6 @@ class Flight:
         if self.duration is not None and now - self._took_over >= self.duration:
             return f"flown for {self.duration:g} s", False
         return "", False
-
-    def _missing(self, now: float) -> str:
-        """Return what the vehicle has not told, or not lately, in words."""
-        for name, oldest in STALE.items():
-            reading = getattr(self.told, name)
-            if reading is None:
-                return WORDS[name]
-            if now - reading.at > oldest:
-                return f"{WORDS[name]} since {now - reading.at:.2f} s"
-        return ""
 
     def _measured(self) -> Measured:
         told: Any = self.told

@@ -4,16 +4,62 @@ from __future__ import annotations
 
 import heapq
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from hoverproof.mavlink.link import Clock, Link
 from hoverproof.mavlink.sight import Sight, Sighting
-from hoverproof.mavlink.stand_in import STEP, TAKES, StandIn, Wire
+from hoverproof.mavlink.stand_in import STEP, TAKES, Habits, StandIn
 
 UNIX = 1.7e9
 """s since 1970, at the begin."""
+
+
+@dataclass
+class Wire:
+    """One way of a link: what is put in comes out later, or never, or after what came behind it.
+
+    Attributes
+    ----------
+    habits : Habits
+    seed : int
+        A bare number.
+    """
+
+    habits: Habits
+    seed: int
+    _queue: list[tuple[float, int, bytes]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self._draw, self._count = np.random.default_rng(self.seed), itertools.count()
+
+    def put(self, data: bytes, now: float) -> None:
+        """Send.
+
+        Parameters
+        ----------
+        data : bytes
+        now : float
+            s.
+        """
+        late, lost = self._draw.random(2)
+        if lost >= self.habits.lost:
+            due = now + self.habits.delay + self.habits.jitter * late
+            heapq.heappush(self._queue, (due, next(self._count), data))
+
+    def due(self, now: float) -> Iterator[bytes]:
+        """Yield what has arrived.
+
+        Parameters
+        ----------
+        now : float
+            s.
+        """
+        while self._queue and self._queue[0][0] <= now:
+            yield heapq.heappop(self._queue)[2]
 
 
 @dataclass

@@ -6,7 +6,6 @@ setpoints in one mode alone, and gives up on them when they stop.
 
 from __future__ import annotations
 
-import heapq
 import itertools
 import math
 from collections.abc import Iterator
@@ -355,47 +354,3 @@ class StandIn:
         told = self._look(self.state, numbers.points, self.thrust, numbers.design)
         image = np.array(told[0]).T
         return Sighting(now, image + self.habits.image * self._draw.standard_normal(image.shape))
-
-
-@dataclass
-class Wire:
-    """One way of a link: what is put in comes out later, or never, or after what came behind it.
-
-    Attributes
-    ----------
-    habits : Habits
-    seed : int
-        A bare number.
-    """
-
-    habits: Habits
-    seed: int
-    _queue: list[tuple[float, int, bytes]] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        self._draw, self._count = np.random.default_rng(self.seed), itertools.count()
-
-    def put(self, data: bytes, now: float) -> None:
-        """Send.
-
-        Parameters
-        ----------
-        data : bytes
-        now : float
-            s.
-        """
-        late, lost = self._draw.random(2)
-        if lost >= self.habits.lost:
-            due = now + self.habits.delay + self.habits.jitter * late
-            heapq.heappush(self._queue, (due, next(self._count), data))
-
-    def due(self, now: float) -> Iterator[bytes]:
-        """Yield what has arrived.
-
-        Parameters
-        ----------
-        now : float
-            s.
-        """
-        while self._queue and self._queue[0][0] <= now:
-            yield heapq.heappop(self._queue)[2]

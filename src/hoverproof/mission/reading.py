@@ -9,7 +9,7 @@ import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, Concatenate, ParamSpec, TypeVar
+from typing import Any, Concatenate, ParamSpec, TypeVar, get_args
 
 from pydantic import ValidationError
 
@@ -18,8 +18,9 @@ from hoverproof.mission.camera import Lens
 from hoverproof.mission.camera_info import lens_of_file
 from hoverproof.mission.fields import Section, shown
 from hoverproof.mission.presets import preset_text, presets
-from hoverproof.mission.sections import TAGS, Mission
+from hoverproof.mission.sections import Mission
 from hoverproof.mission.target import MAX_POINTS
+from hoverproof.mission.task import TAGS
 
 MAX_FILE_BYTES = 1_000_000
 MAX_PARTS = 64
@@ -48,31 +49,18 @@ def load(source: str | Path, overrides: Mapping[str, object] | None = None) -> M
     InputError
         If the file cannot be read or anything in it cannot be used; the message names the file,
         the key and what would be right.
+    TypeError
+        If `source` is neither, or `overrides` no mapping.
     """
+    if not isinstance(source, str | Path):
+        raise TypeError(
+            f"a mission is the name of a preset or the path of a file, not {type(source).__name__}"
+        )
     text, where = _read(source)
     data = _parse(text, where)
     if "source" in data:  # a field of Mission, but no key of a file
         raise InputError(where, "source", f"unknown key ({_key_hint((), 'source')})")
-    return _with_changes(data, overrides or {}, where)
-
-
-def replace(mission: Mission, changes: Mapping[str, object]) -> Mission:
-    """Return a mission with other values.
-
-    Parameters
-    ----------
-    mission : Mission
-    changes : mapping
-        By dotted key, as the `overrides` of `load`: ``{"gains.k4": 0.1}``.
-
-    Raises
-    ------
-    InputError
-        If there is no such key, or a mission cannot have the value.
-    """
-    data = _given(mission)
-    del data["source"]
-    return _with_changes(data, changes, mission.source)
+    return _with_changes(data, {} if overrides is None else overrides, where)
 
 
 def of_mission(
@@ -92,6 +80,26 @@ def of_mission(
         return verb(read, *args, **kwargs)
 
     return of  # type: ignore[return-value]  # the mission may be given by keyword as well
+
+
+@of_mission
+def replace(mission: Mission, changes: Mapping[str, object]) -> Mission:
+    """Return a mission with other values.
+
+    Parameters
+    ----------
+    mission : Mission, str or Path
+    changes : mapping
+        By dotted key, as the `overrides` of `load`: ``{"gains.k4": 0.1}``.
+
+    Raises
+    ------
+    InputError
+        If there is no such key, or a mission cannot have the value.
+    """
+    data = _given(mission)
+    del data["source"]
+    return _with_changes(data, changes, mission.source)
 
 
 def load_lens(path: str | Path) -> Lens:
@@ -143,6 +151,8 @@ def _given(section: Section) -> dict[str, Any]:
 
 
 def _with_changes(data: dict[str, Any], changes: Mapping[str, object], where: str) -> Mission:
+    if not isinstance(changes, Mapping) or not all(isinstance(key, str) for key in changes):
+        raise TypeError('values are given by dotted key, as in {"gains.k4": 0.1}')
     for key, value in changes.items():
         _override(data, key, value)
     _read_lens(data, where)
@@ -280,7 +290,8 @@ def _known_keys(path: Sequence[int | str]) -> list[str]:
     section: Any = Mission
     for part in path:
         field = getattr(section, "model_fields", {}).get(part)
-        section = field and field.annotation
+        kinds = () if field is None else (field.annotation, *get_args(field.annotation))
+        section = next((kind for kind in kinds if hasattr(kind, "model_fields")), None)
     return [key for key in getattr(section, "model_fields", ()) if key != "source"]
 
 

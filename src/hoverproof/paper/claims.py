@@ -23,13 +23,8 @@ from hoverproof.paper.judge import (
     statement,
     witness,
 )
-from hoverproof.paper.symbols import (
-    F,
-    closed_loop_no_yaw,
-    k1,
-    k2,
-    m,
-)
+from hoverproof.paper.symbols import F, k1, k2, m
+from hoverproof.paper.worlds import closed_loop_no_yaw
 from hoverproof.plant import camera
 
 Point = Sequence[Fraction]

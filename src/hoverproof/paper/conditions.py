@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import Interval, hover_goal
-from hoverproof.servo.law import Design
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import LoopNumbers, readout_function
+from hoverproof.servo.variables import Design
 
 Real = TypeVar("Real", Fraction, float)
 

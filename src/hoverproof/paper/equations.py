@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from fractions import Fraction
 
-import casadi as ca
-
-from hoverproof.algebra.linear import lie_derivative
 from hoverproof.paper.judge import Claim, Setting, definition, identity, setting
-from hoverproof.paper.notation import Equation, Symbol, World
+from hoverproof.paper.notation import Symbol
+from hoverproof.paper.printed import Equation
 from hoverproof.paper.symbols import (
     ONE,
     A,
@@ -30,9 +27,6 @@ from hoverproof.paper.symbols import (
     U,
     V,
     V_rate,
-    any_motion,
-    closed_loop,
-    closed_loop_no_yaw,
     d1,
     d1_rate,
     d1_square_rate,
@@ -54,7 +48,6 @@ from hoverproof.paper.symbols import (
     k4,
     k_Omega,
     m,
-    no_yaw_motion,
     number,
     pi,
     q,
@@ -64,8 +57,14 @@ from hoverproof.paper.symbols import (
     sk,
     sq,
 )
-from hoverproof.plant import camera, rigid_body
-from hoverproof.plant.rigid_body import RigidBodyState
+from hoverproof.paper.worlds import (
+    any_motion,
+    body_in_flight,
+    closed_loop,
+    closed_loop_no_yaw,
+    no_yaw_motion,
+    two_points_in_view,
+)
 
 E = Equation
 I3 = identity_matrix
@@ -88,55 +87,6 @@ p_sum, Q_sum = (
     Symbol("Σ pᵢ", r"\sum_i p_i", ONE),
     Symbol("Σ π_pᵢ/rᵢ", r"\sum_i \pi_{p_i}/r_i", M**-1),
 )
-
-
-def body_in_flight() -> tuple[World, Mapping[ca.SX, ca.SX]]:
-    """Return the rigid body with R written by a quaternion, so that RᵀR = I identically."""
-    h = ca.SX.sym("h", 4)
-    w, v = h[0], h[1:]
-    rotation = ca.SX.eye(3) + 2 * (w * ca.skew(v) + ca.skew(v) @ ca.skew(v)) / ca.dot(h, h)
-    x, target = RigidBodyState.symbols(), ca.SX.sym("P_world", 3)
-    mass, gravity, moments = ca.SX.sym("m"), ca.SX.sym("g"), ca.SX.sym("inertia", 3)
-    torque, thrust_rate = ca.SX.sym("Gamma", 3), ca.SX.sym("U")
-    rate = rigid_body.state_rate(
-        x, torque=torque, thrust_rate=thrust_rate, mass=mass, inertia=moments, gravity=gravity
-    )
-    seen = camera.body_points(target, x.position, x.rotation)
-    values = {
-        **{"ξ̇": rate.position, "R": x.rotation, "V": x.velocity, "V̇": rate.velocity},
-        **{"Ω": x.rate, "Ω̇": rate.rate, "Ṙ": rate.rotation, "m": mass, "g": gravity},
-        "F": rigid_body.force(x.thrust, x.gravity_direction, mass, gravity),
-        **{"T": x.thrust, "e3": rigid_body.E3, "Rᵀe3": x.gravity_direction, "Γ": torque},
-        **{"𝐈": ca.diag(moments), "𝐈⁻¹": ca.diag(1 / moments), "P'ᵢ": target, "ξ": x.position},
-        **{"Pᵢ": seen, "Ṗᵢ": lie_derivative(seen, x.vector(), rate.vector())},
-    }
-    flat = ca.vec(x.rotation)
-    return {n: ca.substitute(y, flat, ca.vec(rotation)) for n, y in values.items()}, {}
-
-
-def two_points_in_view() -> tuple[World, Mapping[ca.SX, ca.SX]]:
-    """Return the spherical image of two points that move as Ṗᵢ = -Ω × Pᵢ - V."""
-    points, r = ca.SX.sym("P", 3, 2), ca.SX.sym("r", 2)
-    velocity, rate = ca.SX.sym("V", 3), ca.SX.sym("Omega", 3)
-    motion = -ca.skew(rate) @ points - ca.repmat(velocity, 1, 2)
-    norms = ca.sqrt(ca.sum1(points * points))
-    p = points / ca.repmat(norms, 3, 1)
-    centroid = camera.centroid(p)
-
-    def change(x: ca.SX) -> ca.SX:
-        return lie_derivative(x, ca.vec(points), ca.vec(motion))
-
-    first = p[:, 0]
-    projection = ca.SX.eye(3) - first @ first.T
-    second = ca.SX.eye(3) - p[:, 1] @ p[:, 1].T
-    values = {
-        **{"Ω": rate, "V": velocity, "Pᵢ": points[:, 0], "pᵢ": first, "ṗᵢ": change(first)},
-        **{"rᵢ": norms[0], "π_p": projection, "q": centroid, "q̇": change(centroid)},
-        **{"Q": camera.depth_matrix(points), "Σ pᵢ": p[:, 0] + p[:, 1]},
-        "Σ π_pᵢ/rᵢ": projection / norms[0] + second / norms[1],
-    }
-    roots = {r[i]: ca.dot(points[:, i], points[:, i]) for i in range(2)}
-    return values, roots
 
 
 BODY: Setting = body_in_flight

@@ -14,7 +14,8 @@ import casadi as ca
 from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.identity import Identity as Proof
 from hoverproof.algebra.identity import prove_equal
-from hoverproof.paper.notation import Equation, World
+from hoverproof.paper.notation import World
+from hoverproof.paper.printed import Equation
 
 
 class Verdict(StrEnum):

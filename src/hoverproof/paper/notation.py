@@ -15,39 +15,9 @@ from fractions import Fraction
 
 import casadi as ca
 
+from hoverproof.paper.units import Unit, UnitError
+
 World = Mapping[str, ca.SX]
-
-
-@dataclass(frozen=True)
-class Unit:
-    """Exponents of kilogram, metre and second.
-
-    Attributes
-    ----------
-    kg, m, s : Fraction
-        The exponents, each a number.
-    """
-
-    kg: Fraction = Fraction(0)
-    m: Fraction = Fraction(0)
-    s: Fraction = Fraction(0)
-
-    def __mul__(self, other: Unit) -> Unit:
-        return Unit(self.kg + other.kg, self.m + other.m, self.s + other.s)
-
-    def __pow__(self, exponent: Fraction | int) -> Unit:
-        return Unit(self.kg * exponent, self.m * exponent, self.s * exponent)
-
-    def __truediv__(self, other: Unit) -> Unit:
-        return self * other**-1
-
-    def __str__(self) -> str:
-        parts = [("kg", self.kg), ("m", self.m), ("s", self.s)]
-        return " ".join(n if e == 1 else f"{n}^{e}" for n, e in parts if e) or "1"
-
-
-class UnitError(ValueError):
-    """The units of a formula do not fit together."""
 
 
 class Formula(ABC):
@@ -124,8 +94,16 @@ def factors(formula: Formula) -> tuple[Formula, ...]:
     return formula.parts if isinstance(formula, Product) else (formula,)
 
 
-def _in(formula: Formula, level: int, show: str) -> str:
-    """Show a formula inside one that binds at a level, in brackets if need be."""
+def bracketed(formula: Formula, level: int, show: str) -> str:
+    """Show a formula inside one that binds at a level, in brackets if need be.
+
+    Parameters
+    ----------
+    formula : Formula
+    level : int
+        A number; see `Formula.level`.
+    show : "text" or "latex"
+    """
     shown = formula.latex() if show == "latex" else formula.text()
     if formula.level >= level:
         return shown
@@ -134,7 +112,7 @@ def _in(formula: Formula, level: int, show: str) -> str:
 
 def _latex_base(formula: Formula) -> str:
     """Return a formula to be raised: in braces if it has a superscript, as LaTeX takes but one."""
-    base = _in(formula, 3, "latex")
+    base = bracketed(formula, 3, "latex")
     return f"{{{base}}}" if "^" in base else base
 
 
@@ -227,7 +205,7 @@ class Sum(Formula):
         shown = ""
         for sign, term in self.signed:
             mark = ("- " if sign < 0 else "+ ") if shown else ("-" if sign < 0 else "")
-            shown += f"{' ' if shown else ''}{mark}{_in(term, 1, show)}"
+            shown += f"{' ' if shown else ''}{mark}{bracketed(term, 1, show)}"
         return shown or "0"
 
     def text(self) -> str:
@@ -265,13 +243,14 @@ class Product(Formula):
 
     def text(self) -> str:
         shown = [
-            f"({p.text()})" if isinstance(p, Quotient) else _in(p, 2, "text") for p in self.parts
+            f"({p.text()})" if isinstance(p, Quotient) else bracketed(p, 2, "text")
+            for p in self.parts
         ]
         return " ".join(shown)
 
     def latex(self) -> str:
         return " ".join(
-            p.latex() if isinstance(p, Quotient) else _in(p, 2, "latex") for p in self.parts
+            p.latex() if isinstance(p, Quotient) else bracketed(p, 2, "latex") for p in self.parts
         )
 
 
@@ -295,8 +274,8 @@ class Quotient(Formula):
         return self.above.unit() / self.below.unit()
 
     def text(self) -> str:
-        below = _in(self.below, 2, "text")
-        return f"{_in(self.above, 1, 'text')}/{below}"
+        below = bracketed(self.below, 2, "text")
+        return f"{bracketed(self.above, 1, 'text')}/{below}"
 
     def latex(self) -> str:
         return rf"\frac{{{self.above.latex()}}}{{{self.below.latex()}}}"
@@ -324,7 +303,7 @@ class Power(Formula):
         return self.base.unit() ** self.exponent
 
     def text(self) -> str:
-        return f"{_in(self.base, 3, 'text')}{str(self.exponent).translate(_SUPERSCRIPTS)}"
+        return f"{bracketed(self.base, 3, 'text')}{str(self.exponent).translate(_SUPERSCRIPTS)}"
 
     def latex(self) -> str:
         return f"{_latex_base(self.base)}^{{{self.exponent}}}"
@@ -375,7 +354,7 @@ class Transpose(Formula):
         return self.of.unit()
 
     def text(self) -> str:
-        return f"{_in(self.of, 3, 'text')}ᵀ"
+        return f"{bracketed(self.of, 3, 'text')}ᵀ"
 
     def latex(self) -> str:
         return f"{_latex_base(self.of)}^T"
@@ -404,57 +383,3 @@ class SquaredNorm(Formula):
 
     def latex(self) -> str:
         return rf"\left|{self.of.latex()}\right|^2"
-
-
-@dataclass(frozen=True)
-class Equation:
-    """Two formulas that are said to be equal (or ordered, where a relation is given).
-
-    Attributes
-    ----------
-    left, right : Formula
-    relation : str
-        What stands between them, as text.
-    """
-
-    left: Formula
-    right: Formula
-    relation: str = "="
-
-    def text(self) -> str:
-        """Return the equation as plain text."""
-        return f"{self.left.text()} {self.relation} {self.right.text()}"
-
-    def latex(self) -> str:
-        """Return the equation as LaTeX."""
-        relation = {"≤": r"\le", "≥": r"\ge", "⪰": r"\succeq"}.get(self.relation, self.relation)
-        return f"{self.left.latex()} {relation} {self.right.latex()}"
-
-    def unit_fault(self) -> str:
-        """Return what is wrong with the units, empty if nothing is."""
-        try:
-            left = self.left.unit()
-            right = left if self.right == Number(Fraction(0)) else self.right.unit()
-        except UnitError as error:
-            return str(error)
-        return "" if left == right else f"the left side is in {left}, the right side in {right}"
-
-    def difference(self, other: Equation) -> tuple[list[str], list[str]]:
-        """Return the terms that only this right side has, and those that only the other has.
-
-        Parameters
-        ----------
-        other : Equation
-        """
-        mine = [_signed(t) for t in terms(self.right)]
-        others = [_signed(t) for t in terms(other.right)]
-        for shown in list(mine):
-            if shown in others:
-                mine.remove(shown)
-                others.remove(shown)
-        return mine, others
-
-
-def _signed(term: tuple[int, Formula]) -> str:
-    sign, formula = term
-    return f"{'-' if sign < 0 else '+'} {_in(formula, 1, 'text')}"

@@ -6,8 +6,8 @@ import casadi as ca
 
 from hoverproof.mission.frame import X
 from hoverproof.paper.judge import Claim, definition, identity, setting
-from hoverproof.paper.notation import Equation as E
 from hoverproof.paper.notation import Symbol, World
+from hoverproof.paper.printed import Equation as E
 from hoverproof.paper.symbols import NEWTON, Gamma3, M, T
 from hoverproof.plant import rotors
 

@@ -20,7 +20,7 @@ from hoverproof.paper.judge import (
     proof_of,
     statement,
 )
-from hoverproof.paper.notation import Equation
+from hoverproof.paper.printed import Equation
 from hoverproof.paper.symbols import F, d2, d3, g, k1, k2, m, number, q3_star
 from hoverproof.servo.lyapunov import derive_lyapunov_form
 

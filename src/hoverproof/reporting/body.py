@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from fractions import Fraction
-
 from hoverproof.mission.frame import X
 from hoverproof.mission.vehicle import Vehicle
+from hoverproof.reporting.numerals import short
 
 
-def body_rows(vehicle: Vehicle, short: Callable[[Fraction], str]) -> list[tuple[str, str]]:
+def body_rows(vehicle: Vehicle) -> list[tuple[str, str]]:
     """Return rows of a table, by name.
 
     Parameters
     ----------
     vehicle : Vehicle
-    short : callable
-        Writes a number.
     """
     named = "inertia" if vehicle.products is None else "inertia I11, I22, I33, I12, I13, I23"
     rows = [(named, f"{', '.join(map(short, vehicle.moments))} kg m²")]

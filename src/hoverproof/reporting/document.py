@@ -19,7 +19,6 @@ from hoverproof.mission.sections import Mission
 from hoverproof.reporting import glance
 from hoverproof.reporting.page import Origin, render
 from hoverproof.reporting.parts import PARTS, Attracted, Missing, Parts, Show, gather
-from hoverproof.reporting.wording import headline
 from hoverproof.simulation.plan import check_runs_differ
 
 
@@ -106,11 +105,11 @@ def report(
         parts = gather(mission, without=without, runs=runs, show=show)
         show("page")
         how = command or f"hoverproof report {shlex.quote(mission.source)}"
-        written = render(parts, Origin(how, mission.source, made_at)).encode()
+        rows = glance.rows(parts)
+        written = render(parts, Origin(how, mission.source, made_at), rows).encode()
         beside.write_bytes(written)
     digest = hashlib.sha256(written).hexdigest()
     start = parts.attraction.start if isinstance(parts.attraction, Attracted) else None
-    rows = glance.rows(parts.attraction, headline(parts))
     return Report(Path(path), len(written), digest, parts.verdict, start, rows, _missing(parts))
 
 

@@ -6,25 +6,29 @@ import math
 from collections.abc import Iterator
 from fractions import Fraction
 
+import numpy as np
+
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.convergence import Converges, not_covered
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.reporting.parts import Attracted, Missing
-from hoverproof.reporting.tables import at_least, at_most, place, short
+from hoverproof.design.proved_and_flown import why_longer
+from hoverproof.plant.goal import hover_goal
+from hoverproof.reporting.numerals import at_least, at_most, place, short
+from hoverproof.reporting.parts import Flown, Missing, Parts
+from hoverproof.reporting.wording import headline
+from hoverproof.simulation.numbers import near_from
 
 Line = tuple[str, str]
 
 
-def rows(attracted: Attracted | Missing, gains: str) -> list[Line]:
+def rows(parts: Parts) -> list[Line]:
     """Return questions and their answers.
 
     Parameters
     ----------
-    attracted : Attracted or Missing
-        From where the vehicle comes to its goal.
-    gains : str
-        What was said of the gains.
+    parts : Parts
     """
+    attracted, gains = parts.attraction, headline(parts)
     if isinstance(attracted, Missing):
         return [("Gains", gains)]
     start, region = attracted.start, attracted.region
@@ -34,6 +38,7 @@ def rows(attracted: Attracted | Missing, gains: str) -> list[Line]:
         ("For whom", f"{_whom(region)} comes to the hover at its goal"),
         ("From where", _where(region)),
         ("How soon", _how_soon(region)),
+        *_in_flight(region, parts.flight),
         ("On the way", "; ".join(_on_the_way(region))),
     ]
     if start.status == "proved":
@@ -68,6 +73,25 @@ def _how_soon(region: Attraction | Exponential) -> str:
     settling, last = region.settling, region.ultimate_radius
     words = f"within {at_most(settling.radius)} m of its goal from {at_most(settling.time)} s on"
     return words if last is None else f"{words}, in the end within {at_most(last)} m"
+
+
+def _in_flight(region: Attraction | Exponential, flight: Flown | Missing) -> Iterator[Line]:
+    """Yield when the flight of the page has settled, and why the proof takes longer if it does."""
+    if isinstance(flight, Missing):
+        return
+    if isinstance(region, Attraction):
+        settled, near = flight.summary["settled_at"], "a tenth of the way to go"
+    else:
+        goal = np.array([float(c) for c in hover_goal(region.mission).position])
+        far = np.linalg.norm(flight.whole["position"].values - goal, axis=1)
+        settled = near_from(flight.whole["time"].values, far, float(region.settling.radius))
+        near = f"{at_most(region.settling.radius)} m of its goal"
+    if settled is None:
+        yield "In the flight below", f"not within {near} at its end (simulated)"
+        return
+    words = f"within {near} from {short(settled)} s on (simulated, the vehicle as modelled)"
+    longer = why_longer(region, settled) if isinstance(region, Exponential) else None
+    yield "In the flight below", words if longer is None else f"{words}; the proof takes {longer}"
 
 
 def _on_the_way(region: Attraction | Exponential) -> Iterator[str]:

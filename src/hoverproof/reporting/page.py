@@ -5,10 +5,9 @@ from __future__ import annotations
 import base64
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 from typing import Any
 
 import jinja2
@@ -20,10 +19,12 @@ from hoverproof.certification.convergence import not_covered
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.export.cost import STEPS
 from hoverproof.paper.judge import Verdict
-from hoverproof.reporting import glance, mathematics, pictures, tables, wording
+from hoverproof.reporting import mathematics, pictures, tables, wording
+from hoverproof.reporting.assets import asset, pages
+from hoverproof.reporting.glance import Line
+from hoverproof.reporting.numerals import short
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts, sentence
 from hoverproof.reporting.player import player_data
-from hoverproof.reporting.tables import short
 from hoverproof.version import __version__
 
 CONTENTS = (
@@ -85,24 +86,26 @@ class File:
     link: str
 
 
-def render(parts: Parts, origin: Origin) -> str:
+def render(parts: Parts, origin: Origin, glance: Sequence[Line]) -> str:
     """Return the page, HTML in one piece.
 
     Parameters
     ----------
     parts : Parts
     origin : Origin
+    glance : sequence of Line
+        Questions and answers at its head.
     """
-    return _template().render(context(parts, origin))
+    return _template().render(context(parts, origin, glance))
 
 
-def context(parts: Parts, origin: Origin) -> dict[str, Any]:
+def context(parts: Parts, origin: Origin, glance: Sequence[Line]) -> dict[str, Any]:
     """Return what the template asks for, by name.
 
     Parameters
     ----------
-    parts : Parts
-    origin : Origin
+    parts, origin, glance
+        See `render`.
     """
     files = _files(parts)
     return {
@@ -111,10 +114,10 @@ def context(parts: Parts, origin: Origin) -> dict[str, Any]:
         "verdict": parts.verdict,
         "version": __version__,
         "contents": [(anchor, wording.heading(words, parts)) for anchor, words in CONTENTS],
-        "css": _asset("report.css"),
-        "js": _asset("player.js"),
+        "css": asset("report.css"),
+        "js": asset("player.js"),
         "headline": wording.headline(parts),
-        "glance": glance.rows(parts.attraction, wording.headline(parts)),
+        "glance": glance,
         "merits": list(wording.merits(parts)),
         "certificate": files.get("gains"),
         "region_file": files.get("region"),
@@ -299,21 +302,8 @@ def _tone(verdict: Verdict) -> str:
 
 
 @cache
-def _asset(name: str) -> str:
-    folder = resources.files("hoverproof.reporting") / "templates"
-    return re.sub(r"(?m)\s+$", "", (folder / name).read_text(encoding="utf-8")) + "\n"
-
-
-@cache
 def _template() -> jinja2.Template:
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("hoverproof.reporting"),
-        undefined=jinja2.StrictUndefined,
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
+    environment = pages()
 
     def mathml(latex: str, *, block: bool = False) -> Markup:
         return Markup(mathematics.mathml(latex, block=block))

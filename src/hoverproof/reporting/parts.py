@@ -26,7 +26,7 @@ from hoverproof.mission.sections import Mission
 from hoverproof.paper.conditions import Demand, demands_of, where_met
 from hoverproof.paper.judge import Judgement
 from hoverproof.paper.ledger import derive_once
-from hoverproof.servo.loop import slowest_rate
+from hoverproof.servo.linearised import slowest_rate
 from hoverproof.show.decay import Decay, decay_along
 from hoverproof.show.panels import beginning
 from hoverproof.simulation.flight import flown, summary, without_conditions

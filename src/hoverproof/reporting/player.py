@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from hoverproof.reporting.parts import Flown
 from hoverproof.show.scene import Scene
@@ -49,7 +48,7 @@ def _track(flight: Record) -> dict[str, Any]:
     """Return a flight at so many times that a page need not hold more."""
     last = len(flight["time"].values) - 1
     kept = np.unique(np.linspace(0, last, min(MOST_SAMPLES, last + 1)).round().astype(int))
-    turns = Rotation.from_matrix(flight["rotation"].values[kept]).as_quat(scalar_first=True)
+    turns = _quaternions(flight["rotation"].values[kept])
     for i in range(1, len(turns)):  # q and -q are one attitude: take the nearer
         if turns[i] @ turns[i - 1] < 0:
             turns[i] = -turns[i]
@@ -61,6 +60,25 @@ def _track(flight: Record) -> dict[str, Any]:
         "thrust": _short(flight["thrust"].values[kept], 7),
         "image": _short(flight["image"].values[kept].reshape(len(kept), -1)),
     }
+
+
+def _quaternions(turns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return unit quaternions, scalar first, (k, 4), of rotations, (k, 3, 3).
+
+    SciPy's `Rotation` does as much, and takes as long to import as a page takes to fill.
+    """
+    a, b, c = np.moveaxis(turns, 0, -1)
+    four = np.array(  # 4 q qᵀ, of which every row is a multiple of q
+        [
+            [1 + a[0] + b[1] + c[2], c[1] - b[2], a[2] - c[0], b[0] - a[1]],
+            [c[1] - b[2], 1 + a[0] - b[1] - c[2], b[0] + a[1], a[2] + c[0]],
+            [a[2] - c[0], b[0] + a[1], 1 - a[0] + b[1] - c[2], c[1] + b[2]],
+            [b[0] - a[1], a[2] + c[0], c[1] + b[2], 1 - a[0] - b[1] + c[2]],
+        ]
+    )
+    largest = np.einsum("iik->ik", four).argmax(axis=0)
+    rows = four[largest, :, np.arange(len(turns))]
+    return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))
 
 
 def _short(values: NDArray[np.float64], digits: int = 5) -> Any:

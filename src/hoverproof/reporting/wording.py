@@ -8,8 +8,8 @@ from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.mission.sections import Mission
+from hoverproof.reporting.numerals import at_least, at_most, bounded, inside, place, short
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts
-from hoverproof.reporting.tables import at_least, at_most, bounded, inside, place, short
 
 YAW_RATE = (
     "Anything about a vehicle that turns about its vertical axis: Ω3 = 0 is supposed, which the "

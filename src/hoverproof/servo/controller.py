@@ -9,8 +9,9 @@ import casadi as ca
 from hoverproof.algebra.linear import is_zero, lie_derivative, solve_affine
 from hoverproof.errors import InputError
 from hoverproof.plant.rigid_body import torque_balance
-from hoverproof.servo.law import Design, Law, Measurement
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.variables import Design, Measurement
 
 
 @dataclass(frozen=True)

@@ -15,17 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.algebra.derived import kept_graph
-from hoverproof.algebra.graph import evaluate
 from hoverproof.mission.frame import Frame, X
 from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera, rotors
 from hoverproof.plant.goal import hover_goal, level_view
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState, rotation_matrix, state_rate
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design, Law, Measurement
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.laws.heading import flown_law
-from hoverproof.servo.lyapunov import linearised_loop, lyapunov, thrust_factor
+from hoverproof.servo.lyapunov import lyapunov
+from hoverproof.servo.variables import Design, Measurement
 
 Array = NDArray[np.float64]
 
@@ -250,14 +250,6 @@ def level_feature(n: int, law: Law) -> ca.Function:
     return ca.Function("level_feature", [points, position], [ca.densify(feature)])
 
 
-@kept_graph
-def _loop_at_goal(law: Law) -> ca.Function:
-    """Return (design, Q, thrust) ↦ B of Ẋ = B X near the goal: (3, 3) and () to (11, 11)."""
-    design, Q, thrust = law.design.symbols(), ca.SX.sym("Q", 3, 3), ca.SX.sym("thrust")
-    B = linearised_loop(law)(design.vector(), Q, thrust_factor(thrust, design, law))
-    return ca.Function("loop_at_goal", [design.vector(), Q, thrust], [B])
-
-
 @dataclass(frozen=True)
 class LoopNumbers:
     """The floating-point numbers that the loop of a mission runs on.
@@ -369,45 +361,6 @@ class LoopNumbers:
         for name, values in zip(self.law.design.chain_gains(), gains, strict=True):
             designs[self.law.design.place(name)] = values
         return designs
-
-
-def slowest_rates(mission: Mission, gains: tuple[Array, ...]) -> Array:
-    """Return the decay rate of the slowest motion of the loop linearised at the goal, 1/s, (m,).
-
-    Parameters
-    ----------
-    mission : Mission
-        Its gains do not count.
-    gains : (4,) of (m,)
-        Those of the error chain, in the order and units of the law's design.
-    """
-    numbers = LoopNumbers.of(mission)
-    return _slowest_rates(numbers, numbers.designs(gains))
-
-
-def slowest_rate(mission: Mission, law: Law | None = None) -> float:
-    """Return the decay rate of the slowest motion with a mission's own gains, 1/s.
-
-    Negative if some motion grows.
-
-    Parameters
-    ----------
-    mission : Mission
-    law : Law
-    """
-    numbers = LoopNumbers.of(mission, law)
-    return float(_slowest_rates(numbers, numbers.design[:, None])[0])
-
-
-def _slowest_rates(numbers: LoopNumbers, designs: Array) -> Array:
-    columns = numbers.depth_matrix().T.ravel()  # a slope need not be symmetric
-    inputs: list[Any] = [designs, columns, [numbers.hover_thrust]]
-    rows = evaluate(_loop_at_goal(numbers.law), inputs, float)[0]
-    B = np.empty((designs.shape[1], len(rows), len(rows)))
-    for i, row in enumerate(rows):
-        for j, entry in enumerate(row):
-            B[:, i, j] = entry
-    return np.asarray(-np.linalg.eigvals(B).real.max(axis=1), np.float64)
 
 
 def _floats(values: Any) -> Array:

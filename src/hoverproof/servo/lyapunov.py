@@ -9,8 +9,9 @@ import casadi as ca
 
 from hoverproof.algebra.linear import lie_derivative, solve_affine
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design, Errors, Law, Measurement
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.variables import Design, Errors, Measurement
 
 ERROR_SIZE = Errors.size()
 

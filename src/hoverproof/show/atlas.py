@@ -19,7 +19,7 @@ from hoverproof.design.atlas import QUANTITIES, VERDICTS
 from hoverproof.design.limits import bandwidth
 from hoverproof.design.outcome import Tuned
 from hoverproof.mission.sections import Mission
-from hoverproof.show.style import COLOURS, save_figure
+from hoverproof.show.style import COLOURS, Powers, plain_powers, save_figure
 from hoverproof.simulation.record import Recorded
 
 Array = NDArray[np.float64]
@@ -48,6 +48,8 @@ def pareto_figure(mission: Mission, points: Sequence[tuple[float, Tuned]]) -> Fi
         axes.plot(
             own, float(before), "*", color=COLOURS[1], markersize=13, label="own gains, proved"
         )
+    for axis in (axes.xaxis, axes.yaxis):
+        plain_powers(axis)
     axes.set_title(f"{mission.title}: what a decay rate costs")
     axes.set_xlabel("attitude bandwidth (k1 k2 + k3 + k4)/m (rad/s)")
     axes.set_ylabel("certified decay rate of L (1/s)")
@@ -115,6 +117,9 @@ def draw_atlas(
     margin, shown = atlas["margin"].values, atlas[what].values
     axes.set_xscale(scales[0])
     axes.set_yscale(scales[1])
+    for axis, scale in zip((axes.xaxis, axes.yaxis), scales, strict=True):
+        if scale == "log":
+            plain_powers(axis)
     handles: list[Artist] = []
     if (margin > 0).any():
         good = np.ma.masked_where(~(margin > 0), shown)
@@ -122,7 +127,10 @@ def draw_atlas(
         mesh = axes.pcolormesh(across, along, good, norm=norm, cmap="viridis", shading="nearest")
         mesh.set_rasterized(True)
         figure = axes.figure
-        figure.colorbar(mesh, ax=axes, label=f"{LABELS[what]}, where certified", extend="min")
+        bar = figure.colorbar(
+            mesh, ax=axes, label=f"{LABELS[what]}, where certified", extend="min", format=Powers()
+        )
+        bar.minorformatter = Powers()
     if (margin <= 0).any():
         plain = np.ma.masked_where(~(margin <= 0), np.ones(margin.shape))
         grey = axes.pcolormesh(
@@ -133,8 +141,8 @@ def draw_atlas(
     if np.isnan(margin).any():
         handles.append(Patch(facecolor=NO_QUESTION, edgecolor="grey", label="no question posed"))
     handles += _boundary(axes, atlas, x, y, scales)
-    axes.set_xlim(*_edges(across, scales[0])[[0, -1]])
-    axes.set_ylim(*_edges(along, scales[1])[[0, -1]])
+    axes.set_xlim(*cell_edges(across, scales[0])[[0, -1]])
+    axes.set_ylim(*cell_edges(along, scales[1])[[0, -1]])
     if printed is not None:
         handles.append(_printed_area(axes, across, along, printed))
     own = [QUANTITIES[name].value(mission) for name in (x, y)]
@@ -182,7 +190,9 @@ def _boundary(axes: Axes, atlas: Recorded, x: str, y: str, scales: list[str]) ->
             atlas[x].values, atlas[y].values, margin, levels=[0], colors="black", linewidths=1.5
         )
         return [Line2D([], [], color="black", label="boundary (floating point)")]
-    edges = [_edges(atlas[name].values, scale) for name, scale in zip((x, y), scales, strict=True)]
+    edges = [
+        cell_edges(atlas[name].values, scale) for name, scale in zip((x, y), scales, strict=True)
+    ]
     lines = []
     for i, j in np.argwhere(verdict[:, 1:] * verdict[:, :-1] == -1):
         lines.append([(edges[0][j + 1], edges[1][i]), (edges[0][j + 1], edges[1][i + 1])])
@@ -192,8 +202,16 @@ def _boundary(axes: Axes, atlas: Recorded, x: str, y: str, scales: list[str]) ->
     return [Line2D([], [], color="black", label="boundary, decided exactly on both sides")]
 
 
-def _edges(values: Array, scale: str) -> Array:
-    """Return the edges of cells about values, (n + 1,)."""
+def cell_edges(values: Array, scale: str) -> Array:
+    """Return the edges of cells about values, (n + 1,), in their unit.
+
+    Parameters
+    ----------
+    values : (n,)
+        Ascending, in any unit.
+    scale : str
+        "log" or "linear".
+    """
     v = np.log(values) if scale == "log" else values
     middle = (v[1:] + v[:-1]) / 2
     edges = np.concatenate([[2 * v[0] - middle[0]], middle, [2 * v[-1] - middle[-1]]])

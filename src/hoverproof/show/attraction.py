@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.motion import energies
@@ -21,19 +20,20 @@ from hoverproof.certification.flow import eigenvalues
 from hoverproof.design.limits import bandwidth
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
-from hoverproof.servo.loop import LoopNumbers, slowest_rate
-from hoverproof.show.style import COLOURS, save_figure
+from hoverproof.servo.linearised import slowest_rate
+from hoverproof.servo.loop import LoopNumbers
+from hoverproof.show.style import COLOURS, plain_powers, save_figure
 from hoverproof.simulation.compiled import runner
 from hoverproof.simulation.step import flight_states
 from hoverproof.spread import spread
 
 Array = NDArray[np.float64]
 
-CELLS = 300
-FLIGHTS = 90
+CELLS = 160
+FLIGHTS = 60
 SAMPLES = 300
 BLOCK = 20
-AT_REST = 1e-7
+AT_REST = 1e-6
 """Part of the proved level below which Λ is out of the picture."""
 STEPS_PER_FASTEST = 4
 
@@ -123,21 +123,22 @@ class Flights:
     energy: Array
 
 
-def hovers_inside(region: Attraction, places: Array) -> NDArray[np.bool_]:
-    """Tell which level hovers, (k, 3), are certified.
+def outside_by(region: Attraction, places: Array, terms: Array) -> Array:
+    """Return by how much level hovers, (k, 3), are outside, (k,), m; certified are 0 and less.
 
     Parameters
     ----------
     region : Attraction
     places : (k, 3)
         World frame, m.
+    terms : (k, 4)
+        Their `Potential.hover_terms`.
     """
-    p = Potential.of(region.mission)
-    a = [float(w) for w in region.weights]
-    inside = p.hover_terms(places) @ [1, *a] <= float(region.level)
-    if region.barrier_height is not None:
-        inside &= p.plane - places[:, 2] >= float(region.barrier_height)
-    return np.asarray(inside)
+    excess = terms @ [1, *(float(w) for w in region.weights)] - float(region.level)
+    if region.barrier_height is None:
+        return np.asarray(excess)
+    height = Potential.of(region.mission).plane - places[:, 2]
+    return np.maximum(excess, float(region.barrier_height) - height)
 
 
 def fly(region: Attraction, view: View, count: int = FLIGHTS) -> Flights:
@@ -190,7 +191,8 @@ def fly(region: Attraction, view: View, count: int = FLIGHTS) -> Flights:
         if not len(flying):
             break
     time = np.linspace(0, step * every * SAMPLES, SAMPLES + 1)
-    return Flights(across, height, settled, hovers_inside(region, places), time, energy)
+    certified = outside_by(region, places, p.hover_terms(places)) <= 0
+    return Flights(across, height, settled, certified, time, energy)
 
 
 def attraction_figure(region: Attraction) -> Figure:
@@ -247,17 +249,19 @@ def draw_section(axes: Axes, region: Attraction, view: View, flights: Flights) -
     mission, p = region.mission, view.potential
     across, height, places = view.grid()
     shape = (len(height), len(across))
-    inside = hovers_inside(region, places).reshape(shape)
-    axes.contourf(across, height, inside, levels=[0.5, 1.5], colors=["#56B4E9"], alpha=0.45)
+    terms = p.hover_terms(places)
+    outside = outside_by(region, places, terms).reshape(shape)
+    if outside.min() < 0:
+        ends = [outside.min(), 0]
+        axes.contourf(across, height, outside, levels=ends, colors=["#56B4E9"], alpha=0.45)
     axes.fill([], [], color="#56B4E9", alpha=0.45, label="certified hovers")
     values = eigenvalues(p.target, places)
     low, high = (float(x) for x in eigenvalue_bounds(mission))
-    bounded = ((values[:, 0] > low) & (values[:, 2] < high)).astype(float).reshape(shape)
-    if 0 < bounded.mean() < 1:
-        axes.contour(across, height, bounded, levels=[0.5], colors=COLOURS[4], linestyles="--")
+    beyond = np.maximum(low - values[:, 0], values[:, 2] - high).reshape(shape)
+    if beyond.min() < 0 < beyond.max():
+        axes.contour(across, height, beyond, levels=[0], colors=COLOURS[4], linestyles="--")
     axes.plot([], [], "--", color=COLOURS[4], label=f"eigenvalues of Q in [{low:g}, {high:g}] 1/m")
-    d1 = p.hover_terms(places) @ [0, 1, 2, 1]  # L = ½(3|δ1|² + |Pδ1|²) in a level hover
-    paper = d1.reshape(shape)
+    paper = (terms @ [0, 1, 2, 1]).reshape(shape)  # L = ½(3|δ1|² + |Pδ1|²) in a level hover
     axes.contour(
         across, height, paper, levels=[(p.whole - p.q3) ** 2 / 2], colors=COLOURS[1], linewidths=1.5
     )
@@ -295,17 +299,26 @@ def draw_section(axes: Axes, region: Attraction, view: View, flights: Flights) -
     axes.grid(alpha=0.3)
 
 
-def _draw_space(axes: Any, region: Attraction, view: View) -> None:
+def _edge(region: Attraction, view: View) -> tuple[Array, float | None]:
+    """Return where rays from the goal leave the certified hovers, and where some are cut, m."""
     p = view.potential
     polar, around = np.linspace(0, np.pi, 40), np.linspace(0, 2 * np.pi, 60)
     a, b = np.meshgrid(polar, around, indexing="ij")
     rays = np.stack([np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)], axis=-1)
-    steps = np.linspace(0.01, 1, 160) * min(view.side, view.top)
-    places = p.goal + rays[:, :, None] * steps[:, None]
-    inside = hovers_inside(region, places.reshape(-1, 3)).reshape(places.shape[:3])
-    ended = ~inside
-    last = np.where(ended.any(axis=2), ended.argmax(axis=2) - 1, len(steps) - 1)
-    edge = p.goal + rays * steps[np.maximum(last, 0)][..., None]
+    steps = np.linspace(0.01, 1, 40) * min(view.side, view.top)
+    places = (p.goal + rays[:, :, None] * steps[:, None]).reshape(-1, 3)
+    outside = outside_by(region, places, p.hover_terms(places)).reshape(*a.shape, -1)
+    ended = (outside > 0).any(axis=2)
+    first = np.where(ended, (outside > 0).argmax(axis=2), len(steps) - 1)
+    last = np.maximum(first - 1, 0)
+    near, far = (np.take_along_axis(outside, i[..., None], 2)[..., 0] for i in (last, first))
+    part = np.divide(-near, far - near, out=np.ones_like(near), where=ended & (near < 0))
+    reach = steps[last] + part * (steps[first] - steps[last])
+    return p.goal + rays * reach[..., None], None if ended.all() else float(steps[-1])
+
+
+def _draw_space(axes: Any, region: Attraction, view: View) -> None:
+    p, (edge, cut) = view.potential, _edge(region, view)
     axes.plot_surface(
         edge[..., 0],
         edge[..., 1],
@@ -327,10 +340,7 @@ def _draw_space(axes: Any, region: Attraction, view: View) -> None:
         axis.set_major_locator(MaxNLocator(4))
     axes.set_xlim(edge[..., 0].min(), edge[..., 0].max())  # so that the numbers of two axes do
     axes.set_ylim(edge[..., 1].min(), edge[..., 1].max())  # not meet in their common corner
-    cut = bool((last == len(steps) - 1).any())
-    axes.set_title(
-        "certified hovers" + (f", cut at {steps[-1]:.3g} m from the goal" if cut else "")
-    )
+    axes.set_title("certified hovers" + (f", cut at {cut:.3g} m from the goal" if cut else ""))
     shown = np.vstack([edge.reshape(-1, 3), p.points, p.goal])
     axes.set_box_aspect(np.ptp(shown, axis=0), zoom=0.88)
     axes.view_init(elev=18, azim=-60)
@@ -359,70 +369,10 @@ def draw_energy(axes: Axes, region: Attraction, flights: Flights) -> None:
     largest = max(np.nanmax(flights.energy), level)
     axes.axhline(level, color="black", linestyle="--", label=f"proved level {level:.4g}")
     axes.set_ylim(1e-6 * largest, 300 * largest)  # room for the legend
+    plain_powers(axes.yaxis)
     axes.set_xlim(0, flights.time[-1])
     axes.set_xlabel("time (s)")
     axes.set_ylabel("Λ (m)")
     axes.set_title("Λ along the simulated flights")
     axes.grid(alpha=0.3)
     axes.legend(loc="upper right", framealpha=0.9)
-
-
-def trade_off_figure(regions: Sequence[Attraction], own: Attraction | None = None) -> Figure:
-    """Draw how far hovers are certified, against the speed near the goal.
-
-    Parameters
-    ----------
-    regions : sequence of Attraction
-        Of the same vehicle with other gains, proved without a barrier.
-    own : Attraction, optional
-        Of the gains that the mission has, for comparison.
-    """
-    figure = Figure(figsize=(7, 5.5), layout="constrained")
-    axes = figure.subplots()
-    speed = np.array([slowest_rate(region.mission) for region in regions])
-    order = np.argsort(speed)
-    for way, marker, colour in (
-        ("up", "^-.", COLOURS[2]),
-        ("down", "s--", COLOURS[1]),
-        ("sideways", "o-", COLOURS[0]),
-    ):
-        reach = np.array([float(getattr(region.reach, way)) for region in regions])
-        axes.loglog(speed[order], reach[order], marker, color=colour, label=way)
-        if own is not None:
-            held = float(getattr(own.reach, way))
-            axes.plot(slowest_rate(own.mission), held, "*", color=colour, markersize=14, zorder=3)
-    if own is not None:
-        axes.plot([], [], "k*", markersize=14, linestyle="none", label="the mission's own gains")
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_formatter(FuncFormatter(_some_digits))
-    axes.set_xlabel("decay rate of the slowest motion at the goal (1/s, linearised)")
-    axes.set_ylabel("certified hovers reach from the goal (m)")
-    axes.set_title(f"{regions[0].mission.name}: what speed costs, each point proved")
-    axes.grid(alpha=0.3, which="both")
-    figure.legend(loc="outside lower center", ncols=4)
-    return figure
-
-
-def _some_digits(value: float, _: int | None) -> str:
-    """Label 2 and 5 of each decade."""
-    return f"{value:g}" if f"{value:.0e}"[0] in "25" else ""
-
-
-def save_trade_off_figure(
-    regions: Sequence[Attraction], own: Attraction | None, path: Path
-) -> None:
-    """Write the curve as PNG or SVG.
-
-    Parameters
-    ----------
-    regions, own
-        See `trade_off_figure`.
-    path : Path
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-    """
-    save_figure(trade_off_figure(regions, own), path)

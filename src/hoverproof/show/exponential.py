@@ -19,12 +19,13 @@ from hoverproof.certification.attraction.potential import sphere
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.candidate import Tilted
 from hoverproof.certification.exponential.inequality import MEMORY, THRUST, TORQUE, W2, W3, W4
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.positions import DIRECTIONS, Scene
+from hoverproof.certification.exponential.question import Question
 from hoverproof.certification.exponential.reach import Reach
-from hoverproof.certification.exponential.search import Search
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.show.style import COLOURS, save_figure
+from hoverproof.show.style import COLOURS, plain_powers, save_figure
 from hoverproof.simulation.flight import flown
 from hoverproof.simulation.record import Record
 from hoverproof.simulation.timing import Timing
@@ -120,9 +121,9 @@ class View:
             σ - σ*.
         """
         v = self.verdict
-        search = Search.of(Vehicles.of(v.mission), self.scene, v.starts)
+        question = Question.of(Vehicles.of(v.mission), self.scene, v.starts)
         away, level = (np.linalg.norm(offset[:, :k], axis=1) for k in (3, 2))
-        terms = search.terms_at(away, level, Start(v.starts[0].position))
+        terms = question.terms_at(away, level, Start(v.starts[0].position))
         lag = v.certificate.content["lag"] or {"torque": 0, "thrust": 0}
         weights = np.zeros(terms.shape[1])
         weights[[0, W2, W3, W4]] = 1, *map(float, v.weights)
@@ -288,6 +289,7 @@ def draw_distance(axes: Axes, view: View, flight: Record | None) -> None:
         axes.plot(flight["time"].values, far, color=COLOURS[1], label="simulated flight (no proof)")
         least = min(least, float(np.clip(far[far > 0].min(), 1e-4 * bound[0], None)))
     axes.set_ylim(0.5 * least, 1.6 * bound[0])
+    plain_powers(axes.yaxis)
     axes.set_xlim(0, until)
     axes.set_xlabel("time (s)")
     axes.set_ylabel("distance from the goal (m)")

@@ -156,7 +156,7 @@ def _html(
         .replace("@STILL@", _png(first))
         .replace("@CHANGES@", json.dumps(pictures))
     )
-    beside.write_text(page, encoding="utf-8")
+    beside.write_text(page, encoding="utf-8", newline="\n")
 
 
 def _png(picture: Image.Image, transparency: int | None = None) -> str:

@@ -10,7 +10,7 @@ from mpl_toolkits.mplot3d import Axes3D
 
 from hoverproof.show.decay import Decay
 from hoverproof.show.scene import Array, Flight, Scene, view_angle
-from hoverproof.show.style import COLOURS, STYLES, legend_above
+from hoverproof.show.style import COLOURS, STYLES, legend_above, plain_powers
 
 FLOOR = 1e-10
 LIMIT_NEAR = 0.25
@@ -207,18 +207,20 @@ def errors(axes: Axes, flight: Flight, decay: Decay | None = None) -> None:
     times, level = flight["time"].values, flight["lyapunov"].values
     for i in range(4):
         size = np.linalg.norm(flight[f"delta{i + 1}"].values, axis=1)
-        axes.semilogy(times, size, STYLES[i], color=COLOURS[i], label=f"|δ{i + 1}|", linewidth=1.3)
-    axes.semilogy(times, level, color="black", linewidth=1.8, label="L")
+        axes.plot(times, size, STYLES[i], color=COLOURS[i], label=f"|δ{i + 1}|", linewidth=1.3)
+    axes.plot(times, level, color="black", linewidth=1.8, label="L")
     if decay is not None:
         covered = times[times <= decay.until]
         label = decay.label()
         if decay.until < times[-1]:
             label += f"\n(until {decay.until:g} s, when the flight leaves its bounds)"
         bound = decay.bound(covered, level[0])
-        axes.semilogy(covered, bound, color=COLOURS[4], linewidth=2.2, label=label)
+        axes.plot(covered, bound, color=COLOURS[4], linewidth=2.2, label=label)
     largest = float(level.max())
-    if largest > 0:
+    if largest > 0:  # else it starts at its goal, and all is 0
+        axes.set_yscale("log")
         axes.set_ylim(FLOOR * largest, 10 * largest)
+    plain_powers(axes.yaxis)
     axes.set_xlabel("time (s)")
     axes.set_ylabel("errors and L (dimensionless)")
     legend_above(axes, 3)

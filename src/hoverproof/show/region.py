@@ -17,7 +17,7 @@ from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import hover_goal
 from hoverproof.show.style import COLOURS, save_figure
 
-CELLS = 400
+CELLS = 160
 
 
 def region_figure(mission: Mission, found: BoundsVerdict) -> Figure:
@@ -47,11 +47,13 @@ def region_figure(mission: Mission, found: BoundsVerdict) -> Figure:
             (-low, -lowest, COLOURS[0], "lowest eigenvalue"),
             (high, highest, COLOURS[1], "highest eigenvalue"),
         ]
-    inside = np.logical_and.reduce([data < level for level, data, *_ in lines])
+    beyond = np.max([data - level for level, data, *_ in lines], axis=0)
 
     figure = Figure(figsize=(7.5, 6.5), layout="constrained")
     axes = figure.subplots()
-    axes.contourf(grid_x, grid_z, inside, levels=[0.5, 1.5], colors=["#56B4E9"], alpha=0.45)
+    if beyond.min() < 0:
+        ends = [beyond.min(), 0]
+        axes.contourf(grid_x, grid_z, beyond, levels=ends, colors=["#56B4E9"], alpha=0.45)
     for level, data, colour, words in lines:
         if data.min() < level < data.max():
             look: dict[str, Any] = {"colors": [colour], "linewidths": 1.5, "linestyles": "solid"}

@@ -36,7 +36,7 @@ from matplotlib.ticker import StrMethodFormatter
 
 from hoverproof.show.panels import DEGREES
 from hoverproof.show.scene import Array, Scene
-from hoverproof.show.style import COLOURS, STYLES, legend_above, save_figure
+from hoverproof.show.style import COLOURS, STYLES, legend_above, plain_powers, save_figure
 from hoverproof.simulation.numbers import SETTLED
 
 RUNS_FIGURES = ("fans", "starts")
@@ -281,6 +281,7 @@ def _level(axes: Axes, runs: xr.Dataset) -> None:
     values = _series(runs, "lyapunov", np.asarray)
     _fan(axes, runs["time"].values, values, colour=COLOURS[3], label="median")
     axes.set_yscale("log")
+    plain_powers(axes.yaxis)
     axes.set_ylabel("L (dimensionless)")
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.mission.frame import X
-from hoverproof.mission.sections import LawChoice
+from hoverproof.mission.task import LawChoice
 from hoverproof.plant.camera import body_points, pinhole
 from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.simulation.record import Recorded

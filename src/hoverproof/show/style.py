@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatterSciNotation
 
 from hoverproof.files import replacing
 
@@ -17,6 +20,30 @@ STYLES = ("-", "--", "-.", ":")
 DPI = 130
 SVG_DPI = 72
 """An SVG is in points, whatever is asked for."""
+
+
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+class Powers(LogFormatterSciNotation):
+    """Write 10⁻³ in letters; set as a formula it takes far longer."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """Return what stands at x."""
+        set_by_tex = super().__call__(x, pos).replace(r"\times", "×")
+        raised = re.sub(r"\^\{(.*?)\}", lambda power: power[1].translate(RAISED), set_by_tex)
+        return re.sub(r"\$|\\mathdefault|[{}]", "", raised)
+
+
+def plain_powers(axis: Axis) -> None:
+    """Write the numbers at a logarithmic axis in letters; see `Powers`.
+
+    Parameters
+    ----------
+    axis : Axis
+    """
+    axis.set_major_formatter(Powers())
+    axis.set_minor_formatter(Powers())
 
 
 def legend_above(axes: Axes, columns: int = 5) -> None:

@@ -16,6 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
+from itertools import product
 from pathlib import Path
 
 import casadi as ca
@@ -33,10 +34,11 @@ from hoverproof.simulation.step import FLIGHT_SIZE, GUARDED_SIZE, step_function
 Array = NDArray[np.float64]
 
 FLAGS = (
-    *("-std=gnu11", "-O3", "-march=native", "-fPIC", "-shared", "-w"),
+    *("-std=gnu11", "-O3", "-fPIC", "-shared", "-w"),
     *("-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"),  # the bits stay the same
 )
-
+OF_THIS_PROCESSOR = ("-march=native",)
+"""What not every compiler takes: Clang for some processors of ARM does not."""
 
 DIVERGED = 10**12
 """A flight has diverged when any number of its state reaches this size, in SI units."""
@@ -182,9 +184,11 @@ def library(source: str, compiler: str, stem: str) -> ctypes.CDLL | None:
     words = command_words(compiler)
     if not words:
         return None
-    command = [*words, *FLAGS]
-    for folder in (_cache_folder, _temporary_folder):
+    folders: tuple[Callable[[], Path], ...] = (_cache_folder, _temporary_folder)
+    flags: tuple[tuple[str, ...], ...] = (OF_THIS_PROCESSOR, ())
+    for folder, own in product(folders, flags):
         try:
+            command = [*words, *FLAGS, *own]
             return ctypes.CDLL(str(_built(source, command, folder(), stem)))
         except (OSError, subprocess.CalledProcessError):
             continue

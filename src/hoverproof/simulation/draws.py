@@ -14,7 +14,7 @@ from hoverproof.servo.layout import place
 from hoverproof.simulation import gyro, noise
 from hoverproof.simulation.flight_log import begin
 from hoverproof.simulation.plan import Plan
-from hoverproof.simulation.realistic import IMU_NOISE
+from hoverproof.simulation.sensing import IMU_NOISE
 from hoverproof.simulation.step import flight_states
 from hoverproof.simulation.surroundings import HeadedSurroundings, of_vehicle
 

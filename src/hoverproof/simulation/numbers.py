@@ -40,3 +40,21 @@ def settled_index(error: Array) -> NDArray[np.int64]:
     after_last = samples - np.argmax(outside[..., ::-1], axis=-1)
     index: NDArray[np.int64] = np.where(outside.any(axis=-1), after_last, samples)
     return index
+
+
+def near_from(time: Array, far: Array, radius: float) -> float | None:
+    """Return from when on a vehicle stays near, s; None if it is not near at the end.
+
+    Parameters
+    ----------
+    time : (samples,)
+        s.
+    far : (samples,)
+        How far it is, m.
+    radius : float
+        How far it may be, m.
+    """
+    outside = np.flatnonzero(far > radius)
+    if not len(outside):
+        return 0.0
+    return None if outside[-1] + 1 == len(far) else float(time[outside[-1] + 1])

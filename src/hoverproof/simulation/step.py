@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from hoverproof.algebra.derived import kept_graph
 from hoverproof.algebra.reciprocals import share_reciprocals
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
-from hoverproof.servo.law import Design, Law
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.loop import loop_rate, parameters, sense
+from hoverproof.servo.variables import Design
 from hoverproof.simulation.flight_log import LOG_SIZE, begin, noted
 
 GUARDS = ("depth of the nearest target point", "thrust above the singularity")

@@ -13,7 +13,8 @@ from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.law import Law
-from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters, slowest_rate
+from hoverproof.servo.linearised import slowest_rate
+from hoverproof.servo.loop import LoopNumbers, loop_rate, parameters
 from hoverproof.simulation.compiled import VIRTUAL_MACHINE
 from hoverproof.simulation.step import guards
 

@@ -7,9 +7,10 @@ from functools import cache
 import casadi as ca
 
 from hoverproof.plant.rigid_body import STATE_SIZE, RigidBodyState
-from hoverproof.servo.law import Design, Law
+from hoverproof.servo.law import Law
 from hoverproof.servo.loop import parameters
-from hoverproof.simulation.realistic import imu_noise, read, understood
+from hoverproof.servo.variables import Design
+from hoverproof.simulation.sensing import imu_noise, read, understood
 from hoverproof.simulation.surroundings import Features, Surroundings
 
 

@@ -13,7 +13,6 @@ import casadi as ca
 from hoverproof.algebra.linear import lie_derivative
 from hoverproof.certification.exponential.form import tilted_goal
 from hoverproof.servo.controller import derive_controller
-from hoverproof.servo.law import Design, Errors, Measurement
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.lyapunov import (
     ERROR_SIZE,
@@ -22,6 +21,7 @@ from hoverproof.servo.lyapunov import (
     symmetric_matrix,
     thrust_factor,
 )
+from hoverproof.servo.variables import Design, Errors, Measurement
 
 
 @dataclass(frozen=True)

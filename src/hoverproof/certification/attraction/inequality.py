@@ -18,8 +18,8 @@ from hoverproof.certification.attraction.form import derive_form
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.robust import Inequality, Term, optimise, reciprocals
 from hoverproof.mission.sections import Mission
-from hoverproof.servo.law import Design
 from hoverproof.servo.lyapunov import ERROR_SIZE, force_function
+from hoverproof.servo.variables import Design
 
 Array = NDArray[np.float64]
 LEAST_RATE = 0.1

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.certification.cells import View
+from hoverproof.certification.cells import View, lengths
 from hoverproof.certification.flow import eigenvalues
 from hoverproof.certification.pattern import Pattern
 from hoverproof.errors import InputError
@@ -98,8 +98,7 @@ class Potential:
         """
 
         def raw(x: Array) -> Array:
-            rays = self.points[None] - x[:, None]
-            far = self.target.weights * np.linalg.norm(rays, axis=2)
+            far = self.target.weights * lengths(self.points[None] - x[:, None])
             return np.asarray(far.sum(axis=1) + self.q3 * x[:, 2])
 
         return np.asarray(raw(positions) - raw(self.goal[None]))
@@ -138,7 +137,7 @@ class Potential:
         span = self._span()
         for rise in (0.0, 0.1):
             places = self._plane_grid(bottom - rise * span)
-            far = np.linalg.norm(self.points[None] - places[:, None], axis=2)
+            far = lengths(self.points[None] - places[:, None])
             above = (self.target.weights / far).sum(axis=1)
             first = eigenvalues(self.target, places[[above.argmax()]])[0, 2]
             best = max(best, float(first))

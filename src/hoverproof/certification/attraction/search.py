@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -81,12 +81,15 @@ class Search:
     slack : Slack
     sinking : Sinking or None
         Of the starts, for a barrier, which must not be above where they sink to; None without one.
+    known : dict
+        What is known of barriers, by the log of their heights: with many a force each is asked for.
     """
 
     potential: Potential
     loop: Loop
     slack: Slack
     sinking: Sinking | None
+    known: dict[float, Bounds | None] = field(default_factory=dict, repr=False, compare=False)
 
     def bounds(self, x: Sequence[float] | Array) -> Bounds | None:
         """Return the bounds of a point of the search, (2,); None if they contradict each other.
@@ -103,16 +106,23 @@ class Search:
             if limit == 0:
                 return None
             return Bounds(force, largest, limit * (1 - self.slack.level))
+        if x[1] not in self.known:
+            self.known[x[1]] = self._at_barrier(self.sinking, float(np.exp(x[1])))
+        at = self.known[x[1]]
+        return None if at is None else replace(at, force=force)
+
+    def _at_barrier(self, sinking: Sinking, height: float) -> Bounds | None:
+        """Return the bounds with a barrier that acts at a height, m, whatever the force."""
         p = self.potential
-        z = p.plane - float(np.exp(x[1]))
+        z = p.plane - height
         omega = (p.q3 - p.largest_height_part(z)) * (1 - self.slack.omega)
         if omega <= 0 or omega >= p.q3:
             return None
-        bottom = z + self.sinking.lag(p.whole - p.q3 + omega) * (1 + self.slack.omega / 10)
-        if not self.sinking.deepest <= bottom <= p.points[:, 2].min() - 1e-3:
+        bottom = z + sinking.lag(p.whole - p.q3 + omega) * (1 + self.slack.omega / 10)
+        if not sinking.deepest <= bottom <= p.points[:, 2].min() - 1e-3:
             return None
         largest = p.largest_eigenvalue(bottom) * (1 + self.slack.eigenvalue)
-        return Bounds(force, largest, bottom=bottom, omega=omega)
+        return Bounds(np.inf, largest, bottom=bottom, omega=omega)
 
     def solve(self, x: Sequence[float] | Array, hovers: Array) -> tuple[Bounds, Solution] | None:
         """Return the best weights at a point of the search.

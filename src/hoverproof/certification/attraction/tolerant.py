@@ -24,10 +24,11 @@ from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.search import Found
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.inequality import MEMORY, SLOPE, Sector, falls
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import SPARE
 from hoverproof.certification.exponential.reach import Reach
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.robust import Inequality, optimise, reciprocals
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.uncertainty import TOLERANCES

@@ -9,10 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import Program, Solution
 from hoverproof.certification.exponential.reach import Reach
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 
 Array = NDArray[np.float64]
 LOUDEST = 0.5

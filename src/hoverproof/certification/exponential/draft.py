@@ -14,10 +14,10 @@ from hoverproof.algebra.decimals import binary_above, binary_below, decimal_abov
 from hoverproof.certification.attraction.draft import NotShown
 from hoverproof.certification.exponential.candidate import Candidate, Tilted
 from hoverproof.certification.exponential.domain import Domain
+from hoverproof.certification.exponential.limits import Limits
+from hoverproof.certification.exponential.question import Question
 from hoverproof.certification.exponential.reach import Reach
 from hoverproof.certification.exponential.rotors import thrusts
-from hoverproof.certification.exponential.search import Search
-from hoverproof.certification.exponential.vehicles import Limits
 from hoverproof.certification.problem import wanted
 from hoverproof.mission.frame import X
 from hoverproof.mission.sections import Mission
@@ -83,12 +83,12 @@ class Rounded:
     hold: dict[str, Fraction]
 
     @classmethod
-    def of(cls, search: Search, found: Candidate) -> Rounded:
+    def of(cls, question: Question, found: Candidate) -> Rounded:
         """Round a candidate; its level is that of the starts, and d what follows from it.
 
         Parameters
         ----------
-        search : Search
+        question : Question
         found : Candidate
         """
         s = found.solution
@@ -101,7 +101,7 @@ class Rounded:
         if level > s.level:
             raise NotShown("a start is not inside after rounding")
         reach = Reach.of(np.array(weights, float), float(level))
-        limits = Limits(search.vehicles.before(found.ball), reach, found.ball[1])
+        limits = Limits(question.vehicles.before(found.ball), reach, found.ball[1])
         tilted = Tilted.of(limits)
         return cls(
             weights=weights,
@@ -185,10 +185,10 @@ def _ultimate(r: Rounded, low: float) -> dict[str, Fraction]:
     return {"offset": offset, "radius": decimal_above(float(offset) / low * (1 + LITTLE), 4)}
 
 
-def _near(search: Search, offset: Fraction) -> tuple[Fraction, Fraction]:
+def _near(question: Question, offset: Fraction) -> tuple[Fraction, Fraction]:
     """Return bounds of J about the goal with which |σ - σ*| is below an offset only near it."""
-    low, high = search.scene.around(float(search.radius))
-    least = decimal_above(float(offset / search.radius) * (1 + LITTLE), DIGITS)
+    low, high = question.scene.around(float(question.radius))
+    least = decimal_above(float(offset / question.radius) * (1 + LITTLE), DIGITS)
     return least, decimal_above(low + high, DIGITS) - least
 
 
@@ -209,13 +209,13 @@ class Parts:
     domain: Domain
 
 
-def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
+def draft(mission: Mission, question: Question, found: Candidate) -> Parts:
     """Return the parts of a certificate of exponential convergence.
 
     Parameters
     ----------
     mission : Mission
-    search : Search
+    question : Question
     found : Candidate
 
     Raises
@@ -223,17 +223,17 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
     NotShown
         If the checker would not be shown what it asks for.
     """
-    r, hover = Rounded.of(search, found), hover_goal(mission)
+    r, hover = Rounded.of(question, found), hover_goal(mission)
     below, above = wanted(mission, hover)[2]
     goal = [binary_below(below, BITS), binary_above(above, BITS)]
-    offset = decimal_below(search.settled_offset, DIGITS)
+    offset = decimal_below(question.settled_offset, DIGITS)
     bounds = float(r.ball[0]), float(r.ball[1])
-    domain = Domain.of(search.scene, mission.target, float(r.offset), bounds)
+    domain = Domain.of(question.scene, mission.target, float(r.offset), bounds)
     tree, cosine = _seen(domain, r)
-    near = _near(search, offset)
+    near = _near(question, offset)
     trees = {
         "domain": tree,
-        "near": domain.near(float(search.radius), (float(near[0]), float(near[1]))),
+        "near": domain.near(float(question.radius), (float(near[0]), float(near[1]))),
     }
     for name, tree in trees.items():
         if tree is None:
@@ -260,10 +260,10 @@ def draft(mission: Mission, search: Search, found: Candidate) -> Parts:
             "level": r.level,
             "rate": r.rate,
             "start_level": r.level,
-            "starts": [start.content() for start in search.starts],
+            "starts": [start.content() for start in question.starts],
             "settling": {
                 "offset": offset,
-                "radius": search.radius,
+                "radius": question.radius,
                 "time": r.settling_time(r.level, offset),
             },
             "cone": None if cosine is None else r.cone(cosine),

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.limits import Limits
+from hoverproof.certification.exponential.vehicles import Vehicles
 
 SAWTOOTH = 0.4053
 """Above 4/π²."""

@@ -27,8 +27,9 @@ from hoverproof.certification.exponential.inequality import (
     Falls,
     falls,
 )
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.reach import Reach
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.robust import Solution as Optimum
 from hoverproof.certification.robust import optimise, reciprocals
 
@@ -165,7 +166,7 @@ class Program:
         level : float
             ℓ, dimensionless.
         starts : (k, 11)
-            What (1, parameters) are multiplied by in Ψ of each start; see `Search.terms`.
+            What (1, parameters) are multiplied by in Ψ of each start; see `Question.terms`.
         floor : float
             What ℓ∞ is at most, where there is noise, dimensionless.
         fill : float, optional

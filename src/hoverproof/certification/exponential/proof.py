@@ -22,7 +22,8 @@ from hoverproof.certification.exponential.candidate import Candidate, Near
 from hoverproof.certification.exponential.draft import Parts, draft
 from hoverproof.certification.exponential.form import derive_form
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.search import ROOM, SETTLED, Search
+from hoverproof.certification.exponential.question import ROOM, SETTLED, Question
+from hoverproof.certification.exponential.search import deepest, narrowest, quietest, soonest
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.exponential.verdict import Exponential, Settling
 from hoverproof.certification.verdict import Undecided
@@ -67,19 +68,19 @@ def converge(
     wanted = tuple(starts or [Start.of(mission)])
     require_question(mission, wanted)
     scene, vehicles = Scene.of(mission), Vehicles.of(mission)
-    reason, whole = "", Search.of(vehicles, scene, wanted)
+    reason, whole = "", Question.of(vehicles, scene, wanted)
     for wider, highest in ROOMS if near is None else ROOMS[:1]:
         tell("searching for weights")
-        search = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
+        question = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
         if near is not None:
-            search = replace(search, settled=near.settled, wider=near.wider, beyond=near.beyond)
-        search, found = _settled(search, near)
+            question = replace(question, settled=near.settled, wider=near.wider, beyond=near.beyond)
+        question, found = _settled(question, near)
         if isinstance(found, str):
             reason = reason or found
             break
         tell("proving")
         try:
-            parts = draft(mission, search, found)
+            parts = draft(mission, question, found)
         except NotShown as error:
             reason = str(error)
             continue
@@ -103,7 +104,7 @@ def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> 
     mission : Mission
     starts : sequence of Start
     near : (2,), or None
-        See `Search.deepest`.
+        See `search.deepest`.
 
     Raises
     ------
@@ -111,13 +112,13 @@ def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> 
         See `converge`.
     """
     require_question(mission, starts)
-    whole = Search.of(Vehicles.of(mission), Scene.of(mission), tuple(starts))
+    whole = Question.of(Vehicles.of(mission), Scene.of(mission), tuple(starts))
     wider, highest = ROOMS[0]
     settled = SETTLED[-1 if whole.vehicles.is_shaken else 0]
-    search = replace(whole, wider=wider, highest=highest, settled=settled)
-    search = replace(search, half_angle=_half_angle(mission))
-    found = search.deepest(search.terms(), near)
-    return found if found is not None and search.sees(found) else None
+    question = replace(whole, wider=wider, highest=highest, settled=settled)
+    question = replace(question, half_angle=_half_angle(mission))
+    found = deepest(question, question.terms(), near)
+    return found if found is not None and question.sees(found) else None
 
 
 def require_question(mission: Mission, starts: Sequence[Start]) -> None:
@@ -139,39 +140,41 @@ def require_question(mission: Mission, starts: Sequence[Start]) -> None:
     require_starts(mission, starts)
 
 
-def _settled(search: Search, near: Near | None) -> tuple[Search, Candidate | str]:
+def _settled(question: Question, near: Near | None) -> tuple[Question, Candidate | str]:
     """Search until a radius is found in which noise leaves the vehicle."""
-    found = _found(search, near)
-    for share in SETTLED[1:] if search.vehicles.is_shaken and near is None else ():
+    found = _found(question, near)
+    for share in SETTLED[1:] if question.vehicles.is_shaken and near is None else ():
         if isinstance(found, str):
-            search = replace(search, settled=share)
-            found = _found(search, near)
-    return search, found
+            question = replace(question, settled=share)
+            found = _found(question, near)
+    return question, found
 
 
-def _found(search: Search, near: Near | None) -> Candidate | str:
+def _found(question: Question, near: Near | None) -> Candidate | str:
     """Return a candidate that holds the starts, or why there is none."""
-    terms = search.terms()
+    terms = question.terms()
     first = None
     if near is not None:
-        first = search.at(np.minimum(near.x, [np.log(search.ends[1]), np.inf]), near.rate, terms)
-    if first is not None and first.solution.fill <= 1 - ROOM / 2 and search.sees(first):
-        return search.quietest(first, terms)
+        first = question.at(
+            np.minimum(near.x, [np.log(question.ends[1]), np.inf]), near.rate, terms
+        )
+    if first is not None and first.solution.fill <= 1 - ROOM / 2 and question.sees(first):
+        return quietest(question, first, terms)
     if first is None or first.solution.fill > 1:
-        first = search.deepest(terms)
+        first = deepest(question, terms)
     if first is None:
         return "no weights were found that satisfy the inequality"
     if first.solution.fill > 1:
         return f"Ψ at the start is {first.solution.fill:.3g} times the highest level found"
-    if not search.sees(first):
-        first = search.narrowest(first, terms)
-    if not search.sees(first):
-        angle, half = search.seen(first), search.half_angle or 0
+    if not question.sees(first):
+        first = narrowest(question, first, terms)
+    if not question.sees(first):
+        angle, half = question.seen(first), question.half_angle or 0
         return (
             f"points are seen up to {angle:.3g} rad from the optical axis on the smallest set "
             f"found, {angle - half:.3g} rad more than the half angle of the camera"
         )
-    return search.quietest(search.soonest(first, terms, search.settled_offset), terms)
+    return quietest(question, soonest(question, first, terms, question.settled_offset), terms)
 
 
 def _half_angle(mission: Mission) -> float | None:

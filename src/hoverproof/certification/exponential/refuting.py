@@ -21,9 +21,11 @@ from hoverproof.certification.exponential.inequality import (
     W4,
     variables,
 )
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import Program
 from hoverproof.certification.exponential.proof import ROOMS, candidate
+from hoverproof.certification.exponential.question import Question
 from hoverproof.certification.exponential.refusal import (
     Asked,
     Corner,
@@ -31,9 +33,8 @@ from hoverproof.certification.exponential.refusal import (
     State,
     Vector,
 )
-from hoverproof.certification.exponential.search import Search
 from hoverproof.certification.exponential.terms import terms
-from hoverproof.certification.exponential.vehicles import Limits, Vehicles
+from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.robust import Inequality, refuse
 from hoverproof.certification.semidefinite import Multipliers
 from hoverproof.mission.sections import Mission
@@ -73,9 +74,9 @@ def refused(mission: Mission, starts: Sequence[Start]) -> Refusal | None:
     mission, left_out = without_noise(mission)
     vehicles = Vehicles.of(mission)
     wider, highest = ROOMS[0]
-    search = Search.of(vehicles, Scene.of(mission), tuple(starts))
-    search = replace(search, wider=wider, highest=highest)
-    low, high = np.log(search.ends)
+    question = Question.of(vehicles, Scene.of(mission), tuple(starts))
+    question = replace(question, wider=wider, highest=highest)
+    low, high = np.log(question.ends)
     if not low < high:
         return None
     found = candidate(mission, starts, None)
@@ -84,7 +85,7 @@ def refused(mission: Mission, starts: Sequence[Start]) -> Refusal | None:
     guesses = [np.array([low + part * (high - low), share]) for part, share in GUESSES]
     places = guesses if found is None else [found.x]
     tight = None if found is None else found.solution.tight
-    made = (_at(mission, search, x, tight) for x in places)
+    made = (_at(mission, question, x, tight) for x in places)
     refusal = next((found for found in made if found is not None), None)
     return None if refusal is None else replace(refusal, left_out=left_out)
 
@@ -121,15 +122,15 @@ def without_noise(mission: Mission) -> tuple[Mission, tuple[str, ...]]:
 
 
 def _at(
-    mission: Mission, search: Search, x: Array, tight: tuple[int, ...] | None
+    mission: Mission, question: Question, x: Array, tight: tuple[int, ...] | None
 ) -> Refusal | None:
     """Refuse all weights at a point of the search, by vertices that are tight, if known."""
-    asked = search.asked(x)
+    asked = question.asked(x)
     if asked is None:
         return None
     ball, limits, level = asked
-    rate = float(decimal_below(search.slow(search.ends[0]), DIGITS))
-    posed = Program.of(limits, ball, rate, level, search.terms())
+    rate = float(decimal_below(question.slow(question.ends[0]), DIGITS))
+    posed = Program.of(limits, ball, rate, level, question.terms())
     if posed is None:
         return None
     vertices, most = posed.falls.of_used()[1], 1.0

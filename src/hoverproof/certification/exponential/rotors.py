@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.certification.exponential.vehicles import Limits
+from hoverproof.certification.exponential.limits import Limits
 from hoverproof.mission.frame import Frame, shares
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.vehicle import Vehicle

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hoverproof.certification.exponential.vehicles import Limits
+from hoverproof.certification.exponential.limits import Limits
 
 
 def terms(limits: Limits) -> list[tuple[str, str, float]]:

@@ -36,15 +36,17 @@ class CertifyAnswer(Answer):
     """A verdict on the gains, what the paper would ask of them, and where the certificate is.
 
     With what is strange about a loop for which they are proved. The paper asks nothing of another
-    law than its own: ``demands`` are then None. ``asked`` is the box of which bounds were wanted.
+    law than its own: ``demands`` are then None. ``asked`` is the box of which bounds were wanted;
+    ``named`` the arguments with which the mission was given.
     """
 
     verdict: GainsVerdict
     path: Path | None
     demands: Sequence[Demand] | None
     weighted: bool
-    strange: Sequence[Finding] = ()
-    asked: Box | None = None
+    strange: Sequence[Finding]
+    asked: Box | None
+    named: str
 
     @property
     def status(self) -> int:
@@ -68,8 +70,7 @@ class CertifyAnswer(Answer):
         if self.path is not None:
             yield f"Next: hoverproof check {self.path}"
         if self.verdict.proved and self.verdict.problem.box is None:
-            source = self.verdict.problem.mission.source
-            yield f"Then: hoverproof region {source}, for bounds that are proved"
+            yield f"Then: hoverproof region {self.named}, for bounds that are proved"
 
     def _demanded(self) -> Iterator[str]:
         if self.demands is None:

@@ -14,7 +14,7 @@ from hoverproof.cli.answers.start_tuned import StartTunedAnswer
 from hoverproof.cli.answers.tuned import infeasible_as_json, tuned_as_json
 from hoverproof.cli.answers.words import number
 from hoverproof.design.outcome import Infeasible, RegionTuned, StartTuned, Tuned
-from hoverproof.servo.law import Design
+from hoverproof.servo.variables import Design
 
 Found = Tuned | RegionTuned | StartTuned | Infeasible
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,10 +24,12 @@ if TYPE_CHECKING:
 class FlightAnswer(Answer):
     """The facts of a flight (`summary`, `without_conditions`), and what was written.
 
-    `uncovered` tells that gains are proved, but nothing of this flight.
+    `uncovered` tells that gains are proved, but nothing of this flight; `named` are the arguments
+    with which the mission was given.
     """
 
     mission: Mission
+    named: str
     facts: Mapping[str, Any]
     decay: Decay | None
     path: Path
@@ -81,8 +84,8 @@ class FlightAnswer(Answer):
         """Yield the tolerances that ask a proof about what was flown."""
         yield from (f"  flown with {words}" for words in beyond_text(self.mission))
         if sets := covering(self.mission):
-            options = " ".join(f"--set {it}" for it in sets)
-            yield f"Next: hoverproof attraction {self.mission.source} {options}"
+            options = shlex.join(word for it in sets for word in ("--set", it))
+            yield f"Next: hoverproof attraction {self.named} {options}"
 
     def _conditions(self) -> Iterator[str]:
         facts = self.facts

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import shlex
+import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -69,12 +70,7 @@ class StartTunedAnswer(Answer):
             yield "    with these the proof and the gains would be about that:"
             yield from (f"    --set {setting}" for setting in sets)
         yield from gains_text(found.mission)
-        yield f"  settled, proved         {settled_text(found)}"
-        yield f"    before rounding:         {number(found.estimate)} s (floating point)"
-        own = "not found to settle" if found.before is None else f"{number(found.before)} s"
-        yield f"    the mission's own gains: {own} (floating point)"
-        yield f"  settled, in a flight    {_flown(found.flown)}"
-        yield f"    the mission's own gains: {_flown(found.flown_before)}"
+        yield from self._settled()
         yield f"  Ψ at the start          {fill(found):.3g} of the level, falls as exp(-r t)"
         yield f"    r                        {number(proved.rate)} 1/s"
         degrees = math.degrees(proved.tilt)
@@ -91,9 +87,23 @@ class StartTunedAnswer(Answer):
         if not binding:
             yield "  what binds: the inequality of Ψ alone"
         yield from written_text(self.written, self.certificate)
-        if self.written is not None:
+        if self.written is not None and self.certificate is not None:
             folder = str(Path(self.written).with_suffix("")) + "-firmware"
-            yield f"Then: {shlex.join(['hoverproof', 'export', self.written, '--out', folder])}"
+            options = ["--certificate", str(self.certificate), "--out", folder]
+            yield f"Then: {shlex.join(['hoverproof', 'export', self.written, *options])}"
+
+    def _settled(self) -> Iterator[str]:
+        found = self.found
+        yield f"  settled, proved         {settled_text(found)}"
+        yield f"    before rounding:         {number(found.estimate)} s (floating point)"
+        own = "not found to settle" if found.before is None else f"{number(found.before)} s"
+        yield f"    the mission's own gains: {own} (floating point)"
+        if found.why_longer is not None:
+            yield from textwrap.wrap(
+                found.why_longer, 80, initial_indent=" " * 4, subsequent_indent=" " * 4
+            )
+        yield f"  settled, in a flight    {_flown(found.flown)}"
+        yield f"    the mission's own gains: {_flown(found.flown_before)}"
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""
@@ -108,6 +118,7 @@ class StartTunedAnswer(Answer):
             "settling_time_before": found.before,
             "settling_time_before_rounding": found.estimate,
             "settling_time_flown": found.flown,
+            "why_proved_longer": found.why_longer,
             "settling_time_flown_before": found.flown_before,
             "covers": found.mission.asks_to_cover(),
             "not_covered": list(beyond_text(found.mission)),

@@ -12,7 +12,7 @@ from hoverproof.design.outcome import StartTuned
 from hoverproof.design.start_trade import TRADED
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.uncertainty import TOLERANCES, Uncertainty
-from hoverproof.servo.law import Design
+from hoverproof.servo.variables import Design
 
 
 @dataclass(frozen=True)

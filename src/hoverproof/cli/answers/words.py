@@ -81,7 +81,7 @@ def bounds_as_json(problem: GainProblem) -> dict[str, Any]:
 
 def gain_units() -> dict[str, str]:
     """Return the unit of each gain by its name."""
-    from hoverproof.servo.law import Design
+    from hoverproof.servo.variables import Design
 
     return Design.gains()
 

@@ -9,8 +9,9 @@ import casadi as ca
 from hoverproof.plant import rigid_body
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.feature import Feature
-from hoverproof.servo.law import Design, Force, Goal, Measurement
+from hoverproof.servo.law import Force, Goal
 from hoverproof.servo.layout import column
+from hoverproof.servo.variables import Design, Measurement
 
 
 def _centroid(q: ca.SX, spread: ca.SX, n: float) -> ca.SX:

@@ -9,7 +9,7 @@ import casadi as ca
 
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import skew
-from hoverproof.servo.law import Design, Errors, Law, Measurement, WantedRates
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.choices import (
     CENTROID,
     IMAGE,
@@ -18,6 +18,7 @@ from hoverproof.servo.laws.choices import (
     MODELLED,
     SCALED,
 )
+from hoverproof.servo.variables import Design, Errors, Measurement, WantedRates
 
 
 def horizontal(a: ca.SX) -> ca.SX:

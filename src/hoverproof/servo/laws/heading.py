@@ -17,11 +17,12 @@ import casadi as ca
 from hoverproof.mission.sections import Mission
 from hoverproof.plant import camera, rigid_body
 from hoverproof.servo.heading import Heading
-from hoverproof.servo.law import Design, Law, Measurement
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.choices import WithAccelerometer
 from hoverproof.servo.laws.hamel_mahony import LAWS, law_of
 from hoverproof.servo.laws.mounted import mounted
 from hoverproof.servo.layout import column, scalar
+from hoverproof.servo.variables import Design, Measurement
 
 
 @dataclass(frozen=True)

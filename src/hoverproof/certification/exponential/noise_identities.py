@@ -1,6 +1,6 @@
 """Identities behind noise, gusts, late images that are not turned, and what is held in steps.
 
-`lemmas` has the ledger.
+`lemmas` has the ledger that leans on them.
 """
 
 from __future__ import annotations
@@ -22,9 +22,10 @@ from hoverproof.servo.lagged import (
     own_gyroscopic,
     smooth_command,
 )
-from hoverproof.servo.law import Design, Errors, Law, Measurement
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import LAWS
-from hoverproof.servo.uncertain import QUARTER, kappa
+from hoverproof.servo.true_vehicle import QUARTER, kappa
+from hoverproof.servo.variables import Design, Errors, Measurement
 
 
 def axes() -> dict[str, bool]:

@@ -1,0 +1,282 @@
+"""Rows over time as they come out of a file, within bounded memory, and the log made of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.audit.log import MOST_ROWS, FlightLog
+from hoverproof.errors import InputError
+
+Array = NDArray[np.float64]
+
+MOST_IMAGES = 1_000_000
+"""Of images none may be left out: of more the rest is not looked at."""
+EPOCH = 1e6
+"""Later times are dates, s: no autopilot runs for so long."""
+LEAP = 1.0
+"""A time that is off its neighbours' by more is damaged, s; in a slow log by five rows."""
+MOST = {"rate": 200.0, "specific_force": 2000.0, "attitude": 2.0, "frames": 1.0}
+"""What no sensor of a flying vehicle tells: rad/s, m/s², components of a quaternion, 0 or 1."""
+MOST_OF_OTHERS = 1e6
+EACH = frozenset({"frames", "feature"})
+"""Of which none may be left out. A row of a feature is the exposure, s, and the three numbers."""
+
+
+class Track:
+    """One quantity over time: of a long log every so many rows.
+
+    Parameters
+    ----------
+    width : int
+        Numbers in a row.
+    most : int
+        So many rows are kept at most.
+    each : bool
+        Whether rows may not be left out: then those after the most are.
+    """
+
+    def __init__(self, width: int, most: int = MOST_ROWS, *, each: bool = False) -> None:
+        self.most, self.each = most, each
+        self.stride, self.count, self.kept = 1, 0, 0
+        self._parts: list[Array] = [np.empty((0, 1 + width))]
+
+    def add(self, times: Array, values: Array) -> None:
+        """Add rows.
+
+        Parameters
+        ----------
+        times : (k,)
+            s.
+        values : (k, width)
+            Any unit.
+        """
+        first = -self.count % self.stride
+        self.count += len(times)
+        rows = np.column_stack([times[first :: self.stride], values[first :: self.stride]])
+        if self.each:
+            rows = rows[: self.most - self.kept]
+        self._parts.append(rows)
+        self.kept += len(rows)
+        while self.kept > self.most:
+            self._parts = [np.concatenate(self._parts)[::2].copy()]
+            self.kept = len(self._parts[0])
+            self.stride *= 2
+
+    def rows(self) -> tuple[Array, Array]:
+        """Return times, (n,), s, and values, (n, width), as they were added."""
+        table = np.concatenate(self._parts)
+        self._parts = [table]
+        return table[:, 0], table[:, 1:]
+
+
+@dataclass
+class Tracks:
+    """What was gathered of a log, by quantity.
+
+    Attributes
+    ----------
+    held : dict of Track
+    origin : float
+        What is taken from all times, s.
+    damaged : dict of int
+        By quantity, rows that were left out since their times or values cannot be.
+    """
+
+    held: dict[str, Track] = field(default_factory=dict)
+    origin: float = 0.0
+    damaged: dict[str, int] = field(default_factory=dict)
+
+    def add(self, name: str, times: Array, values: Array) -> None:
+        """Add rows of a quantity; see `Track.add`.
+
+        Parameters
+        ----------
+        name : str
+            As in `FlightLog`; and attitude, as quaternions, world_velocity, and mode.
+        times : (k,)
+            s.
+        values : (k, width)
+            Any unit.
+        """
+        if name not in self.held:
+            each = name in EACH
+            most = MOST_IMAGES if each else MOST_ROWS
+            self.held[name] = Track(values.shape[1], most, each=each)
+        self.held[name].add(times, values)
+
+    def rows(self, name: str) -> tuple[Array, Array] | None:
+        """Return times that rise, s, and values of a quantity; None if there are not two.
+
+        Parameters
+        ----------
+        name : str
+        """
+        if name not in self.held:
+            return None
+        times, values = self.held[name].rows()
+        most = MOST.get(name, MOST_OF_OTHERS)
+        numbers = values[:, 1:] if name == "feature" else values
+        usual = ~(abs(numbers) > most).any(axis=1)
+        if name != "mode":  # that is written when it changes
+            usual &= _usual(times)
+        self.damaged[name] = int((~usual).sum())
+        times, values = times[usual] - self.origin, values[usual]
+        if name == "feature":
+            values[:, 0] -= self.origin
+        if not len(times):
+            return None
+        rising = np.r_[True, times[1:] > np.maximum.accumulate(times)[:-1]]
+        return (times[rising], values[rising]) if rising.sum() > 1 else None
+
+    @property
+    def short_of_images(self) -> float | None:
+        """Until when there are images, s, if there were too many to keep."""
+        full = [t for name, t in self.held.items() if name in EACH and t.count > t.most]
+        ends = [float(track.rows()[0][-1]) - self.origin for track in full]
+        return min(ends, default=None)
+
+
+def _usual(times: Array) -> NDArray[np.bool_]:
+    """Tell which times are near the middle one of them and their four neighbours."""
+    if len(times) < 3:
+        return np.isfinite(times)
+    leap = max(LEAP, 5 * float(np.median(abs(np.diff(times)))))
+    ends = np.pad(times, 2, mode="reflect")
+    middle = np.median(np.stack([ends[i : i + len(times)] for i in range(5)]), axis=0)
+    return np.asarray(abs(times - middle) <= leap)
+
+
+def rotations(q: Array) -> Array:
+    """Return rotations, (n, 3, 3), body to world, of quaternions.
+
+    Parameters
+    ----------
+    q : (n, 4)
+        Scalar first, of any length but 0.
+    """
+    size = np.linalg.norm(q, axis=1, keepdims=True)
+    w, x, y, z = (q / np.where(size > 0, size, np.nan)).T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.array(rows).transpose(2, 0, 1)
+
+
+def _between(times: Array, at: Array, values: Array) -> Array:
+    each = [np.interp(times, at, c, left=np.nan, right=np.nan) for c in values.T]
+    return np.stack(each, axis=1)
+
+
+def _turned(times: Array, at: Array, q: Array) -> Array:
+    """Return rotations between those of quaternions, whose signs are made alike first."""
+    flips = np.cumprod(np.where((q[1:] * q[:-1]).sum(axis=1) < 0, -1.0, 1.0))
+    return rotations(_between(times, at, q * np.r_[1.0, flips][:, None]))
+
+
+def _last(times: Array, at: Array, values: Array) -> Array:
+    place = np.searchsorted(at, times, side="right") - 1
+    return np.where(place[:, None] >= 0, values[np.maximum(place, 0)], np.nan)
+
+
+def _held(tracks: Tracks, times: Array) -> dict[str, Any]:
+    """Return what there is at the times of the rates; of commands those since the row before."""
+    held: dict[str, Any] = {}
+    before = np.r_[times[0] - np.median(np.diff(times)), times[:-1]]
+    for name in ("specific_force", "position", "velocity"):
+        if (found := tracks.rows(name)) is not None:
+            held[name] = _between(times, *found)
+    if (found := tracks.rows("attitude")) is not None:
+        held["rotation"] = _turned(times, *found)
+    if (found := tracks.rows("world_velocity")) is not None and "rotation" in held:
+        held["velocity"] = np.einsum("nij,ni->nj", held["rotation"], _between(times, *found))
+    for name in ("rate_command", "rotor_command"):
+        if (found := tracks.rows(name)) is not None:
+            held[name] = _last(before, *found)
+    for name in ("throttle", "thrust_command"):
+        if (found := tracks.rows(name)) is not None:
+            held[name] = _last(before, *found)[:, 0]
+    if (found := tracks.rows("feature")) is not None:
+        seen = _last(before, *found)
+        held |= {"feature": seen[:, 1:], "image_age": times - seen[:, 0]}
+    if (found := tracks.rows("frames")) is not None:
+        held |= {"frames": found[0], "frames_whole": found[1][:, 0] > 0}
+    return held
+
+
+def log_of(
+    tracks: Tracks,
+    source: str,
+    kind: str,
+    *,
+    rates: str,
+    partial: Iterable[str] = (),
+    wanted: Mapping[str, str] | None = None,
+    active: Mapping[int, str] | None = None,
+    notes: tuple[str, ...] = (),
+) -> FlightLog:
+    """Return a log of what was gathered, at the times of the body rates.
+
+    Parameters
+    ----------
+    tracks : Tracks
+    source, kind : str
+    rates : str
+        Where the body rates were looked for, in the words of the format.
+    partial : iterable of str
+        Why it is not whole; empty words count for nothing.
+    wanted : mapping, optional
+        By quantity, where it was looked for and what it would tell.
+    active : mapping, optional
+        Names of modes in which the law may fly: if it was in any, the log is of these times.
+    notes : tuple of str
+
+    Raises
+    ------
+    InputError
+        If there are no body rates.
+    """
+    found = tracks.rows("rate")
+    if found is None:
+        raise InputError(source, "", f"holds no flight: no {rates} in it")
+    if found[0][0] > EPOCH:  # a date, not a time since the start
+        tracks.origin = float(np.floor(found[0][0]))
+        notes = (*notes, f"times are from {tracks.origin:.0f} s on, as the log has them")
+    times, rate = found[0] - tracks.origin, found[1]
+    track = tracks.held["rate"]
+    if track.stride > 1:
+        notes = (*notes, f"every {track.stride} rows of {track.count} are looked at")
+    held = _held(tracks, times)
+    left_out = sum(tracks.damaged.values())
+    why = [*partial, f"{left_out} rows cannot be and are left out" * bool(left_out)]
+    until = tracks.short_of_images
+    if until is not None:
+        why.append(f"it has too many images: those after {until:.6g} s are not looked at")
+    lacks = [words for name, words in (wanted or {}).items() if tracks.rows(name) is None]
+    log = FlightLog(
+        source=source,
+        kind=kind,
+        times=times,
+        rate=rate,
+        partial="; ".join(filter(None, why)),
+        notes=notes,
+        lacks=tuple(lacks),
+        ahead=1,
+        **held,
+    )
+    if until is not None:
+        log = log.rows(times <= until)
+    modes = tracks.rows("mode")
+    if modes is None or not active:
+        return log
+    flying = np.isin(_last(log.times, *modes)[:, 0], [*active])
+    if flying.sum() > 1:
+        return log.rows(flying)
+    name = " or ".join(active.values())
+    return replace(log, notes=(*log.notes, f"never in {name}: all of it is looked at"))

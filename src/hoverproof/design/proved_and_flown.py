@@ -1,0 +1,45 @@
+"""Why a settling time that is proved is much longer than that of a flight."""
+
+from __future__ import annotations
+
+from hoverproof.certification.exponential.verdict import Exponential
+from hoverproof.design.limits import ANY, Limits
+from hoverproof.design.start_search import StartSearch
+from hoverproof.mission.uncertainty import Uncertainty
+
+ALIKE = 4
+"""Times are alike if the one is at most so many times the other."""
+
+
+def why_longer(verdict: Exponential, flown: float | None) -> str | None:
+    """Say what makes a proved settling time so much longer than a flown one; None if it is not.
+
+    What tolerances have to do with it is found by searching for weights without any of them.
+
+    Parameters
+    ----------
+    verdict : Exponential
+    flown : float or None
+        When the vehicle as modelled has settled as near in a flight, s; None if it has not.
+    """
+    time = float(verdict.settling.time)
+    if flown is None or time <= ALIKE * flown:
+        return None
+    symbol = "J" if verdict.mission.law.feature == "scaled" else "Q"
+    low, high = map(float, verdict.slope)
+    whole = (
+        f"one ball about a multiple of I holds {symbol} all the way, from {low:.3g} to {high:.3g} "
+        "1/m, and the errors are taken to fall as slowly as anywhere in it"
+    )
+    words = f"{time / flown:.2g} times as long as in a flight of the vehicle as modelled: "
+    if not verdict.mission.uncertainty.covers():
+        return words + whole
+    exact = verdict.mission.model_copy(update={"uncertainty": Uncertainty()})
+    among, alone = (
+        StartSearch.of(mission, Limits(bandwidth=ANY)).settled_before
+        for mission in (verdict.mission, exact)
+    )
+    if among is None or alone is None or alone > among:
+        return words + whole
+    share = 100 * (1 - alone / among)
+    return f"{words}the tolerances cost {share:.2g} % (found by search); beside that, {whole}"
