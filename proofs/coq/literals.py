@@ -192,6 +192,68 @@ class Gains:
         return f"{text}target {len(self.points)} {where} {len(roots)} {ends}\n"
 
 
+class Region:
+    """A certificate of a region of attraction, with the numbers of `Region.region` in its order."""
+
+    def __init__(self, c: dict[str, Any], name: str) -> None:
+        mission, hints, number = c["mission"], c["enclosures"], Fraction
+        self.name = name
+        self.mass, self.gravity = (number(mission["vehicle"][k]) for k in ("mass", "gravity"))
+        self.k = [number(mission["gains"][key]) for key in ("k1", "k2", "k3", "k4")]
+        self.weights = [number(w) for w in c["weights"]]
+        self.high, self.rate = number(hints["largest_eigenvalue"]), number(c["claim"]["rate"])
+        self.tilt = number(hints["tilt"])
+        self.factor, self.goal = ([number(x) for x in hints[key]] for key in ("factor", "goal"))
+        self.multipliers = [number(x) for x in c["multipliers"]]
+
+    def terms(self, f: Fraction, q3: Fraction, tau: Fraction) -> list[tuple]:
+        """Return the terms of `Region.lower`."""
+        (k1, k2, k3, k4), (a2, a3, a4), one = self.k, self.weights, Fraction(1)
+        d1, d2, d3, d4 = map(vector, (0, 3, 6, 9))
+        k = (k1 * k2 + k3) / k1
+        lean = q3 * k1**2 * k2 / (self.mass**2 * self.gravity)
+        s = plus((lean, d3), (-lean, d2))
+        v = plus((one, d1), (one, [s[0], s[1], [-self.tilt * x for x in s[0]]]), (one, d2))
+        u = plus((-a2, d2), (-a3, d3), (-a4, d4))
+        loss = -self.high / 4
+        return [
+            *((one, d1, v), (self.high / 2, u, v), (loss * tau, v, v), (loss / tau, u, u)),
+            (a2 * k2, d2, plus((one, d2), (-one, d3))),
+            (a2 * f * q3, d2, flat(plus((one, d4), (-one, d3)))),
+            (a3, d3, plus((k2, d2), (-k, d4), (k3 / k1, d3))),
+            (a4, d4, plus((k, d3), (k4 / k1, d4))),
+            *((-self.rate, d, d) for d in (d1, d2, d3, d4)),
+        ]
+
+    def hint(self, f: Fraction, tau: Fraction) -> Hint:
+        """Return a hint for the matrices at one end of the interval of f, of both ends of q3*."""
+        each = [products(self.terms(f, q3, tau)) for q3 in sorted(set(self.goal))]
+        denominators = (x.denominator for m in itertools.chain(*each) for row in m for x in row)
+        return hint(each[0], math.lcm(*denominators))
+
+    def hints(self) -> list[Hint]:
+        """Return those at either end."""
+        return list(map(self.hint, self.factor, self.multipliers))
+
+    def numbers(self) -> list[Fraction]:
+        """Return all but the intervals."""
+        rest = [*self.weights, self.high, self.rate, self.tilt]
+        return [self.mass, *self.k, self.gravity, *rest]
+
+    def literal(self) -> str:
+        """Return the certificate as a term of `Region.region`."""
+        pairs = (self.factor, self.goal, self.multipliers)
+        ends = " ".join(f"({q(a)}, {q(b)})" for a, b in pairs)
+        low, high = (hint.literal() for hint in self.hints())
+        return f"Region {' '.join(map(q, self.numbers()))}\n  {ends}\n  ({low},\n  {high})"
+
+    def plain(self) -> str:
+        """Return the certificate as `extracted/main.ml` reads it."""
+        numbers = [*self.numbers(), *self.factor, *self.goal, *self.multipliers]
+        hints = "\n".join(hint.plain() for hint in self.hints())
+        return f"region {self.name}\n{' '.join(map(str, numbers))}\n{hints}\n"
+
+
 def root(square: Fraction) -> tuple[Fraction, Fraction]:
     """Enclose a square root."""
     unit = 2**128
@@ -488,13 +550,15 @@ def tolerant_of(held: dict[str, Any], name: str) -> Tolerant | None:
     return Tolerant(claim, name) if plain else None
 
 
-def certificates(paths: list[str]) -> Iterator[Gains | Tolerant]:
+def certificates(paths: list[str]) -> Iterator[Gains | Tolerant | Region]:
     """Yield the certificates that Coq can decide."""
     for path in map(Path, paths):
         held = json.loads(path.read_text(encoding="utf-8"))
         name = path.name.removesuffix(".cert.json")
         if held["kind"] == "gains":
             yield Gains(held, name)
+        elif held["kind"] == "attraction":
+            yield Region(held, name)
         elif held["kind"] == "exponential":
             found = tolerant_of(held, name)
             if found:
@@ -515,6 +579,11 @@ PLACES = (
     "points are seen all over the domain, that it ends where what is seen is beyond the offset, "
     "how far off a start sees, the radius within which the offset is, and the angle; so are the "
     "rotors; that a motion exists, and motions of thrusts that jump, are on paper"
+)
+NATURAL = (
+    "that -(m/k1) Λ' is that form and its ends follow from the level, that no motion leaves the "
+    "region, the positions, the barrier, the starts and the convergence are on paper, and left to "
+    "checker.py"
 )
 ENCLOSED = "that the wanted feature is in its box is left to checker.py"
 GOAL = "that J or Q is within its bounds at the goal is left to checker.py"
@@ -546,6 +615,13 @@ def about(held: dict[str, Any]) -> dict[str, Any]:
             "settling time on what a level camera sees is within the offset",
         ]
         return {"shown": shown, "left": PLACES}
+    if held["kind"] == "attraction":
+        shown = [
+            "region_sound: the inequality of theorem 3, that -(m/k1) Λ' is above rate·|Y|², for every "
+            "Q with eigenvalues between 0 and the largest, every f and q3* between their ends and "
+            "every tilt up to the bound, in whatever direction"
+        ]
+        return {"shown": shown, "left": NATURAL}
     if held["kind"] != "gains":
         return {"shown": [], "left": PAPER}
     c = Gains(held, "")
@@ -568,9 +644,16 @@ def about(held: dict[str, Any]) -> dict[str, Any]:
     return {"shown": shown, "left": "; ".join(left)}
 
 
-def theorems(c: Gains | Tolerant) -> str:
+def theorems(c: Gains | Tolerant | Region) -> str:
     """Return what Coq is to decide of a certificate."""
     name, decided = re.sub(r"\W", "_", c.name), "Proof. vm_cast_no_check (eq_refl true). Qed."
+    if isinstance(c, Region):
+        lines = [
+            f"Definition natural_{name} : region :=\n  {c.literal()}.",
+            f"Theorem region_{name} : region_ok natural_{name} = true.\n{decided}",
+            f"Definition falls_{name} := region_sound natural_{name} region_{name}.",
+        ]
+        return "\n".join(lines) + "\n"
     if isinstance(c, Tolerant):
         lines = [
             f"Definition matrices_{name} : matrices :=\n  {c.literal()}.",
@@ -632,10 +715,10 @@ def main(arguments: list[str]) -> None:
         return
     if arguments[:1] == ["--plain"]:
         known = certificates(arguments[1:])
-        sys.stdout.writelines(c.plain() for c in known if isinstance(c, Gains) or c.limits)
+        sys.stdout.writelines(c.plain() for c in known if not isinstance(c, Tolerant) or c.limits)
         return
     print("(* Written by literals.py from certificates. *)")
-    print("From Hoverproof Require Import Forms Gains Target Decay Tolerant Late Stays Starts.")
+    print("From Hoverproof Require Import Forms Gains Target Decay Tolerant Late Stays Starts Region.")
     print("Require Import QArith List.\nImport ListNotations.\n")
     for c in certificates(arguments):
         print(theorems(c))

@@ -1,7 +1,8 @@
 (* Decide certificates, as `literals.py --plain` writes them, by the program extracted from Coq.
    Standard input: for each its kind, its name, its rationals and its hints. Prints the name and what holds. Of
    gains, with a target if there is one: certificate_ok, and target_ok or given_ok (a "-" where neither is asked).
-   Of vehicles within tolerances: matrices_ok, memory_ok, limits_ok, settled_ok and start_ok of all its starts. *)
+   Of vehicles within tolerances: matrices_ok, memory_ok, limits_ok, settled_ok and start_ok of all its starts.
+   Of regions of attraction: region_ok. *)
 open Decide
 
 let tokens = Scanf.Scanning.stdin
@@ -119,12 +120,28 @@ let tolerant () =
     [ matrices_ok c; memory_ok b.keeps b.latest c; limits_ok n b c; settled_ok b c z;
       List.for_all (start_ok n b c) starts ]
 
+let region () =
+  match times 12 rational with
+  | [ r_mass; r_k1; r_k2; r_k3; r_k4; r_grav; r_a2; r_a3; r_a4; r_high; r_rate; r_tilt ] ->
+      let r_f = pair () in
+      let r_q3 = pair () in
+      let r_tau = pair () in
+      let hint_low = hint 11 in
+      let r_hints = (hint_low, hint 11) in
+      [ string_of_bool
+          (region_ok
+             { r_mass; r_k1; r_k2; r_k3; r_k4; r_grav; r_a2; r_a3; r_a4; r_high; r_rate; r_tilt; r_f; r_q3; r_tau;
+               r_hints }) ]
+  | _ -> failwith "too few numbers"
+
 let rec decide () =
   match word () with
   | "" -> ()
   | kind ->
       let name = word () in
-      let said = if kind = "gains" then gains () else tolerant () in
+      let said =
+        match kind with "gains" -> gains () | "region" -> region () | _ -> tolerant ()
+      in
       Printf.printf "%s %s\n%!" name (String.concat " " said);
       decide ()
 
