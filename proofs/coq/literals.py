@@ -617,9 +617,9 @@ def about(held: dict[str, Any]) -> dict[str, Any]:
         return {"shown": shown, "left": PLACES}
     if held["kind"] == "attraction":
         shown = [
-            "region_sound: the inequality of theorem 3, that -(m/k1) Λ' is above rate·|Y|², for every "
-            "Q with eigenvalues between 0 and the largest, every f and q3* between their ends and "
-            "every tilt up to the bound, in whatever direction"
+            "region_sound: the inequality of theorem 3, that -(m/k1) Λ' is above rate·|Y|², for "
+            "every Q with eigenvalues between 0 and the largest, every f and q3* between their ends "
+            "and every tilt up to the bound, in whatever direction"
         ]
         return {"shown": shown, "left": NATURAL}
     if held["kind"] != "gains":
@@ -718,7 +718,9 @@ def main(arguments: list[str]) -> None:
         sys.stdout.writelines(c.plain() for c in known if not isinstance(c, Tolerant) or c.limits)
         return
     print("(* Written by literals.py from certificates. *)")
-    print("From Hoverproof Require Import Forms Gains Target Decay Tolerant Late Stays Starts Region.")
+    print(
+        "From Hoverproof Require Import Forms Gains Target Decay Tolerant Late Stays Starts Region."
+    )
     print("Require Import QArith List.\nImport ListNotations.\n")
     for c in certificates(arguments):
         print(theorems(c))
