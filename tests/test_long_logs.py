@@ -20,8 +20,8 @@ from hoverproof.simulation.timing import Timing
 from log_kit import FORMAT_OF_FORMATS, Bag, layout, message
 
 GIGABYTE = 1_000_000_000
-BOUND = 500
-"""MB of resident memory at most, of which Python with numpy, scipy and CasADi is a part."""
+BOUND = 300
+"""MB of resident memory at most, of which Python with numpy and h5py is a part."""
 RATE = 1000
 """Hz."""
 FORMATS = ("flight.nc", "log.ulg", "log.bin", "log.mcap")
@@ -113,12 +113,14 @@ def write_nc(path, size):
     """Write a flight of ours again and again, one after the other."""
     short = Path(path).with_name("short.nc")
     save(flown(load("research-1.5kg"), Timing(1, None, None)), short)
-    times = size // short.stat().st_size + 1
     with h5py.File(short) as given, h5py.File(path, "w") as file:
+        count = given["time"].shape
+        row = sum(data[:1].nbytes for data in given.values() if data.shape[:1] == count)
+        times = size // (row * (count[0] - 1)) + 1
         file.attrs.update(given.attrs)
         steps = given["time"][1:]
         for name, data in given.items():
-            if data.shape[:1] != given["time"].shape:
+            if data.shape[:1] != count:
                 continue
             one = data[1:]
             made = file.create_dataset(name, (times * len(one), *one.shape[1:]), one.dtype)
@@ -159,7 +161,7 @@ def test_what_a_log_takes_of_memory_does_not_grow_with_it(name, tmp_path, monkey
 
 @pytest.mark.whole
 @pytest.mark.parametrize("name", FORMATS)
-def test_a_gigabyte_is_read_in_half_of_that_at_most(name, tmp_path):
+def test_a_gigabyte_is_read_in_a_third_of_that_at_most(name, tmp_path):
     WRITE[name](tmp_path / name, GIGABYTE)
     assert (tmp_path / name).stat().st_size > 0.9 * GIGABYTE
     words = [sys.executable, "-c", MEASURE, str(tmp_path / name)]

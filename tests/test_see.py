@@ -202,10 +202,16 @@ def test_a_folder_is_read_in_the_order_of_its_numbers(picture, capsys):
     assert Path("o.avi").stat().st_size > 1000
 
 
-def test_images_without_the_tag_are_told_with_status_1(picture, capsys):
-    status, out, _ = run(capsys, "see", picture, *CAMERA, "--tag", "36h11:5:0.2")
+def test_images_without_the_tag_are_told_with_status_1_and_what_is_in_them(picture, capsys):
+    asked = ("see", picture, *CAMERA, "--tag", "36h11:5:0.2")
+    status, out, _ = run(capsys, *asked)
     assert status == 1
     assert "all of it found         in 0 of 1" in out
+    assert "other tags seen         36h11:0 in 1" in out
+    _, out, _ = run(capsys, *asked, "--json")
+    assert json.loads(out)["others"] == {"36h11:0": 1}
+    _, out, _ = run(capsys, "see", picture, *CAMERA, *TAG, "--json")
+    assert json.loads(out)["others"] == {}
 
 
 def test_a_film_that_was_cut_off_is_called_partial(film, capsys):

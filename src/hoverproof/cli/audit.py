@@ -13,6 +13,7 @@ from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import mission_names
 from hoverproof.cli.console import NO_FOLDER, Json, Set, at_work, load_mission
 from hoverproof.cli.reading import certificate_beside, mission_name
+from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
     from hoverproof.audit.claim import Claim
@@ -110,7 +111,9 @@ def audit(
     if path is not None:
         from hoverproof.reporting.audit_page import write_page
 
-        write_page(path, found, [*answer.text()], answer.command)
+        write_page(
+            path, found, answer.verdict, [*answer.text()], answer.command, [*answer.proof_anew()]
+        )
     return tell(answer, json_)
 
 
@@ -189,8 +192,6 @@ def _topics(given: list[str] | None) -> dict[str, str]:
     pairs = [text.partition("=") for text in given or []]
     for part, equals, name in pairs:
         if not (part and equals and name):
-            from hoverproof.errors import InputError
-
             raise InputError("--topic", "", f"must be PART=NAME, as imu=/imu, not {part!r}")
     return {part: name for part, _, name in pairs}
 

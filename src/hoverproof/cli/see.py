@@ -169,7 +169,7 @@ def _stream(viewer: Viewer, images: Source, late: float) -> int:
         raise InputError("--late", "", f"must be from 0 to 1 s, not {late:g}")
     for _, image in images.images:
         exposed = time.time() - late
-        pixels = viewer.corners(image, images.name)
+        pixels, _ = viewer.found(image, images.name)
         seen = [] if np.isnan(pixels).any() else pixels.tolist()
         print_line({"time": exposed, "pixels": seen})
     return int(bool(images.short))

@@ -71,13 +71,13 @@ class AuditAnswer(Answer):
             yield from wrapped("first", _first(found.broken[0]))
         for key, value in found.covering().items():
             yield f"  {'would be covered by':22}  uncertainty.{key} = {value}"
-        yield from self._anew()
+        yield from self.proof_anew()
         if self.page is not None:
             yield f"  {'page':22}  {self.page}"
         if self.command:
             yield f"Next: {self.command}"
 
-    def _anew(self) -> Iterator[str]:
+    def proof_anew(self) -> Iterator[str]:
         """Yield what a proof with wider tolerances came to."""
         if self.certify is None:
             return
@@ -156,19 +156,11 @@ def _lines(f: Finding) -> Iterator[str]:
     if f.held is None:
         yield from wrapped(f.name, f"not told: {f.words}")
         return
-    unit = "" if f.unit == "1" else f" {f.unit}"
     since = "" if f.at is None else f" from {f.at:.4g} s on"
-    yield from wrapped(
-        f.name, f"{HELD[f.held]}{since}: {_number(f.value)} of {_number(f.bound)}{unit}"
-    )
+    yield from wrapped(f.name, f"{HELD[f.held]}{since}: {f.found}, assumed {f.assumed}")
     yield from wrapped("", f.words)
 
 
 def _first(f: Finding) -> str:
-    unit = "" if f.unit == "1" else f" {f.unit}"
     when = "" if f.at is None else f" at {f.at:.4g} s"
-    return f"{f.name}{when}, by {_number(-f.margin)}{unit}"
-
-
-def _number(value: float) -> str:
-    return f"{value:.4g}"
+    return f"{f.name}{when}, by {f.beyond}"
