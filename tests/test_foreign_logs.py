@@ -6,6 +6,7 @@ import json
 import struct
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -143,13 +144,13 @@ def test_what_was_never_guided_is_looked_at_and_said_to_be(tmp_path):
     assert log.lacks == ("PL.LastMeasMS (precision landing): images, whether the target was seen",)
 
 
-@pytest.mark.parametrize(("plugin", "begin"), [("mcap", 10.0), ("sqlite3", 1.7e9)])
+@pytest.mark.parametrize(("plugin", "begin"), [("mcap", 10.0), ("sqlite3", 1.7e9 + 0.5)])
 def test_a_bag_tells_of_a_flight_what_its_own_record_tells(flight, plugin, begin, tmp_path):
     own = read_log(flight)
     log = read_log(bag_of(own, tmp_path / "bag", plugin, begin))
     assert log.partial == ""
     assert log.lacks == ("topic rates: rate loop",)
-    assert log.times[0] == pytest.approx(begin if begin < 1e6 else 0)
+    assert log.times[0] == pytest.approx(begin if begin < 1e6 else 0.5)
     plain = load("research-1.5kg")
     theirs, ours = told(log, plain), told(own, plain)
     assert [f.held for f in theirs.values()] == [f.held for f in ours.values()]
@@ -351,6 +352,14 @@ def test_what_holds_no_flight_is_one_line(name, content, reason, tmp_path, capsy
     assert reason in refusal(capsys, "audit", path, "--mission", "research-1.5kg")
 
 
+def test_a_file_of_many_flights_is_said_to_be_one(tmp_path, capsys):
+    with h5py.File(tmp_path / "many.nc", "w") as file:
+        file.attrs["title"] = "many flights"
+        file["run"], file["time"] = np.arange(3), np.arange(9.0)
+    line = refusal(capsys, "audit", tmp_path / "many.nc", "--mission", "research-1.5kg")
+    assert "holds many flights: give the file of one" in line
+
+
 def test_a_folder_that_is_no_bag_is_no_log(tmp_path, capsys):
     line = refusal(capsys, "audit", tmp_path, "--mission", "research-1.5kg")
     assert "is no log of a kind that is read: netCDF" in line
@@ -394,3 +403,25 @@ def test_gains_are_tuned_where_the_missions_own_are_not_proved(monkeypatch):
     found = recertifying.recertified(MISSION, lambda text: None)
     assert asked == [(MISSION, "start")]
     assert (found.verdict, found.tuned, found.reason) == (None, False, "too late")
+
+
+@pytest.mark.parametrize("kind", ["flight", "ardupilot", "mcap", "px4"])
+def test_a_part_of_a_log_is_what_is_between_two_times(kind, request):
+    whole = read_log(request.getfixturevalue(kind))
+    begin, end = whole.times[0] + 0.5, whole.times[0] + 1.5
+    part = read_log(request.getfixturevalue(kind), between=(begin, end))
+    assert part.times[0] >= begin
+    assert part.times[-1] <= end
+    kept = (whole.times >= begin) & (whole.times <= end)
+    assert part.times == pytest.approx(whole.times[kept])
+    for name in ("rate", "specific_force", "thrust_command", "rate_command", "image_age"):
+        ours, theirs = getattr(part, name), getattr(whole, name)
+        if theirs is not None:  # the first commands were before
+            assert ours[20:] == pytest.approx(theirs[kept][20:], nan_ok=True)
+    with pytest.raises(InputError, match="between these times"):
+        read_log(request.getfixturevalue(kind), between=(900, 901))
+
+
+def test_times_that_are_none_are_refused(flight, capsys):
+    words = ("audit", flight, "--mission", "research-1.5kg", "--between")
+    assert "--between: must be FROM,TO in s" in refusal(capsys, *words, "3,1")

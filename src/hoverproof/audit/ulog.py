@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.audit.log import FlightLog
-from hoverproof.audit.tracks import Tracks, log_of
+from hoverproof.audit.tracks import EVER, Tracks, log_of
 from hoverproof.errors import InputError
 
 Array = NDArray[np.float64]
@@ -53,12 +53,14 @@ PIECE = 8 << 20
 """So many bytes of what is wanted are given to pyulog at once."""
 
 
-def read(path: Path) -> FlightLog:
+def read(path: Path, between: tuple[float, float] = EVER) -> FlightLog:
     """Read a .ulg file.
 
     Parameters
     ----------
     path : Path
+    between : (2,)
+        s: what is not is left out.
 
     Raises
     ------
@@ -70,7 +72,7 @@ def read(path: Path) -> FlightLog:
     except ImportError:
         reason = "needs pyulog to be read: pip install 'hoverproof[logs]'"
         raise InputError(str(path), "", reason) from None
-    tracks, damaged = Tracks(), False
+    tracks, damaged = Tracks(between), False
     with path.open("rb") as file:
         pieces = Pieces(file, path.stat().st_size)
         for piece in pieces:

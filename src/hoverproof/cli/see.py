@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ from cyclopts import Parameter
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import mission_names
 from hoverproof.cli.console import NO_FOLDER, Json, Set, load_mission, progress
+from hoverproof.cli.reading import stretch
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def see(
     path = out or Path(f"{Path(source).stem or 'camera'}.seen.nc")
     if path.suffix.lower() not in (".nc", ".csv"):
         raise InputError(str(path), "", "must end in .nc or .csv")
-    stretch = None if still is None else _stretch(still)
+    part = None if still is None else stretch("--still", still)
     loaded = None if mission is None else load_mission(mission, set_)
     if loaded is None and set_:
         raise InputError("--set", "", "goes with --mission")
@@ -133,22 +133,12 @@ def see(
     seen = Sightings(viewer, images)
     with progress("images") as report, _overlay(overlay, viewer, images) as shown:
         seen.look(shown, report)
-    rest = at_rest(seen, stretch)
+    rest = at_rest(seen, part)
     record = seen.record()
     _write(path, record)
     half = None if loaded is None else loaded.camera.half_angle
     facts = seen.facts(record) | {"half_angle": None if half is None else float(half)}
     return tell(SeeAnswer(facts, rest, path, overlay), json_)
-
-
-def _stretch(text: str) -> tuple[float, float]:
-    try:
-        begin, end = map(float, text.split(","))
-    except ValueError:
-        begin = end = math.nan
-    if not begin < end:
-        raise InputError("--still", "", f"must be FROM,TO in s, as 2,7.5, not {text[:40]!r}")
-    return begin, end
 
 
 def _viewer(mission: Mission | None, camera: Path | None, given: Board | None) -> Viewer:
