@@ -193,7 +193,7 @@ Definition psi (v : craft) (b : limits R) (c : matrices) (flown again : R -> R) 
 (** A start: upright, Ψ as the certificate has it, what is set of the thrust's rate within bounds; and in the
     time of an image before, in the domain and no faster than the level allows. *)
 Record begins (v : craft) (b : limits R) (c : matrices) (inside : vec -> Prop) (flown again : R -> R) : Prop := {
-  upright_at_first : 0 < arm_of v 0;
+  upright_at_first : 0 < lifts_by v 0;
   low_at_first : psi v b c flown again 0 <= start_of b;
   calm_at_first : Rabs (set_rise v 0) <= Vehicle.c (gains v) * kappa_ (gains v) * (sink b + missed b);
   inside_before : forall t, - latest b <= t <= 0 -> inside (place v t);
@@ -229,22 +229,18 @@ Definition good (t : R) : Prop := energy K (p t) (x t) <= level_of b /\ 0 < arm_
 
 (** ** What follows at a moment *)
 
-Section At.
-Variable t : R.
-Hypothesis T : 0 <= t < until.
-Hypothesis G : good t.
-
 Lemma late_pos : 0 < latest b.
 Proof. destruct (sizes _ _ _ _ F) as [_ [_ [_ [_ [_ [L _]]]]]]. exact L. Qed.
-Lemma T' : - latest b <= t < until.
-Proof. pose proof late_pos. lra. Qed.
-Let O := is_whole _ _ _ _ Mo t T'.
+
+Section Low.
+Variable t : R.
+Hypothesis G : energy K (p t) (x t) <= level_of b.
 
 Lemma parts_within : let l := 2 * level_of b in
   d1 (err (x t)) · d1 (err (x t)) + v2 K * (d2 (err (x t)) · d2 (err (x t))) + v3 K * (d3 (err (x t)) · d3 (err (x t)))
   + v4 K * (d4 (err (x t)) · d4 (err (x t))) <= l.
 Proof.
-  destruct G as [E _]. unfold energy in E. destruct (weights_positive _ _ _ _ F) as [_ [_ [_ [A5 A6]]]].
+  pose proof G as E. unfold energy in E. destruct (weights_positive _ _ _ _ F) as [_ [_ [_ [A5 A6]]]].
   destruct (lag_within _ _ _ _ Mo) as [L _].
   change (tau (p t)) with (behind v) in E.
   pose proof (Rmult_le_pos _ _ A5 (square_pos (mu (x t)))). pose proof (Rmult_le_pos _ _ A6 (square_pos (lift (x t)))).
@@ -310,6 +306,16 @@ Qed.
 Lemma force_is : pull g (pull_down v) (breeze v) (attitude v) (lifts_by v) t
   = (C * (d3 (err (x t)) - d2 (err (x t))))%vec.
 Proof. apply pull_is, (positive _ _ _ _ F). Qed.
+Lemma force_within : len (pull g (pull_down v) (breeze v) (attitude v) (lifts_by v) t) <= C * spread b.
+Proof. rewrite force_is. apply len_scaled; [|apply spread_within]. pose proof C_pos. rewrite Rabs_right; lra. Qed.
+End Low.
+
+Section At.
+Variable t : R.
+Hypothesis T : 0 <= t < until.
+Lemma T' : - latest b <= t < until.
+Proof. pose proof late_pos. lra. Qed.
+Let O := is_whole _ _ _ _ Mo t T'.
 Local Notation w := (blown (gains v) (breeze v) (attitude v) t).
 Lemma blown_within : len w <= mass g * windy b.
 Proof.
@@ -324,6 +330,54 @@ Proof.
   unfold below. rewrite len_back by exact O. unfold len. replace (e3 · e3) with 1 by number. apply sqrt_1.
 Qed.
 
+(** |F| and the wind are below the weight; so it is one whether the thrust is positive or the lever. *)
+Lemma upright_enough : energy K (p t) (x t) <= level_of b ->
+  0 < lifts_by v t \/ 0 < arm_of v t ->
+  0 < pz (below (attitude v) t) /\ 0 < arm_of v t.
+Proof.
+  intros Low Up. destruct (lever_is _ _ _ _ F) as [L1 L2]. set (W := mass g * pull_down v) in *.
+  destruct mass_is as [A1 _], (positive _ _ _ _ F) as [_ Gr], (bounds_are _ _ _ _ F) as [_ [_ [_ [_ [L0 _]]]]].
+  destruct (sizes _ _ _ _ F) as [_ [_ [_ [Z4 _]]]].
+  assert (W0 : 0 < W) by (apply Rmult_lt_0_compat; assumption).
+  set (push := mass g * windy b) in *. assert (P0 : 0 <= push) by (apply Rmult_le_pos; lra).
+  assert (PL : push < W - C * spread b).
+  { destruct (Rle_or_lt (W - C * spread b) push) as [H|H]; [|exact H].
+    pose proof (squares_below _ _ L1 H). pose proof (Rmult_lt_0_compat _ _ L0 L0). lra. }
+  set (f := pull g (pull_down v) (breeze v) (attitude v) (lifts_by v) t).
+  assert (Ff : len f <= C * spread b) by (apply force_within; exact Low).
+  pose proof blown_within as Ww. fold push in Ww.
+  set (r := below (attitude v) t). assert (R1 : len r = 1) by exact below_unit.
+  assert (RR : r · r = 1) by (rewrite <- len_square, R1; ring).
+  assert (Fe : f = ((- lifts_by v t) * e3 + W * r + w)%vec) by reflexivity.
+  assert (Key : (W * pz r) * (W * pz r) <= (W * pz r - arm_of v t) * (W * pz r - arm_of v t) -> False).
+  { intros S. rewrite arm_is in S. set (B' := (W * r + flat w)%vec).
+    assert (LB : W - push <= len B').
+    { pose proof (len_minus B' (flat w)) as Q. replace (B' - flat w)%vec with (W * r)%vec in Q by (unfold B'; vector).
+      rewrite len_scale, R1, Rabs_right in Q by lra. pose proof (len_flat w). lra. }
+    assert (E : f · f = B' · B' - (W * pz r) * (W * pz r)
+      + (W * pz r - (lifts_by v t - pz w)) * (W * pz r - (lifts_by v t - pz w))).
+    { rewrite Fe. unfold B'. generalize w r. number. }
+    assert (LF : len B' <= len f) by (apply below_square; [apply len_pos|rewrite !len_square; lra]). lra. }
+  destruct Up as [Up|Up].
+  - (* A = m g ρ - T e3 *)
+    assert (A : len (f - w)%vec <= C * spread b + push) by (apply len_minus_to; assumption).
+    assert (Rz : 0 < pz r).
+    { pose proof (at_most_len _ _ A) as S. assert (E : (f - w)%vec · (f - w)
+        = W * W * (r · r) - 2 * (lifts_by v t * W) * pz r + lifts_by v t * lifts_by v t).
+      { rewrite Fe. generalize w r. number. }
+      rewrite E, RR in S. pose proof (len_pos (f - w)%vec).
+      assert (Q : (C * spread b + push) * (C * spread b + push) <= W * W) by (apply squares_below; lra).
+      pose proof (Rmult_lt_0_compat _ _ Up Up). pose proof (Rmult_lt_0_compat _ _ Up W0) as TW.
+      destruct (Rle_or_lt (pz r) 0) as [N|N]; [|exact N].
+      assert (0 <= lifts_by v t * W * (- pz r)) by (apply Rmult_le_pos; lra). lra. }
+    split; [exact Rz|]. destruct (Rle_or_lt (arm_of v t) 0) as [N|N]; [|exact N]. exfalso. apply Key.
+    pose proof (Rmult_lt_0_compat _ _ W0 Rz). apply squares_below; lra.
+  - split; [|exact Up]. destruct (Rle_or_lt (pz r) 0) as [N|N]; [|exact N]. exfalso. apply Key.
+    assert (0 <= W * - pz r) by (apply Rmult_le_pos; lra).
+    pose proof (squares_below (- (W * pz r)) (- (W * pz r - arm_of v t)) ltac:(lra) ltac:(lra)). lra.
+Qed.
+
+Hypothesis G : good t.
 Lemma arm_at_least : lever_least b <= arm_of v t.
 Proof.
   destruct (lever_is _ _ _ _ F) as [L1 L2].  set (left := mass g * pull_down v - C * spread b) in *.
@@ -342,7 +396,7 @@ Proof.
     { unfold r. rewrite len_scale, below_unit. destruct mass_is, (positive _ _ _ _ F) as [_ Gr].
       rewrite Rabs_right; [ring|]. apply Rle_ge, Rmult_le_pos; lra. }
     assert (R2 : len f <= C * spread b).
-    { unfold f. rewrite force_is. apply len_scaled; [|apply spread_within]. pose proof C_pos. rewrite Rabs_right; lra. }
+    { apply force_within, G. }
     pose proof (len_minus f (f - r)%vec) as Q. replace (f - (f - r))%vec with r in Q by vector.
     unfold left. lra. }
   pose proof (squares_below _ _ L1 N) as S. rewrite len_square, E in S. lra.
@@ -422,7 +476,7 @@ Qed.
 Lemma slow_on : forall s, - latest b <= s <= t -> len (speeds_by v s) <= k1 g / mass g * fast b.
 Proof.
   intros s S. destruct (Rle_or_lt s 0) as [L|L]; [apply (slow_before _ _ _ _ _ _ B); lra|].
-  apply speed_within, G. lra.
+  apply speed_within, (G s). lra.
 Qed.
 Definition flow_most : R := (Q2R (middle c) + Q2R (reach c)) * (k1 g / mass g * fast b).
 Lemma flow_most_pos : 0 <= flow_most.
@@ -460,7 +514,7 @@ Proof.
   pose proof C_pos. pose proof kap_pos. unfold command. rewrite !Rabs_mult, (Rabs_right C), (Rabs_right (kappa_ g)) by lra.
   apply Rmult_le_compat_l; [left; apply Rmult_lt_0_compat; assumption|].
   eapply Rle_trans; [apply Rabs_triang|]. rewrite Rabs_Ropp. apply Rplus_le_compat.
-  - eapply Rle_trans; [apply pz_len|]. exact (sink_within t good_now).
+  - eapply Rle_trans; [apply pz_len|]. exact (sink_within t (proj1 good_now)).
   - eapply Rle_trans; [apply pz_len|]. exact stale_within.
 Qed.
 (** ** The pushes and the parameters *)
@@ -509,7 +563,7 @@ Proof.
   eapply Rle_trans; [|apply (cross_is _ _ _ _ F)].
   replace (quick b * (mass g * windy b) * len z) with (quick b * (mass g * windy b) * len z) by ring.
   replace (quick b * turn_most b * (mass g * windy b)) with (quick b * (mass g * windy b) * turn_most b) by ring.
-  apply Rmult_le_compat_l; [|apply (turn_within t good_now)].
+  apply Rmult_le_compat_l; [|apply (turn_within t (proj1 good_now))].
   destruct mass_is, (sizes _ _ _ _ F) as [_ [_ [_ [? _]]]]. apply Rmult_le_pos; [exact Q0|]. apply Rmult_le_pos; lra.
 Qed.
 
@@ -588,8 +642,8 @@ Proof.
   destruct (positive _ _ _ _ F) as [[P1 P2 P3 P4 P5] _].
   assert (K12 : 0 < k12_ g).
   { unfold k12_. apply Rdiv_lt_0_compat; [|exact P1]. apply Rmult_lt_0_compat; assumption. }
-  pose proof (yaw_within _ _ _ _ Mo t T) as Yaw. pose proof (sink_within t good_now) as Sk.
-  pose proof (spread_within t good_now) as Sp. pose proof stale_within as St.
+  pose proof (yaw_within _ _ _ _ Mo t T) as Yaw. pose proof (sink_within t (proj1 good_now)) as Sk.
+  pose proof (spread_within t (proj1 good_now)) as Sp. pose proof stale_within as St.
   pose proof (len_pos z) as Lz. pose proof sway_within as Sw.
   pose proof (thrust_within _ _ _ _ Mo t T) as Ef.
   assert (Ez : forall u, len (pz (spins_by v t) * (e3 × flat u))%vec <= yawing b * len (flat u)).
@@ -829,6 +883,27 @@ Proof.
         rewrite flow_turned by lra. rewrite back_square by (apply (is_whole _ _ _ _ Mo); lra). number.
 Qed.
 
+(** What a level camera sees is off what is wanted by |δ1|. *)
+Lemma first_part : forall t, orthonormal (attitude v t) ->
+  (from v (place v t) - wanted_height v * e3)%vec · (from v (place v t) - wanted_height v * e3)
+  <= 2 * energy K (p t) (x t).
+Proof.
+  intros t O.
+  assert (E1 : len (from v (place v t) - wanted_height v * e3)%vec = len (d1 (err (x t)))).
+  { change (d1 (err (x t))) with (er1 (wanted_height v) (sees_by v) To_vertical (marks v) (counted v) (place v)
+      (attitude v) t). unfold er1, sight, wants, below. rewrite feature_turned by exact O.
+    rewrite <- back_scale, <- back_minus, len_back by exact O. reflexivity. }
+  rewrite <- !len_square, E1, len_square.
+  destruct (weights_positive _ _ _ _ F) as [V2 [V3 [V4 [V5 V6]]]]. destruct (lag_within _ _ _ _ Mo) as [L _].
+  unfold energy. change (tau (p t)) with (behind v).
+  pose proof (Rmult_le_pos _ _ (Rlt_le _ _ V2) (square_pos (d2 (err (x t))))).
+  pose proof (Rmult_le_pos _ _ (Rlt_le _ _ V3) (square_pos (d3 (err (x t))))).
+  pose proof (Rmult_le_pos _ _ (Rlt_le _ _ V4) (square_pos (d4 (err (x t))))).
+  pose proof (Rmult_le_pos _ _ V5 (square_pos (mu (x t)))). pose proof (Rmult_le_pos _ _ V6 (square_pos (lift (x t)))).
+  assert (0 <= behind v * (a5 K * (mu (x t) · mu (x t)) + a6 K * (lift (x t) · lift (x t))))
+    by (apply Rmult_le_pos; lra). lra.
+Qed.
+
 (** No motion leaves: all is good at all times. *)
 Lemma all_good : 0 < until -> forall t, 0 <= t < until -> good t.
 Proof.
@@ -867,8 +942,9 @@ Proof.
     pose proof (len_plus (px q * V 1 0 0) (py q * V 0 1 0)) as P. rewrite !len_scale, O1, O2 in P. lra. }
   apply goes_on.
   - (* at first *)
-    split; [|split; [apply (upright_at_first _ _ _ _ _ _ B)|apply (inside_before _ _ _ _ _ _ B); lra]].
-    pose proof (energy_below_psi 0 ltac:(lra)). lra.
+    assert (E0 : energy K (p 0) (x 0) <= level_of b) by (pose proof (energy_below_psi 0 ltac:(lra)); lra).
+    split; [exact E0|split; [|apply (inside_before _ _ _ _ _ _ B); lra]].
+    apply (upright_enough 0 ltac:(lra) E0). left. apply (upright_at_first _ _ _ _ _ _ B).
   - (* at each time before which all is good *)
     intros t T Gs.
     assert (Ins : inside (place v t)).
@@ -928,20 +1004,220 @@ Proof.
     destruct (He (place v s) H3) as [Ins|Out]; [exact Ins|]. exfalso.
     (* what a level camera sees is within, by δ1 *)
     assert (O : orthonormal (attitude v s)) by (apply (is_whole _ _ _ _ Mo); lra).
-    assert (E1 : len (from v (place v s) - wanted_height v * e3)%vec = len (d1 (err (x s)))).
-    { change (d1 (err (x s))) with (er1 (wanted_height v) (sees_by v) To_vertical (marks v) (counted v) (place v)
-        (attitude v) s). unfold er1, sight, wants, below. rewrite feature_turned by exact O.
-      rewrite <- back_scale, <- back_minus, len_back by exact O. reflexivity. }
-    assert (E3 : d1 (err (x s)) · d1 (err (x s)) <= 2 * energy K (p s) (x s)).
-    { destruct (weights_positive _ _ _ _ F) as [V2 [V3 [V4 [V5 V6]]]]. destruct (lag_within _ _ _ _ Mo) as [L _].
-      unfold energy. change (tau (p s)) with (behind v).
-      pose proof (Rmult_le_pos _ _ (Rlt_le _ _ V2) (square_pos (d2 (err (x s))))).
-      pose proof (Rmult_le_pos _ _ (Rlt_le _ _ V3) (square_pos (d3 (err (x s))))).
-      pose proof (Rmult_le_pos _ _ (Rlt_le _ _ V4) (square_pos (d4 (err (x s))))).
-      pose proof (Rmult_le_pos _ _ V5 (square_pos (mu (x s)))). pose proof (Rmult_le_pos _ _ V6 (square_pos (lift (x s)))).
-      assert (0 <= behind v * (a5 K * (mu (x s) · mu (x s)) + a6 K * (lift (x s) · lift (x s))))
-        by (apply Rmult_le_pos; lra). lra. }
-    rewrite E1 in Out. pose proof (Rmult_le_0_lt_compat _ _ _ _ Fa0 Fa0 Out Out) as Q. rewrite len_square in Q. lra.
+    pose proof (first_part s O) as E3.
+    pose proof (Rmult_le_0_lt_compat _ _ _ _ Fa0 Fa0 Out Out) as Q. rewrite len_square in Q. lra.
 Qed.
 
 End Stays.
+
+(** * The decision *)
+
+(** Mass, gains and gravity of the mission. *)
+Record setting := Setting { m_of : Q; k1_of : Q; k2_of : Q; k3_of : Q; k4_of : Q; g_of : Q }.
+Definition gains_in (n : setting) : loop :=
+  Loop (Q2R (m_of n)) (Q2R (k1_of n)) (Q2R (k2_of n)) (Q2R (k3_of n)) (Q2R (k4_of n)).
+Definition real_limits (b : limits Q) : limits R :=
+  Limits (Q2R (thrust_off b)) (Q2R (torque_off b)) (Q2R (gyroscopic b)) (Q2R (windy b)) (Q2R (yawing b))
+    (Q2R (latest b)) (Q2R (keeps b)) (Q2R (level_of b)) (Q2R (start_of b)) (Q2R (spread b)) (Q2R (sink b))
+    (Q2R (turn_most b)) (Q2R (fast b)) (Q2R (lever_least b)) (Q2R (quick b)) (Q2R (missed b)) (Q2R (sinks_most b))
+    (Q2R (cross_most b)) (Q2R (far b)).
+
+Section Decision.
+Variables (n : setting) (b : limits Q) (c : matrices).
+Local Notation k := (its_constants c).
+Local Notation m := (m_of n).
+Let stiffQ := (k1_of n * k1_of n * k2_of n / m)%Q.
+Let kapQ := ((k1_of n * k2_of n + k3_of n) / m)%Q.
+Let k12Q := (k1_of n * k2_of n / m)%Q.
+Let push := (m * windy b)%Q.
+Let twice := (2 * level_of b)%Q.
+Let more := (1 + thrust_off b)%Q.
+
+(** What is to be above 0, what at least 0, what equal, and what at most what. *)
+Definition above_zero : list Q :=
+  [m; k1_of n; k2_of n; k3_of n; k4_of n; g_of n; v2 k; v3 k; v4 k; latest b; lever_least b;
+   level_of b - start_of b; far b * far b - 2 * start_of b]%Q.
+Definition at_least_zero : list Q :=
+  [a5 k; a6 k; middle c; reach c; thrust_off b; torque_off b; gyroscopic b; windy b; yawing b; keeps b; start_of b;
+   far b; spread b; sink b; turn_most b; fast b; quick b; missed b; sinks_most b; cross_most b;
+   m * g_of n - stiffQ * spread b]%Q.
+Definition equals : list (Q * Q) :=
+  [(k12 k, k12Q); (kap k, kapQ); (stiff k, kapQ + k4_of n / m); (speed k, k1_of n / m)]%Q.
+Definition orders : list (Q * Q) :=
+  let left := (m * g_of n - stiffQ * spread b)%Q in
+  [(twice * (/ v3 k + / v2 k), spread b * spread b); (twice * / v3 k, sink b * sink b);
+   (twice * (/ v4 k + / v3 k), turn_most b * turn_most b); (twice * (/ 1 + / v2 k), fast b * fast b);
+   (lever_least b * lever_least b + push * push, left * left);
+   (stiffQ * kapQ, quick b * lever_least b);
+   (latest b * ((middle c + reach c) * (k1_of n / m * fast b)), missed b);
+   (quick b * (sink b + missed b), sinks_most b);
+   (quick b * turn_most b * push, cross_most b * lever_least b);
+   (2 * sinks_most b + cross_most b, pi_most c);
+   (fst (chis c) * lever_least b, lever_least b - push); (lever_least b + push, snd (chis c) * lever_least b);
+   (fst (chis c), 1); (1, snd (chis c)); (fst (drags c), 0); (0, snd (drags c));
+   (fst (gains_of c), 1 - thrust_off b); (more, snd (gains_of c))]%Q.
+Definition radii_follow : list (Q * Q) :=
+  let lag := lag_most c in
+  combine
+    [torque_off b;
+     quick b * missed b + thrust_off b * cross_most b * (1 # 2) + 2 * more * sinks_most b
+       + yawing b * ((1 + torque_off b) * gyroscopic b + torque_off b);
+     yawing b; yawing b * gyroscopic b + lag * k12Q * (quick b * spread b); yawing b; lag * k12Q * yawing b;
+     lag * kapQ * (quick b * sink b); lag * (more * sinks_most b + cross_most b)]%Q (radii_of c).
+Definition limits_ok : bool :=
+  forallb (above 0) above_zero && forallb (Qle_bool 0) at_least_zero
+  && forallb (fun e => Qeq_bool (fst e) (snd e)) equals && forallb (fun e => Qle_bool (fst e) (snd e)) orders
+  && forallb (fun e => Qle_bool (fst e) (snd e)) radii_follow && (length (radii_of c) =? 8)%nat.
+
+Lemma ordered : forall (l : list (Q * Q)) a e, forallb (fun e => Qle_bool (fst e) (snd e)) l = true -> In (a, e) l ->
+  Q2R a <= Q2R e.
+Proof. intros l a e H I. rewrite forallb_forall in H. apply Qle_Rle, Qle_bool_iff, (H (a, e) I). Qed.
+
+Ltac real := unfold stiffQ, kapQ, k12Q, push, twice, more, Qdiv in *;
+  repeat match goal with
+  | H : context [Q2R (_ + _)] |- _ => rewrite Q2R_plus in H | H : context [Q2R (_ * _)] |- _ => rewrite Q2R_mult in H
+  | H : context [Q2R (_ - _)] |- _ => rewrite Q2R_minus in H
+  end.
+
+Theorem limits_follow : limits_ok = true -> follows (gains_in n) (Q2R (g_of n)) (real_limits b) c.
+Proof.
+  intros O. unfold limits_ok in O. do 5 (apply andb_prop in O; let H := fresh "O" in destruct O as [O H]).
+  apply Nat.eqb_eq in O0.
+  assert (Two : Q2R 2 = 2) by (unfold Q2R; simpl; field).
+  assert (Half : Q2R (1 # 2) = / 2) by (unfold Q2R; simpl; field).
+  assert (P : forall a, In a above_zero -> 0 < Q2R a).
+  { intros a H. rewrite forallb_forall in O. specialize (O a H). apply above_correct in O. rewrite Q2R_zero in O. exact O. }
+  assert (Z : forall a, In a at_least_zero -> 0 <= Q2R a).
+  { intros a H. rewrite forallb_forall in O4. specialize (O4 a H). apply Qle_bool_iff, Qle_Rle in O4.
+    rewrite Q2R_zero in O4. exact O4. }
+  assert (E : forall a e, In (a, e) equals -> Q2R a = Q2R e).
+  { intros a e H. rewrite forallb_forall in O3. apply Qeq_eqR, Qeq_bool_iff, (O3 (a, e) H). }
+  pose proof (fun a e => ordered _ a e O2) as L. clear O O4 O3 O2.
+  unfold above_zero in P. unfold at_least_zero in Z. unfold equals in E. unfold orders in L.
+  assert (Pm : 0 < Q2R m) by (apply P; cbn; tauto).
+  assert (P2 : 0 < Q2R (v2 k)) by (apply P; cbn; tauto). assert (P3 : 0 < Q2R (v3 k)) by (apply P; cbn; tauto).
+  assert (P4 : 0 < Q2R (v4 k)) by (apply P; cbn; tauto).
+  assert (NZ : forall q, 0 < Q2R q -> Q2R (/ q) = / Q2R q).
+  { intros q Pq. apply Q2R_inv. intro X. apply Qeq_eqR in X. rewrite Q2R_zero in X. lra. }
+  pose proof (NZ _ Pm) as I1. pose proof (NZ _ P2) as I2. pose proof (NZ _ P3) as I3. pose proof (NZ _ P4) as I4.
+  assert (One : Q2R (/ 1) = / 1) by (unfold Q2R; simpl; field).
+  assert (S : forall q, Q2R (k1_of n * k1_of n * k2_of n / m * q) = Vehicle.c (gains_in n) * Q2R q).
+  { intros q. unfold Qdiv. rewrite !Q2R_mult, I1. reflexivity. }
+  assert (KQ : Q2R kapQ = kappa_ (gains_in n)).
+  { unfold kapQ, Qdiv. rewrite Q2R_mult, Q2R_plus, Q2R_mult, I1. reflexivity. }
+  assert (K12 : Q2R k12Q = k12_ (gains_in n)).
+  { unfold k12Q, Qdiv. rewrite !Q2R_mult, I1. reflexivity. }
+  assert (CQ : Q2R stiffQ = Vehicle.c (gains_in n)).
+  { unfold stiffQ, Qdiv. rewrite !Q2R_mult, I1. reflexivity. }
+  assert (K1 : Q2R (k1_of n / m) = k1 (gains_in n) / mass (gains_in n)).
+  { unfold Qdiv. rewrite Q2R_mult, I1. reflexivity. }
+  assert (K4 : Q2R (k4_of n / m) = k4 (gains_in n) / mass (gains_in n)).
+  { unfold Qdiv. rewrite Q2R_mult, I1. reflexivity. }
+  clearbody kapQ k12Q stiffQ. revert KQ K12 CQ K1 K4. set (KK := (k1_of n / m)%Q) in *. set (K4Q := (k4_of n / m)%Q) in *.
+  clearbody KK K4Q. intros.
+  constructor.
+  - split; [split|]; apply P; cbn; tauto.
+  - cbn [real_constants k12 kap stiff speed].
+    rewrite (E (k12 k) k12Q), (E (kap k) kapQ), (E (stiff k) (kapQ + K4Q)%Q), (E (speed k) KK) by (cbn; tauto).
+    rewrite Q2R_plus, KQ, K12, K1, K4. repeat split.
+  - cbn [real_constants v2 v3 v4 a5 a6]. repeat split; first [apply P; cbn; tauto | apply Z; cbn; tauto].
+  - split; apply Z; cbn; tauto.
+  - cbn [real_limits thrust_off torque_off gyroscopic windy yawing latest keeps].
+    repeat split; first [apply P; cbn; tauto | apply Z; cbn; tauto].
+  - cbn [real_limits start_of level_of far].
+    pose proof (P (level_of b - start_of b)%Q ltac:(cbn; tauto)) as A1. rewrite Q2R_minus in A1.
+    pose proof (P (far b * far b - 2 * start_of b)%Q ltac:(cbn; tauto)) as A2.
+    rewrite Q2R_minus, !Q2R_mult, Two in A2.
+    pose proof (Z (start_of b) ltac:(cbn; tauto)). pose proof (Z (far b) ltac:(cbn; tauto)). lra.
+  - cbn [real_limits spread sink turn_most fast lever_least quick missed sinks_most cross_most].
+    repeat split; first [apply P; cbn; tauto | apply Z; cbn; tauto].
+  - pose proof (L (twice * (/ v3 k + / v2 k)) (spread b * spread b) ltac:(cbn; tauto))%Q as A.
+    unfold twice in A. rewrite !Q2R_mult, Q2R_plus, I2, I3, Two in A. exact A.
+  - pose proof (L (twice * / v3 k) (sink b * sink b) ltac:(cbn; tauto))%Q as A.
+    unfold twice in A. rewrite !Q2R_mult, I3, Two in A. exact A.
+  - pose proof (L (twice * (/ v4 k + / v3 k)) (turn_most b * turn_most b) ltac:(cbn; tauto))%Q as A.
+    unfold twice in A. rewrite !Q2R_mult, Q2R_plus, I4, I3, Two in A. exact A.
+  - pose proof (L (twice * (/ 1 + / v2 k)) (fast b * fast b) ltac:(cbn; tauto))%Q as A.
+    unfold twice in A. rewrite !Q2R_mult, Q2R_plus, One, I2, Two in A. exact A.
+  - pose proof (Z (m * g_of n - stiffQ * spread b)%Q ltac:(cbn; tauto)) as A1.
+    pose proof (L (lever_least b * lever_least b + push * push)
+      ((m * g_of n - stiffQ * spread b) * (m * g_of n - stiffQ * spread b)) ltac:(cbn; tauto))%Q as A.
+    rewrite Q2R_minus, !Q2R_mult, CQ in A1.
+    unfold push in A. rewrite Q2R_plus, !Q2R_mult, Q2R_minus, !Q2R_mult, CQ in A. split; assumption.
+  - pose proof (L (stiffQ * kapQ) (quick b * lever_least b) ltac:(cbn; tauto))%Q as A.
+    rewrite !Q2R_mult, CQ, KQ in A. exact A.
+  - pose proof (L (latest b * ((middle c + reach c) * (KK * fast b))) (missed b) ltac:(cbn; tauto))%Q as A.
+    rewrite !Q2R_mult, Q2R_plus, K1 in A. exact A.
+  - pose proof (L (quick b * (sink b + missed b)) (sinks_most b) ltac:(cbn; tauto))%Q as A.
+    rewrite !Q2R_mult, Q2R_plus in A. exact A.
+  - pose proof (L (quick b * turn_most b * push) (cross_most b * lever_least b) ltac:(cbn; tauto))%Q as A.
+    unfold push in A. rewrite !Q2R_mult in A. exact A.
+  - pose proof (L (2 * sinks_most b + cross_most b) (pi_most c) ltac:(cbn; tauto))%Q as A.
+    rewrite Q2R_plus, Q2R_mult, Two in A. exact A.
+  - pose proof (L (fst (chis c) * lever_least b) (lever_least b - push) ltac:(cbn; tauto))%Q as A1.
+    pose proof (L (lever_least b + push) (snd (chis c) * lever_least b) ltac:(cbn; tauto))%Q as A2.
+    pose proof (L (fst (chis c)) 1 ltac:(cbn; tauto))%Q as A3. pose proof (L 1 (snd (chis c)) ltac:(cbn; tauto))%Q as A4.
+    unfold push in A1, A2. rewrite Q2R_minus, !Q2R_mult in A1. rewrite Q2R_plus, !Q2R_mult in A2.
+    rewrite Q2R_one in A3, A4.
+    cbn [real_limits lever_least windy gains_in mass]. lra.
+  - pose proof (L (fst (drags c)) 0 ltac:(cbn; tauto))%Q as A3. pose proof (L 0 (snd (drags c)) ltac:(cbn; tauto))%Q as A4.
+    rewrite Q2R_zero in A3, A4. split; assumption.
+  - pose proof (L (fst (gains_of c)) (1 - thrust_off b) ltac:(cbn; tauto))%Q as A3.
+    pose proof (L more (snd (gains_of c)) ltac:(cbn; tauto))%Q as A4. unfold more in A4.
+    rewrite Q2R_minus, Q2R_one in A3. rewrite Q2R_plus, Q2R_one in A4. split; assumption.
+  - pose proof (fun a e => ordered _ a e O1) as R. unfold radii_follow in R. clear - R O0 KQ K12 Two Half.
+    destruct (radii_of c) as [|r1 [|r2 [|r3 [|r4 [|r5 [|r6 [|r7 [|r8 [|r9 l]]]]]]]]]; try discriminate O0.
+    exists (Q2R r1), (Q2R r2), (Q2R r3), (Q2R r4), (Q2R r5), (Q2R r6), (Q2R r7), (Q2R r8).
+    split; [reflexivity|]. cbv zeta. cbn [combine] in R. unfold more in R.
+    match type of R with forall a e, In _ ?l -> _ => set (all := l) in R end.
+    assert (Each : forall i a e, nth_error all i = Some (a, e) -> Q2R a <= Q2R e)
+      by (intros i a e Hi; exact (R a e (nth_error_In _ i Hi))). clear R.
+    pose proof (Each 0%nat _ _ eq_refl) as R1. pose proof (Each 1%nat _ _ eq_refl) as R2.
+    pose proof (Each 2%nat _ _ eq_refl) as R3. pose proof (Each 3%nat _ _ eq_refl) as R4.
+    pose proof (Each 4%nat _ _ eq_refl) as R5. pose proof (Each 5%nat _ _ eq_refl) as R6.
+    pose proof (Each 6%nat _ _ eq_refl) as R7. pose proof (Each 7%nat _ _ eq_refl) as R8. clear Each.
+    repeat rewrite ?Q2R_plus, ?Q2R_mult, ?Q2R_one, ?Two, ?Half, ?KQ, ?K12 in *.
+    cbn [real_limits thrust_off torque_off gyroscopic yawing spread sink quick missed sinks_most cross_most].
+    unfold Rdiv. repeat split; assumption.
+Qed.
+End Decision.
+
+(** ** Theorem 5 *)
+
+(** Every motion of every vehicle within tolerances that begins as the certificate says stays in the domain and
+    within the bounds, and Ψ falls at its rate, as long as the motion goes on. *)
+Theorem vehicle_stays : forall v n b c until inside flown again,
+  matrices_ok c = true -> memory_ok (keeps b) (latest b) c = true -> limits_ok n b c = true ->
+  gains v = gains_in n -> pull_down v = Q2R (g_of n) ->
+  let l := real_limits b in
+  domain v c (far l) inside -> motion v l c until -> integrals v l c until flown again ->
+  begins v l c inside flown again ->
+  forall t, 0 <= t < until ->
+  let now := psi v l c flown again t in
+  now <= psi v l c flown again 0 * exp (- pace (real_constants (its_constants c)) * t) /\
+  inside (place v t) /\
+  len (from v (place v t) - wanted_height v * e3)%vec * len (from v (place v t) - wanted_height v * e3)%vec <= 2 * now /\
+  0 < pz (below (attitude v) t) /\ lever_least l <= arm_of v t /\
+  len (speeds_by v t) <= k1 (gains v) / mass (gains v) * fast l /\
+  len (stale_by v t) <= missed l /\
+  Rabs (set_rise v t) <= Vehicle.c (gains v) * kappa_ (gains v) * (sink l + missed l).
+Proof.
+  intros v n b c until inside flown again M O Ok Eg Ep l D Mo Ig Bg t T now.
+  assert (F : follows (gains v) (pull_down v) l c) by (rewrite Eg, Ep; apply limits_follow; exact Ok).
+  assert (Kept : exists MQ TQ, memory_ok MQ TQ c = true /\ keeps l = Q2R MQ /\ latest l = Q2R TQ)
+    by (exists (keeps b), (latest b); auto).
+  assert (G : forall s, 0 <= s <= t -> good v l c inside s).
+  { intros s S. apply (all_good v l c until inside flown again M F Kept D Mo Ig Bg); lra. }
+  assert (Gt : good v l c inside t) by (apply G; lra).
+  split; [|split; [apply Gt|split; [|split; [|split; [|split; [|split]]]]]].
+  - apply (falls_on v l c until inside flown again M F Kept D Mo Ig Bg); assumption.
+  - pose proof (energy_below_psi v l c until flown again F Kept Ig t T) as Below. fold now in Below.
+    assert (L0 : 0 < latest l) by apply (sizes _ _ _ _ F).
+    assert (O2 : orthonormal (attitude v t)) by (apply (is_whole _ _ _ _ Mo); lra).
+    rewrite len_square. eapply Rle_trans; [apply (first_part v l c until F Mo t O2)|]. lra.
+  - destruct Gt as [G1 [G2 _]]. apply (upright_enough v l c until F Mo t T G1). right. exact G2.
+  - eapply arm_at_least; eassumption.
+  - eapply speed_within; [eassumption..|]. apply Gt.
+  - eapply stale_within; eassumption.
+  - eapply calm_on; eassumption.
+Qed.

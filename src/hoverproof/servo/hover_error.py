@@ -34,6 +34,8 @@ PERCENT = 0.01
 DOWN = [2.0**-k for k in range(20)]
 UP = [2.0**k for k in range(1, 11)]
 """Heights of hovers that are looked for, as shares of that of the goal above the target."""
+HALVINGS = 30
+"""Of what is between two of them, to find one; better ways of SciPy take longer to import."""
 
 Hover = tuple[float, list[float], float]
 
@@ -196,18 +198,14 @@ class _Column:
 
     def height(self, q3: float) -> float | None:
         """Return the height of the hover that sees a certain q3, m; None if there is none."""
-        from scipy.optimize import brentq  # as long to import as all that `tune` needs besides
-
         for (low, near, below), (high, _, above) in pairwise(self.hovers):
             if below < q3 <= above:
-
-                def missing(share: float, near: list[float] = near) -> float:
-                    found = self.at(share, near)
-                    return math.nan if found is None else found[2] - q3
-
-                share = brentq(missing, low, high, rtol=1e-9)
-                height = float(self.mission.height_of_target) - self.z(share)
-                return height if math.isfinite(height) else None
+                for _ in range(HALVINGS):
+                    found = self.at((low + high) / 2, near)
+                    if found is None:
+                        return None
+                    low, high = (found[0], high) if found[2] < q3 else (low, found[0])
+                return float(self.mission.height_of_target) - self.z((low + high) / 2)
         return None
 
 
