@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.audit.log import FlightLog
-from hoverproof.audit.tracks import Tracks, log_of
+from hoverproof.audit.tracks import EVER, Tracks, log_of
 from hoverproof.errors import InputError, needing, suggestion
 
 Array = NDArray[np.float64]
@@ -79,7 +79,7 @@ def is_bag(path: Path, first: bytes) -> bool:
     return first.startswith((b"\x89MCAP0\r\n", b"SQLite format 3\0"))
 
 
-def read(path: Path, topics: Mapping[str, str]) -> FlightLog:
+def read(path: Path, topics: Mapping[str, str], between: tuple[float, float] = EVER) -> FlightLog:
     """Read a bag.
 
     Parameters
@@ -88,6 +88,8 @@ def read(path: Path, topics: Mapping[str, str]) -> FlightLog:
         Its folder, or its one file.
     topics : mapping
         Topic by part, where the type does not tell it.
+    between : (2,)
+        s: what is not is left out.
 
     Raises
     ------
@@ -99,7 +101,7 @@ def read(path: Path, topics: Mapping[str, str]) -> FlightLog:
         from rosbags.typesys import Stores, get_typestore
     if path.is_file() and path.suffix not in ENDINGS:
         raise InputError(str(path), "", "is a bag of ROS 2, whose name must end in .mcap or .db3")
-    bag = Bag(str(path))
+    bag = Bag(str(path), Tracks(between))
     try:
         reader = AnyReader([path], default_typestore=get_typestore(Stores.LATEST))
         reader.open()
@@ -129,7 +131,7 @@ class Bag:
     """
 
     source: str
-    tracks: Tracks = field(default_factory=Tracks)
+    tracks: Tracks
     notes: list[str] = field(default_factory=list)
     partial: list[str] = field(default_factory=list)
     _rows: dict[str, list[Row]] = field(default_factory=dict)
