@@ -21,7 +21,7 @@ from hoverproof.export.cost import STEPS
 from hoverproof.paper.judge import Verdict
 from hoverproof.reporting import mathematics, pictures, tables, wording
 from hoverproof.reporting.assets import asset, pages
-from hoverproof.reporting.glance import Line
+from hoverproof.reporting.glance import NOT_PROVED, Line
 from hoverproof.reporting.numerals import short
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts, sentence
 from hoverproof.reporting.player import player_data
@@ -118,6 +118,7 @@ def context(parts: Parts, origin: Origin, glance: Sequence[Line]) -> dict[str, A
         "js": asset("player.js"),
         "headline": wording.headline(parts),
         "glance": glance,
+        "not_proved": NOT_PROVED,
         "merits": list(wording.merits(parts)),
         "certificate": files.get("gains"),
         "region_file": files.get("region"),
