@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 import hoverproof
+from harnesses import Package
 from hoverproof.mission.reading import load
 from papers_law import CRAZYFLIE, PAPERS
 from sharing import kept
@@ -44,25 +45,6 @@ def run(*command, **options):
     )
     assert done.returncode == 0, f"{' '.join(map(str, command))}\n{done.stdout}\n{done.stderr}"
     return done
-
-
-@dataclass(frozen=True)
-class Package:
-    folder: Path
-    manifest: dict
-
-    @property
-    def name(self):
-        return self.manifest["name"]
-
-    @property
-    def sources(self):
-        own = [self.folder / f"{self.name}.c", self.folder / f"{self.name}_selftest.c"]
-        return [*own, *self.folder.glob(f"{self.name}_camera.c")]
-
-    @property
-    def includes(self):
-        return [f"-I{self.folder}", f"-I{self.folder / 'example'}"]
 
 
 def export_anew(folder, mission="x4-flyer", overrides=None, **options):

@@ -76,6 +76,9 @@ def ulog(path, topics, sync=0):
 
 LETTERS = {"Q": "Q", "f": "f", "B": "B", "c": "h", "C": "H", "I": "I", "M": "B", "h": "h"}
 HUNDREDTHS = "cC"
+FORMAT_OF_FORMATS = b"\xa3\x95\x80" + struct.pack(
+    "<BB4s16s64s", 128, 89, b"FMT", b"BBnNZ", b"Type,Length,Name,Format,Columns"
+)
 
 
 def layout(number, name, letters, columns):
@@ -88,7 +91,7 @@ def layout(number, name, letters, columns):
 
 def dataflash(path, kinds):
     """Write a log of ArduPilot: by kind, letters, columns, and rows (TimeUS in s)."""
-    content = [b"\xa3\x95\x80" + struct.pack("<BB4s16s64s", 128, 89, b"FMT", b"BBnNZ", FMT_COLUMNS)]
+    content = [FORMAT_OF_FORMATS]
     rows = []
     for number, (name, (letters, columns, table)) in enumerate(kinds.items(), start=129):
         content.append(layout(number, name, letters, columns))
@@ -103,9 +106,6 @@ def dataflash(path, kinds):
     rows.sort(key=lambda row: row[0])
     Path(path).write_bytes(b"".join([*content, *(row for _, row in rows)]))
     return path
-
-
-FMT_COLUMNS = b"Type,Length,Name,Format,Columns"
 
 
 def quaternions(rotation):

@@ -9,7 +9,7 @@ from command_line import run
 from hoverproof import checker
 from hoverproof.certification.certificate import differences
 from hoverproof.errors import InputError
-from hoverproof.firmware import export_c
+from hoverproof.firmware.exporting import export_c
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.reading import load
 

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import hoverproof as hp
+from command_line import run
 from exponential_truth import MISSION, NEAR, soon_found
 from hoverproof import cli
 from hoverproof.certification import convergence, largest
@@ -56,14 +57,11 @@ def answer(proved, monkeypatch, capsys):
     """Return a function that runs `attraction` with what was proved once."""
     monkeypatch.setattr(convergence, "attraction", lambda *_, **__: proved)
 
-    def run(*options):
-        capsys.readouterr()
-        path = str(guide_mission("."))
-        with pytest.raises(SystemExit) as done:
-            cli.main(["attraction", path, *options])
-        return done.value.code, capsys.readouterr().out
+    def attraction(*options):
+        status, out, _ = run(capsys, "attraction", guide_mission("."), *options)
+        return status, out
 
-    return run
+    return attraction
 
 
 @pytest.mark.slow

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import itertools
 import struct
-from fractions import Fraction
 from functools import partial
 
 import numpy as np
 import pytest
 
-from firmware_kit import LENS, TARGET, export, run, tool
+import harnesses
+from firmware_kit import LENS, export, run, tool
 from hoverproof.export.adapter import oldest_image
 from hoverproof.export.binding import Firmware
 from hoverproof.mission.reading import load
 from sampling import mostly_whole
-from test_firmware_target import STUBS, image_topic
 
 BEST = {"law": {"feature": "scaled", "goal": "inertial", "force": "measured"}}
 CRAZYFLIE = "crazyflie-2.1"
@@ -25,43 +24,15 @@ pytestmark = pytest.mark.slow
 best = partial(export, mission=CRAZYFLIE, overrides=BEST, allow_uncertified=True)
 
 
-def numbers(package, plain):
-    """Return the macros of a package and of the one whose vehicle is flown, for the harnesses."""
-    name = package.name
-    vehicle = {
-        k: float(Fraction(package.manifest["mission"]["vehicle"][k]))
-        for k in ("mass", "gravity", "arm", "drag_ratio")
-    }
-    of_points = "points" in (package.manifest["sensing"], package.manifest.get("camera"))
-    n = len(package.manifest["mission"]["target"]["points"])
-    pairs = {
-        "OBSERVE": f"{name}_observe",
-        "RECEIVE": f"{name}_receive",
-        "in_t": f"{plain.name}_input_t",
-        "out_t": f"{plain.name}_output_t",
-        "real": "float" if plain.manifest["precision"] == "float32" else "double",
-        "SEEN": 2 * n if of_points else 3,
-        "V_MASS": vehicle["mass"],
-        "V_GRAVITY": vehicle["gravity"],
-        "V_ARM": vehicle["arm"],
-        "V_DRAG": vehicle["drag_ratio"],
-    }
-    return [f"-D{k}={v}" for k, v in pairs.items()] + (["-DOF_POINTS"] if of_points else [])
+def compiled(autopilot, compiler, package, folder, *extra, plain=None):
+    """Compile the glue for an autopilot with its harness."""
+    tool(compiler)
+    return getattr(harnesses, autopilot)(package, folder, *extra, plain=plain)
 
 
-def crazyflie(package, folder, *extra, plain=None):
-    """Compile the controller with its harness and the simulated vehicle, that of `plain`."""
-    tool("gcc")
-    plain = plain or package
-    controller = package.folder / "adapters" / "crazyflie" / f"controller_{package.name}.c"
-    flags = ("-std=gnu11", "-O2", "-g", "-Wall", "-Wextra", "-Werror")
-    sources = (TARGET / "crazyflie.c", plain.folder / "example" / "vehicle.c", *package.sources)
-    run(
-        *("gcc", *flags, *numbers(package, plain), f'-DCONTROLLER="{controller}"', *extra),
-        *(f"-I{STUBS / 'crazyflie'}", *plain.includes, *sources),
-        *("-lm", "-pthread", "-o", folder / "crazyflie"),
-    )
-    return folder / "crazyflie"
+crazyflie = partial(compiled, "crazyflie", "gcc")
+px4 = partial(compiled, "px4", "g++")
+ardupilot = partial(compiled, "ardupilot", "g++")
 
 
 def fail_selftest(package):
@@ -174,8 +145,8 @@ def holding(first):
 
 def holds_its_height(program, share, late):
     """Fly 20 s with rotors that give that share of what they are told, images at 30 Hz."""
-    lowest, highest, x, y = map(float, run(program, "fly", share, late).stdout.split())
-    assert lowest == pytest.approx(-1, abs=0.01)  # of the last five seconds
+    lowest, highest, x, y = harnesses.flown(program, share, late)
+    assert lowest == pytest.approx(-1, abs=0.01)
     assert highest == pytest.approx(-1, abs=0.01)
     assert max(abs(x), abs(y)) < 0.01
 
@@ -196,41 +167,6 @@ def test_an_image_may_miss_two_frames_of_a_slow_camera():
     assert "the mission's" in why
     assert oldest_image(load(CRAZYFLIE, {"sensors": {"frame_rate": 200}}))[0] == 100
     assert "names no" in oldest_image(load("x4-flyer"))[1]
-
-
-ROTOR_MAX = 0.13
-"""N, of one rotor of the vehicles here."""
-
-
-def px4(package, folder, plain=None):
-    """Compile the flight mode with its harness and the simulated vehicle, that of `plain`."""
-    tool("g++")
-    plain = plain or package
-    module = package.folder / "adapters" / "px4" / f"{package.name}_module.cpp"
-    image_topic(package, folder)
-    c = ("gcc", "-std=gnu11", "-O2", "-g", *plain.includes, "-c")
-    made = []
-    for source in (plain.folder / "example" / "vehicle.c", *package.sources, *plain.sources):
-        out = folder / f"{source.stem}.o"
-        run(*c, source, "-o", out)
-        made.append(out)
-    macros = (*numbers(package, plain), f"-DROTOR_MAX={ROTOR_MAX}", f'-DMODULE="{module}"')
-    run(
-        *(
-            "g++",
-            "-std=gnu++14",
-            "-O2",
-            "-g",
-            "-Wall",
-            "-Wextra",
-            "-Werror",
-            "-Wno-unused-parameter",
-        ),
-        *(*macros, f"-DLAW_OUT={package.name}_output_t", f"-I{STUBS / 'px4'}", f"-I{folder}"),
-        *(*plain.includes, f"-I{package.folder}"),
-        *(TARGET / "px4.cpp", *dict.fromkeys(made), "-lm", "-o", folder / "px4"),
-    )
-    return folder / "px4"
 
 
 @pytest.mark.parametrize(("precision", "tunable"), mostly_whole(EITHER, every=2, first=1))
@@ -261,31 +197,7 @@ def test_px4_holds_its_height_by_its_allocation_with_less_and_more_thrust(
 ):
     package = best(tmp_path / "fw", precision=precision, camera=True)
     plain = best(tmp_path / "plain", name="plain")
-    holds_its_height(px4(package, tmp_path, plain), share, 20)
-
-
-def ardupilot(package, folder, plain=None):
-    """Compile the custom controller with its harness and the simulated vehicle, that of `plain`."""
-    tool("g++")
-    plain = plain or package
-    control = f"AC_CustomControl_{package.name}"
-    adapters = package.folder / "adapters" / "ardupilot"
-    (folder / package.name).symlink_to(package.folder)
-    made = []
-    for source in (
-        plain.folder / "example" / "vehicle.c",
-        *(() if plain is package else plain.sources),
-    ):
-        made.append(folder / f"{source.stem}.o")
-        run("gcc", "-std=gnu11", "-O2", *plain.includes, "-c", source, "-o", made[-1])
-    macros = (*numbers(package, plain), f"-DROTOR_MAX={ROTOR_MAX}", f"-DCONTROL={control}")
-    run(
-        *("g++", "-std=gnu++11", "-O2", "-g", "-Wall", "-Wextra", "-Werror", *macros),
-        *(f'-DBACKEND="{control}.cpp"', f"-I{STUBS / 'ardupilot'}", f"-I{folder}", f"-I{adapters}"),
-        *(*plain.includes, TARGET / "ardupilot.cpp", *made),
-        *(*sorted(adapters.glob(f"{package.name}_*.cpp")), "-lm", "-o", folder / "ardupilot"),
-    )
-    return folder / "ardupilot"
+    holds_its_height(px4(package, tmp_path, plain=plain), share, 20)
 
 
 @pytest.mark.parametrize(("precision", "camera"), mostly_whole(EITHER, every=2, first=0))
@@ -295,7 +207,7 @@ def test_ardupilot_gives_the_motors_back_in_the_loop_in_which_they_are_not_the_l
     """Failsafe and landing, a missing axis, disarm, ground, stale image, NaN."""
     package = best(tmp_path / "fw", precision=precision, camera=camera)
     plain = best(tmp_path / "plain", name="plain")
-    assert run(ardupilot(package, tmp_path, plain), "safety").stdout == "safe\n"
+    assert run(ardupilot(package, tmp_path, plain=plain), "safety").stdout == "safe\n"
 
 
 def test_without_its_self_test_the_law_never_has_ardupilot(tmp_path):
@@ -310,4 +222,4 @@ def test_ardupilot_holds_its_height_by_its_mixer_with_less_and_more_thrust(
 ):
     package = best(tmp_path / "fw", precision=precision, camera=True)
     plain = best(tmp_path / "plain", name="plain")
-    holds_its_height(ardupilot(package, tmp_path, plain), share, 8)
+    holds_its_height(ardupilot(package, tmp_path, plain=plain), share, 8)

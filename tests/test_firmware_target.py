@@ -29,10 +29,10 @@ from firmware_kit import (
     run,
     tool,
 )
+from harnesses import STUBS, image_topic
 from papers_law import PAPERS
 from sampling import mostly_whole
 
-STUBS = Path(__file__).parent / "stubs"
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 pytestmark = pytest.mark.slow
 
@@ -381,19 +381,6 @@ def test_fuzzing_finds_a_check_left_out(tmp_path):
 
 
 # --- adapters and example -----------------------------------------------------------------------
-
-
-def image_topic(package, folder):
-    """Write the header that PX4 makes of the message of a package."""
-    message = (package.folder / "adapters" / "px4" / "HoverproofImage.msg").read_text()
-    (size,) = re.findall(r"^float32\[(\d+)\] seen", message, re.M)
-    topic = folder / "uORB" / "topics" / "hoverproof_image.h"
-    topic.parent.mkdir(parents=True, exist_ok=True)
-    topic.write_text(
-        '#pragma once\n#include "px4.hpp"\n'
-        "struct hoverproof_image_s {\n"
-        f"  uint64_t timestamp, timestamp_sample; float seen[{size}];\n}};\n"
-    )
 
 
 @some_kinds(first=4, of=[k for k in kinds() if "rate_bandwidth" not in str(k)])

@@ -10,7 +10,7 @@ import xarray as xr
 
 from hoverproof import cli
 from hoverproof.compilers import find_compiler
-from hoverproof.firmware import fly_firmware
+from hoverproof.firmware.flying import fly_firmware
 from hoverproof.mission.reading import load
 from hoverproof.simulation.cut_short import last_good_step, up_to
 from hoverproof.simulation.flight import simulate, summary

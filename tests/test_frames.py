@@ -11,7 +11,8 @@ import pytest
 from hoverproof import checker
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
-from hoverproof.firmware import export_c, fly_firmware
+from hoverproof.firmware.exporting import export_c
+from hoverproof.firmware.flying import fly_firmware
 from hoverproof.mission.frame import names, of_layout, shares
 from hoverproof.mission.reading import load
 from hoverproof.mission.writing import mission_text

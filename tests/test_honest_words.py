@@ -9,20 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from hoverproof import cli
+from command_line import run
 from hoverproof.errors import InputError
 from hoverproof.files import locked
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.reading import load
 from hoverproof.paper.conditions import printed_demands
 from hoverproof.reporting.document import report
-
-
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as exit_:
-        cli.main([str(a) for a in arguments])
-    return exit_.value.code, *capsys.readouterr()
-
 
 # --- many flights -------------------------------------------------------------------------------
 

@@ -19,7 +19,8 @@ from hoverproof.compilers import find_compiler
 from hoverproof.export.binding import Firmware
 from hoverproof.export.package import NotCertified, write_package
 from hoverproof.export.standing import Standing
-from hoverproof.firmware import export_c, fly_firmware
+from hoverproof.firmware.exporting import export_c
+from hoverproof.firmware.flying import fly_firmware
 from hoverproof.mission.reading import load
 from hoverproof.mission.task import Gains
 from hoverproof.plant import camera

@@ -13,7 +13,8 @@ import pytest
 import xarray as xr
 
 import hoverproof as hp
-from hoverproof import checker, cli
+from command_line import run
+from hoverproof import checker
 from hoverproof.algebra.decimals import decimal_below
 from hoverproof.certification import robust
 from hoverproof.certification.flow import flow_of
@@ -56,13 +57,6 @@ def small():
 
 def mission_of(law, more=None):
     return hp.load("small.toml", {**named(law), **(more or {})})
-
-
-def run(capsys, *arguments):
-    capsys.readouterr()
-    with pytest.raises(SystemExit) as done:
-        cli.main([str(a) for a in arguments])
-    return done.value.code, *capsys.readouterr()
 
 
 def symbol(law):

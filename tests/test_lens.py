@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
+import re
 
 import casadi as ca
 import numpy as np
 import pytest
 
 import hoverproof as hp
+from hoverproof.cli.answers.exponential import lines
 from hoverproof.errors import InputError
 from hoverproof.plant import lens as of_lens
-from hoverproof.plant.lens import LensModel, check_cone, seeing_lens, sight_of
+from hoverproof.plant.lens import LensModel, check_cone, cone_in_image, seeing_lens, sight_of
+from once import attraction_once
 
 BARREL = LensModel(640, 480, 400, 410, 330, 236, "plumb_bob", (-0.28, 0.07, 5e-4, -3e-4, 0.01))
 CUSHION = LensModel(640, 480, 400, 410, 330, 236, "plumb_bob", (0.1, -0.2, 1e-3, 5e-4, 0.05))
@@ -193,3 +196,19 @@ def test_a_lens_takes_the_place_of_what_sensors_say(mission_with):
     hp.load("x4-flyer", {"camera.lens": PLAIN, "sensors.pixel_noise": "1"})
     with pytest.raises(InputError, match=r"sensors\.focal_length: is missing"):
         hp.load("x4-flyer", {"sensors.pixel_noise": "1"})
+
+
+def test_a_key_that_a_lens_has_not_is_told_with_those_that_it_has():
+    with pytest.raises(
+        InputError, match=r"lens\.fc: unknown key \(known here: width, .*fx"
+    ):
+        hp.load("x4-flyer", {"camera.lens.fc": 400})
+
+
+@pytest.mark.slow
+def test_points_that_may_leave_the_image_are_told_where_nobody_asked_that_they_do_not():
+    verdict = attraction_once(hp.load("crazyflie-2.1", {"camera": f"{{lens = {PLAIN}}}"}))
+    said = " ".join("\n".join(lines(verdict, [])).split())
+    assert float(verdict.field_of_view) > cone_in_image(verdict.mission)
+    asked = re.search(r"they may leave it; camera\.half_angle = ([\d.]+) asks", said)
+    assert float(asked[1]) == cone_in_image(verdict.mission)

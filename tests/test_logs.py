@@ -17,7 +17,7 @@ from hoverproof.audit.vehicle import Vehicle
 from hoverproof.audit.verdict import audit
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
-from hoverproof.firmware import export_c
+from hoverproof.firmware.exporting import export_c
 from hoverproof.mission.reading import load
 from hoverproof.simulation.flight import flown, save
 from hoverproof.simulation.timing import Timing

@@ -147,6 +147,16 @@ def test_clocks_may_run_apart():
     assert at == pytest.approx(50 + stamp * (1 + 1e-4), abs=1e-3)
 
 
+def test_the_clock_of_a_simulator_may_run_slow_if_that_is_allowed():
+    slow, strict = Told(drift=0.02), Told()
+    for k in range(600):
+        now = 50 + k / 10 / 0.99  # its clock runs 1 % slow
+        for told_so in (slow, strict):
+            told_so.take(common("attitude", 100 * k, 0, 0, 0, 0, 0, 0), now)
+    assert slow.rotation.at == pytest.approx(now, abs=1e-3)
+    assert now - strict.rotation.at > 0.5  # else a link that slows down is not found out
+
+
 def test_the_throttle_of_hover_is_learned_from_a_hover():
     hover = HoverThrottle(9.81)
     for k in range(60):
@@ -257,6 +267,7 @@ def test_a_serial_port_carries_messages():
         (["--mavlink", "udp:127.0.0.1:14550", "--rate", "2000"], "--rate: must be from 20 to 400"),
         (["--mavlink", "udp:127.0.0.1:14550", "--hover-throttle", "45"], "must be from 0.05 to"),
         (["--mavlink", "udp:127.0.0.1:14550", "--system", "0"], "must be from 1 to 255"),
+        (["--mavlink", "udp:127.0.0.1:14550", "--clock-drift", "0.2"], "from 0.0002 to 0.05, not"),
         (["--mavlink", "udp:127.0.0.1:14550", "--log", "no/such/f.nc"], "its folder is not there"),
         (["--mavlink", "udp:127.0.0.1:14550", "--package", "no"], "is no firmware package"),
     ],

@@ -14,7 +14,7 @@ from hoverproof import checker
 from hoverproof.certification.exponential.proof import converge
 from hoverproof.compilers import find_compiler
 from hoverproof.export.binding import Firmware
-from hoverproof.firmware import export_c
+from hoverproof.firmware.exporting import export_c
 from hoverproof.plant.mount import Mount
 from hoverproof.plant.rigid_body import RigidBodyState, rotation_matrix
 from hoverproof.servo.laws.heading import flown_law

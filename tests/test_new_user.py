@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import hoverproof as hp
+from command_line import refusal
 from hoverproof.cli import main
 from hoverproof.errors import InputError
 
@@ -49,15 +50,6 @@ def mission(tmp_path, monkeypatch):
     return hp.load("small-tag.toml")
 
 
-def refused(capsys, *words):
-    with pytest.raises(SystemExit) as done:
-        main(list(words))
-    err = capsys.readouterr().err
-    assert done.value.code == 2
-    assert len(err.splitlines()) == 1
-    return err
-
-
 @pytest.mark.slow
 def test_attraction_finds_a_time_like_that_which_tune_proved_with_the_same_gains(mission):
     assert float(hp.attraction(mission).settling.time) < 1.1 * BY_TUNE
@@ -90,12 +82,12 @@ def test_a_path_needs_no_quotes_in_set(mission):
 
 
 def test_a_tuned_mission_is_not_written_as_a_picture(mission, capsys):
-    assert "--trade" in refused(capsys, "tune", "small-tag.toml", "--out", "trade.png")
+    assert "--trade" in refusal(capsys, "tune", "small-tag.toml", "--out", "trade.png")
 
 
 @pytest.mark.parametrize("command", ["tune", "attraction"])
 def test_a_folder_that_is_not_there_is_said_before_the_work(mission, capsys, command):
-    err = refused(capsys, command, "small-tag.toml", "--out", "nowhere/x.toml")
+    err = refusal(capsys, command, "small-tag.toml", "--out", "nowhere/x.toml")
     assert "its folder is not there" in err  # and no line of what is being done
 
 
@@ -107,7 +99,7 @@ def test_a_folder_that_is_not_there_is_said_before_the_work(mission, capsys, com
     ],
 )
 def test_export_says_how_to_give_what_it_needs(mission, capsys, option, how):
-    assert how in refused(capsys, "export", "small-tag.toml", "--out", "c", *option)
+    assert how in refusal(capsys, "export", "small-tag.toml", "--out", "c", *option)
 
 
 def test_what_is_not_considered_fits_the_terminal(mission, capsys):

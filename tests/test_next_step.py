@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hoverproof import cli
+from command_line import run
 from hoverproof.certification import convergence
 from hoverproof.certification.verdict import Undecided
 from hoverproof.cli.console import app
@@ -19,12 +19,6 @@ from hoverproof.mission.reading import load
 from small_kit import small_vehicle
 
 LAW = {"law.force": "measured"}
-
-
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as exit_:
-        cli.main(list(arguments))
-    return exit_.value.code, capsys.readouterr().out
 
 
 def named(out):
@@ -60,7 +54,7 @@ def test_what_is_flown_is_the_tolerance_that_covers_it_and_no_other(flown, name,
 
 
 def test_after_a_crash_the_tolerance_that_would_have_said_so_is_named(capsys):
-    status, out = run(
+    status, out, _ = run(
         capsys, "simulate", "x4-flyer", "--no-figures", "--set", "model_error.mass=0.02"
     )
     assert status == 1
@@ -73,7 +67,7 @@ def test_after_a_crash_the_tolerance_that_would_have_said_so_is_named(capsys):
 
 def test_after_a_flight_that_came_to_its_goal_none_is(capsys):
     late = ("--set", "sensors.latency=0.01", "--duration", "600")
-    status, out = run(capsys, "simulate", "x4-flyer", "--no-figures", *late)
+    status, out, _ = run(capsys, "simulate", "x4-flyer", "--no-figures", *late)
     assert status == 0
     assert "Next: hoverproof attraction" not in out
 
@@ -81,7 +75,7 @@ def test_after_a_flight_that_came_to_its_goal_none_is(capsys):
 @pytest.mark.parametrize(("option", "assumed"), [((), True), (("--over-box",), False)])
 def test_region_comes_next_where_bounds_are_assumed(option, assumed, capsys):
     sets = ("--set", "start.position=[0, 1, -6]")
-    _, out = run(capsys, "certify", "x4-flyer", *sets, *option)
+    _, out, _ = run(capsys, "certify", "x4-flyer", *sets, *option)
     named = f"Then: hoverproof region {shlex.join(['x4-flyer', *sets])}, for bounds"
     assert (named in out) is assumed
 
@@ -98,7 +92,7 @@ def test_gains_come_next_where_the_start_is_not_proved(option, named, capsys, mo
     verdict = Undecided(mission=mission, reason="too far")
     monkeypatch.setattr(convergence, "attraction", lambda *_, **__: verdict)
     monkeypatch.setattr(design, "unproved", lambda *_: Unproved(None, None))
-    status, out = run(capsys, "attraction", str(mission_file), *sets, *option)
+    status, out, _ = run(capsys, "attraction", str(mission_file), *sets, *option)
     assert status == 3
     found = re.findall(r"(?m)^Next: (hoverproof tune .*)$", out)
     assert found == ([] if named is None else [shlex.join([*shlex.split(named), *sets])])

@@ -8,19 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from hoverproof import cli
+from command_line import run
 from hoverproof.certification.attraction.verdict import Sinks, not_covered
 from hoverproof.certification.over_box import enclose
 from hoverproof.certification.region import default_box
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.reading import load
 from hoverproof.simulation import runs
-
-
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as done:
-        cli.main([str(a) for a in arguments])
-    return done.value.code, *capsys.readouterr()
 
 
 @pytest.mark.slow

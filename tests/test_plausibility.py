@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import pytest
 
-from hoverproof import cli
+from command_line import run
 from hoverproof.mission.presets import presets
 from hoverproof.mission.reading import load
 from hoverproof.plausibility import warnings
@@ -90,12 +90,6 @@ def test_the_report_says_it_too():
     (table,) = strange_tables(heavy)
     assert {key for key, _ in table.rows} >= {"vehicle.lever"}
     assert strange_tables(load("x4-flyer")) == []
-
-
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as exit_:
-        cli.main([str(a) for a in arguments])
-    return exit_.value.code, *capsys.readouterr()
 
 
 def test_a_command_warns_once_and_goes_on(capsys):

@@ -15,7 +15,7 @@ from hoverproof.certification.verdict import Proved
 from hoverproof.design.start_tuning import settled_in_flight
 from hoverproof.design.tuning import tune
 from hoverproof.export.binding import Firmware
-from hoverproof.firmware import fly_firmware
+from hoverproof.firmware.flying import fly_firmware
 from hoverproof.mission.presets import preset_text, presets
 from hoverproof.mission.reading import load
 from hoverproof.mission.writing import mission_text

@@ -12,7 +12,8 @@ from scipy.optimize import fsolve
 
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
-from hoverproof.firmware import export_c, fly_firmware
+from hoverproof.firmware.exporting import export_c
+from hoverproof.firmware.flying import fly_firmware
 from hoverproof.mission.presets import conditions_text
 from hoverproof.mission.reading import load
 from hoverproof.plant.rigid_body import rotation_matrix

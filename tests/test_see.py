@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import time
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from command_line import refusal, run
 from hoverproof.compilers import find_compiler
 from hoverproof.eyes.renderer import Pose, Renderer
 from hoverproof.eyes.video import video
+from hoverproof.mavlink.sight import sighting_of
 from hoverproof.mission.tags import board_of_tag
 from hoverproof.plant.lens import LensModel, sight_of
 
@@ -200,10 +202,16 @@ def test_a_folder_is_read_in_the_order_of_its_numbers(picture, capsys):
     assert Path("o.avi").stat().st_size > 1000
 
 
-def test_images_without_the_tag_are_told_with_status_1(picture, capsys):
-    status, out, _ = run(capsys, "see", picture, *CAMERA, "--tag", "36h11:5:0.2")
+def test_images_without_the_tag_are_told_with_status_1_and_what_is_in_them(picture, capsys):
+    asked = ("see", picture, *CAMERA, "--tag", "36h11:5:0.2")
+    status, out, _ = run(capsys, *asked)
     assert status == 1
     assert "all of it found         in 0 of 1" in out
+    assert "other tags seen         36h11:0 in 1" in out
+    _, out, _ = run(capsys, *asked, "--json")
+    assert json.loads(out)["others"] == {"36h11:0": 1}
+    _, out, _ = run(capsys, "see", picture, *CAMERA, *TAG, "--json")
+    assert json.loads(out)["others"] == {}
 
 
 def test_a_film_that_was_cut_off_is_called_partial(film, capsys):
@@ -266,3 +274,31 @@ def test_images_of_another_size_than_the_calibration_are_refused(picture, capsys
     Path("info.yaml").write_text(INFO.replace("width: 320", "width: 640"), encoding="utf-8")
     reason = "has images of 320 x 240 px, the calibration is for 640 x 240 px"
     assert reason in refusal(capsys, "see", picture, *CAMERA, *TAG)
+
+
+def test_a_stream_is_lines_that_a_flight_takes_one_an_image(film, tmp_path, capsys):
+    before = time.time()
+    lines = run(capsys, "see", film, *CAMERA, *TAG, "--stream", "--late", 0.05, "--duration", 0.1)
+    status, out, err = lines
+    assert (status, out.count("\n"), err) == (0, 3, "")
+    assert sorted(p.name for p in Path().iterdir()) == ["film.avi", "info.yaml"]  # none written
+    for line in out.splitlines():
+        seen = sighting_of(json.loads(line), 4, 10.0, time.time())
+        assert seen.in_pixels
+        assert before - 0.05 <= json.loads(line)["time"] <= time.time() - 0.05
+        assert np.ptp(seen.seen, axis=0) == pytest.approx(60, abs=6)  # 0.2 m, 0.5 m below
+
+
+def test_an_image_without_its_tag_is_a_line_without_pixels(picture, capsys):
+    told = ("--camera", "info.yaml", "--tag", "36h11:5:0.2")  # another tag
+    status, out, _ = run(capsys, "see", picture, *told, "--stream")
+    assert (status, json.loads(out)["pixels"]) == (0, [])
+
+
+def test_what_does_not_go_with_a_stream_is_refused(picture, capsys):
+    told = ("see", picture, *CAMERA, *TAG)
+    assert "--out: does not go with --stream" in refusal(
+        capsys, *told, "--stream", "--out", "s.csv"
+    )
+    assert "--late: goes with --stream" in refusal(capsys, *told, "--late", 0.02)
+    assert "--late: must be from 0 to 1 s, not 3" in refusal(capsys, *told, "--stream", "--late", 3)

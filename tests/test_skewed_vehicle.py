@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import hoverproof as hp
-from hoverproof import firmware
 from hoverproof.certification.exponential.proof import converge
 from hoverproof.certification.verdict import Undecided
 from hoverproof.checker import Rejected, check, claim_of
@@ -24,7 +23,8 @@ from hoverproof.compilers import find_compiler
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
 from hoverproof.export.package import NotCertified
-from hoverproof.firmware import export_c
+from hoverproof.firmware import exporting
+from hoverproof.firmware.exporting import export_c
 from test_on_the_way import forged
 
 SKEWED = """
@@ -171,7 +171,7 @@ def test_the_command_proves_it_where_the_gains_alone_are_not_and_takes_a_file(
     load()
     monkeypatch.chdir(tmp_path)
     proved.certificate.save("held.json")
-    monkeypatch.setattr(firmware, "attraction", lambda mission, progress: proved)
+    monkeypatch.setattr(exporting, "attraction", lambda mission, progress: proved)
     bare = ["export", "skewed.toml", "--out"]
     assert app([*bare, "a"], result_action="return_value") == 0
     given = [*bare, "b", "--certificate", "held.json"]
@@ -183,7 +183,7 @@ def test_the_command_proves_it_where_the_gains_alone_are_not_and_takes_a_file(
     assert "not shown to be kept" in Path("a/README.md").read_text()
 
     mission, open_ = load(), Undecided(mission=load(), reason="no proof")
-    monkeypatch.setattr(firmware, "attraction", lambda mission, progress: open_)
+    monkeypatch.setattr(exporting, "attraction", lambda mission, progress: open_)
     with pytest.raises(NotCertified, match="from its start it is undecided too: no proof"):
         export_c(mission, "c")
     with pytest.raises(InputError, match="needs camera"):  # before anything is searched

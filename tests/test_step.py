@@ -7,7 +7,7 @@ import pytest
 
 from hoverproof import cli
 from hoverproof.errors import InputError
-from hoverproof.firmware import fly_firmware
+from hoverproof.firmware.flying import fly_firmware
 from hoverproof.mission.reading import load
 from hoverproof.servo.linearised import slowest_rate
 from hoverproof.simulation.flight import simulate, without_conditions

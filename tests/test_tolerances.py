@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 import hoverproof as hp
-from hoverproof import checker, cli
+from command_line import run
+from hoverproof import checker
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.reading import load
 from hoverproof.mission.writing import mission_text
@@ -33,13 +34,6 @@ WORDS = [
     *("noise of the velocity up to 0.05 m/s", "noise of the force up to 0.02 N"),
     *("noise of the body rates up to 0.03 rad/s", "points seen within 0.7 rad of the optical axis"),
 ]
-
-
-def printed(capsys, *arguments):
-    capsys.readouterr()
-    with pytest.raises(SystemExit) as done:
-        cli.main(list(arguments))
-    return done.value.code, capsys.readouterr().out
 
 
 def resealed(content):
@@ -140,24 +134,24 @@ def test_what_is_written_loads_as_the_same_mission(section, change):
 
 def test_a_certificate_says_that_it_considers_none_of_it(capsys):
     asked = ("--set", "uncertainty.torque=0.2", "--set", "camera.half_angle=0.7")
-    status, out = printed(capsys, "certify", "x4-flyer", "--out", "asked.json", *asked)
+    status, out, _ = run(capsys, "certify", "x4-flyer", "--out", "asked.json", *asked)
     assert (status, out.count("\n  not considered          torque ±20 %, points seen")) == (0, 1)
     plain = hp.certify(load("x4-flyer")).statement
     said = checker.check_file("asked.json")
     assert "as modelled, [uncertainty] and [camera] not considered. The mission" in said
     assert "not considered" not in plain
-    status, out = printed(capsys, "check", "asked.json", "--mission", "x4-flyer")
+    status, out, _ = run(capsys, "check", "asked.json", "--mission", "x4-flyer")
     assert status == 1
     assert "uncertainty.torque is 1/5 in the certificate and missing in the mission" in out
 
 
 def test_every_answer_about_the_mission_says_what_it_leaves_out(capsys):
     asked = ("x4-flyer", "--set", "uncertainty.torque=0.2")
-    _, out = printed(capsys, "simulate", *asked, "--no-figures")
+    _, out, _ = run(capsys, "simulate", *asked, "--no-figures")
     assert out.splitlines()[1] == "  not considered          torque ±20 %"
-    _, out = printed(capsys, "certify", *asked, "--json")
+    _, out, _ = run(capsys, "certify", *asked, "--json")
     assert "not considered: torque ±20 %" in json.loads(out)["warnings"]
-    _, out = printed(capsys, "certify", "x4-flyer")
+    _, out, _ = run(capsys, "certify", "x4-flyer")
     assert "not considered" not in out
 
 

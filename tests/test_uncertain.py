@@ -16,14 +16,8 @@ from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.laws.choices import SCALED
 from hoverproof.servo.laws.hamel_mahony import LAWS
 from hoverproof.servo.lyapunov import derive_error_dynamics
-from hoverproof.servo.uncertain import (
-    QUARTER,
-    Doubt,
-    Motion,
-    derive_uncertain_loop,
-    error_rates,
-    kappa,
-)
+from hoverproof.servo.true_vehicle import QUARTER, kappa
+from hoverproof.servo.uncertain import Doubt, Motion, derive_uncertain_loop, error_rates
 from hoverproof.servo.variables import Design, Errors, Measurement
 from sampling import share_of
 

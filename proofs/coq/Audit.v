@@ -1,6 +1,6 @@
 (** What the theorems rest on: `make` compares what this prints with allowed.txt. *)
-From Hoverproof Require Import Gains Target Body Decay Tolerant Late Vehicle.
+From Hoverproof Require Import Gains Target Body Decay Tolerant Late Vehicle Stays.
 Definition all_of_them := (gains_sound, target_sound, given_sound, errors_obey, no_yaw, accelerometer_ideal,
   lyapunov_decays, level_sound, matrices_sound, tolerant_falls,
-  late_remembers, vehicle_obeys).
+  late_remembers, vehicle_obeys, limits_follow, vehicle_stays).
 Print Assumptions all_of_them.

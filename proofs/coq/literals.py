@@ -224,14 +224,17 @@ class Tolerant:
         self.constants = [*fixed, up(spent), down(regained)]
         self.ball = [claim.low, claim.high]
         self.slope = t.slope
-        self.radii = [up(r) for r in radii(claim)]
+        follows = Follows(claim)
+        self.limits = follows.limits if late and claim.inertial else None
+        self.setting = [claim.m, *claim.k, claim.gravity]
+        self.radii = [up(r) for r in follows.radii(claim)]
         known = iter(t.terms)
         multipliers = [next(known) if r else one for r in self.radii]
         self.prices = [(up(t), up(1 / up(t))) for t in multipliers]
-        self.chi = [down(1 - claim.tipped), up(1 + claim.tipped)]
-        self.drag = [down(claim.drag[0]), up(claim.drag[1])]
+        self.chi = [down(1 - follows.tipped), up(1 + follows.tipped)]
+        self.drag = [down(claim.drag[0]), up(follows.drag)]
         self.gain = [1 - may.thrust, 1 + may.thrust]
-        self.lag, self.pace = may.rotor_lag, up(claim.pace)
+        self.lag, self.pace = may.rotor_lag, up(2 * follows.sinking + follows.cross)
 
     def corners(self) -> Iterator[tuple[Fraction, ...]]:
         """Yield χ, s3 h, ς, τ and π in the order of `Tolerant.corners_of`."""
@@ -307,29 +310,64 @@ class Tolerant:
 M = 20
 
 
-def radii(claim: Any) -> list[Fraction]:
-    """Return the radii of the eight terms of theorem 5 that are known by bounds alone."""
-    may, yaw, late = claim.may, claim.may.yaw_rate, claim.may.rotor_lag
-    gain = 1 + may.torque
-    turned = claim.quick * claim.sunk + may.thrust * claim.cross / 2
-    turned += (1 + may.thrust) * 2 * claim.sinking + yaw * (gain * claim.gyroscopic + may.torque)
-    return [
-        *(may.torque, turned, yaw),
-        yaw * claim.gyroscopic + late * claim.k12 * claim.quick * claim.spread,
-        *(yaw, late * claim.k12 * yaw),
-        late * claim.kappa * claim.quick * claim.sink,
-        late * ((1 + may.thrust) * claim.sinking + claim.cross),
-    ]
+LITTLE = Fraction(1, 2**40)
 
 
-def up(x: Fraction) -> Fraction:
+class Follows:
+    """What `Stays.limits` holds: bounds of what there is at a level a little above the certificate's.
+
+    A little, so that the start is below it. Each is rounded to the side that proves less.
+    """
+
+    def __init__(self, claim: Any) -> None:
+        c, may, (w2, w3, w4) = claim.c, claim.may, claim.c.weights
+        level = up(c.claim.level * (1 + LITTLE), FINE)
+        self.spread, self.sink, self.turn, self.fast = (
+            up(root(2 * level * x)[1], FINE)
+            for x in (1 / w2 + 1 / w3, 1 / w3, 1 / w3 + 1 / w4, 1 + 1 / w2)
+        )
+        force, push = claim.stiffness * self.spread, claim.m * may.wind
+        high = Fraction(0) if claim.inertial else c.enclosures.goal[1]
+        lever = down(
+            root((claim.weight - force) ** 2 - push**2)[0] - claim.stiffness * high, FINE
+        )
+        self.quick = up(claim.stiffness * claim.kappa / lever, FINE)
+        self.drag, self.tipped = high * self.quick, push / lever
+        past = claim.high * claim.k[0] / claim.m * self.fast
+        self.missed = up(claim.late * past, FINE)
+        self.sinking = up(self.quick * (self.sink + self.missed), FINE)
+        self.cross = up(self.quick * self.turn * push / lever, FINE)
+        tolerances = [may.thrust, may.torque, claim.gyroscopic, may.wind, may.yaw_rate]
+        levels = [level, c.claim.start_level, self.spread, self.sink, self.turn, self.fast]
+        others = [lever, self.quick, self.missed, self.sinking, self.cross, c.domain.offset]
+        self.limits = [*tolerances, claim.late, c.memory, *levels, *others]
+
+    def radii(self, claim: Any) -> list[Fraction]:
+        """Return the radii of the eight terms of theorem 5 that are known by bounds alone."""
+        may, yaw, late = claim.may, claim.may.yaw_rate, claim.may.rotor_lag
+        gain, more = 1 + may.torque, 1 + may.thrust
+        turned = self.quick * self.missed + may.thrust * self.cross / 2
+        turned += 2 * more * self.sinking + yaw * (gain * claim.gyroscopic + may.torque)
+        return [
+            *(may.torque, turned, yaw),
+            yaw * claim.gyroscopic + late * claim.k12 * self.quick * self.spread,
+            *(yaw, late * claim.k12 * yaw),
+            late * claim.kappa * self.quick * self.sink,
+            late * (more * self.sinking + self.cross),
+        ]
+
+
+FINE = 64
+
+
+def up(x: Fraction, bits: int = 28) -> Fraction:
     """Round a number to one with few digits that is not below."""
-    return -down(-x)
+    return -down(-x, bits)
 
 
-def down(x: Fraction) -> Fraction:
+def down(x: Fraction, bits: int = 28) -> Fraction:
     """Round a number to one with few digits that is not above."""
-    unit = Fraction(2) ** (28 + x.denominator.bit_length() - x.numerator.bit_length())
+    unit = Fraction(2) ** (bits + x.denominator.bit_length() - x.numerator.bit_length())
     return math.floor(x * unit) / unit
 
 
@@ -492,6 +530,15 @@ def theorems(c: Gains | Tolerant) -> str:
             lines.append(
                 f"Theorem late_{name} : memory_ok {numbers} matrices_{name} = true.\n{decided}"
             )
+        if c.limits is not None:
+            limits, setting = (" ".join(map(q, each)) for each in (c.limits, c.setting))
+            its = f"setting_{name} limits_{name} matrices_{name}"
+            lines += [
+                f"Definition limits_{name} := Limits {limits}.",
+                f"Definition setting_{name} := Setting {setting}.",
+                f"Theorem bounds_{name} : limits_ok {its} = true.\n{decided}",
+                f"Definition stays_{name} := fun vehicle => vehicle_stays vehicle {its}.",
+            ]
         return "\n".join(lines) + "\n"
     lines = [
         f"Definition cert_{name} : certificate :=\n  {c.literal()}.",
@@ -523,7 +570,7 @@ def main(arguments: list[str]) -> None:
         sys.stdout.writelines(c.plain() for c in certificates(arguments[1:], gains=True))
         return
     print("(* Written by literals.py from certificates. *)")
-    print("From Hoverproof Require Import Forms Gains Target Decay Tolerant Late.")
+    print("From Hoverproof Require Import Forms Gains Target Decay Tolerant Late Stays.")
     print("Require Import QArith List.\nImport ListNotations.\n")
     for c in certificates(arguments):
         print(theorems(c))

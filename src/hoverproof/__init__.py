@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from hoverproof.design.tuning import tune as tune
     from hoverproof.errors import InputError as InputError
     from hoverproof.export.binding import Firmware as Firmware
-    from hoverproof.firmware import export_c as export_c
-    from hoverproof.firmware import fly_firmware as fly_firmware
+    from hoverproof.firmware.exporting import export_c as export_c
+    from hoverproof.firmware.flying import fly_firmware as fly_firmware
     from hoverproof.mission.presets import presets as presets
     from hoverproof.mission.reading import load as load
     from hoverproof.mission.reading import replace as replace
@@ -53,8 +53,8 @@ _HOMES = {
     "certify": ("hoverproof.certification.gains", "certify"),
     "check": ("hoverproof.certification.reading", "check"),
     "derive": ("hoverproof.paper.ledger", "derive"),
-    "export_c": ("hoverproof.firmware", "export_c"),
-    "fly_firmware": ("hoverproof.firmware", "fly_firmware"),
+    "export_c": ("hoverproof.firmware.exporting", "export_c"),
+    "fly_firmware": ("hoverproof.firmware.flying", "fly_firmware"),
     "load": ("hoverproof.mission.reading", "load"),
     "pareto": ("hoverproof.design.tuning", "pareto"),
     "region": ("hoverproof.certification.over_box", "certify_region"),

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 
 class InputError(ValueError):
@@ -41,6 +42,28 @@ def _in_python(line: str) -> str:
     """Name options as the arguments that they are in Python."""
     arguments = re.sub(r"--set (?=[a-z])", "", line)
     return re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda m: m[1].replace("-", "_"), arguments)
+
+
+@contextlib.contextmanager
+def needing(extra: str, where: str, reason: str) -> Iterator[None]:
+    """Say which extra has what is imported here, if it is not installed.
+
+    Parameters
+    ----------
+    extra : str
+        As pip knows it, ``hoverproof[extra]``.
+    where, reason : str
+        See `InputError`.
+
+    Raises
+    ------
+    InputError
+        In place of ImportError.
+    """
+    try:
+        yield
+    except ImportError:
+        raise InputError(where, "", f"{reason}: pip install 'hoverproof[{extra}]'") from None
 
 
 def suggestion(word: str, known: Sequence[str], title: str, *, shown: Sequence[str] = ()) -> str:

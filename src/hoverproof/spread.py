@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from typing import Any, TypeVar
 
-from hoverproof.errors import InputError
+from hoverproof.errors import InputError, needing
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -74,6 +74,39 @@ def spread(
             raise
 
 
+def collected(
+    work: Callable[[Item], Result],
+    items: Sequence[Item],
+    processes: int | None,
+    scheduler: str | None,
+    report: Callable[[int, int], None],
+) -> list[Result]:
+    """Do work in processes or on a cluster; return the results in the order of the items.
+
+    Parameters
+    ----------
+    work : callable
+        See `spread`.
+    items : sequence
+    processes : int, optional
+        Number of those that work at once; by default one for each CPU.
+    scheduler : str, optional
+        See `spread`, also for what is raised.
+    report : callable
+        Called with how many are done, of how many.
+    """
+    if scheduler is None and (processes == 1 or len(items) < 2):
+        done: Iterable[Result] = map(work, items)
+    else:
+        pool = ProcessPoolExecutor(processes) if scheduler is None else None
+        done = spread(work, items, executor=pool, scheduler=scheduler)
+    results = []
+    for result in done:
+        results.append(result)
+        report(len(results), len(items))
+    return results
+
+
 def interruptibly(function: Callable[[], Result], stop: Callable[[], None]) -> Result:
     """Return ``function()``, which works in another thread, so that this one hears Ctrl-C.
 
@@ -101,12 +134,9 @@ def _in_order(submit: Callable[[Item], Any], items: Iterable[Item], ahead: int) 
 def _on_cluster(
     function: Callable[[Item], Result], items: Iterable[Item], scheduler: str
 ) -> Iterator[Result]:
-    try:
+    with needing("cluster", "--scheduler", "needs the extra cluster"):
         from distributed import Client
         from distributed.scheduler import KilledWorker
-    except ImportError:
-        reason = "needs the extra cluster: pip install 'hoverproof[cluster]'"
-        raise InputError("--scheduler", "", reason) from None
     try:
         client = Client(scheduler, timeout=CONNECT_SECONDS, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:

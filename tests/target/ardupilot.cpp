@@ -204,11 +204,32 @@ static void sick()
   (void)printf("sick\n");
 }
 
-/* A mixer as that of ArduPilot: factors of +-0.5 about each axis, the throttle for all. */
+static const double place[4][3] = { { 1, 1, 1 }, { -1, -1, 1 }, { 1, -1, -1 }, { -1, 1, -1 } };
+
+/* What each rotor gives of its most. */
+#ifdef TREE_MIXER
+/* That of a tree, see ardupilot_mixer.cpp. */
+void tree_mixer(bool armed, const float asked[8], double share[4]);
+static void mix(const AP_Motors &m, double u[4])
+{
+  const float asked[8] = { m.roll, m.pitch, m.yaw, m.throttle, m.roll_ff, m.pitch_ff, m.yaw_ff, m.cutoff };
+  tree_mixer(m.is_armed, asked, u);
+}
+#else
+/* As the mixer of ArduPilot: factors of +-0.5 about each axis, the throttle for all. */
+static void mix(const AP_Motors &m, double u[4])
+{
+  for (int i = 0; i < 4; i++) {
+    u[i] = m.throttle - (0.5 * place[i][1] * (m.roll + m.roll_ff)) + (0.5 * place[i][0] * (m.pitch + m.pitch_ff)) +
+           (0.5 * place[i][2] * (m.yaw + m.yaw_ff));
+    u[i] = m.is_armed ? fmin(fmax(u[i], 0.0), 1.0) : 0.0;
+  }
+}
+#endif
+
 static void fly(double share, int late)
 {
-  static const double place[4][3] = { { 1, 1, 1 }, { -1, -1, 1 }, { 1, -1, -1 }, { -1, 1, -1 } };
-  double lowest = 1e9, highest = -1e9;
+  double lowest = 1e9, highest = -1e9, u[4];
   Copter c;
   float kept[SEEN] = { 0.0f };
   uint32_t exposed = 0;
@@ -231,11 +252,10 @@ static void fly(double share, int late)
     }
     c.loop();
     CHECK(c.law_has());
-    const AP_Motors &m = c.motors;
+    mix(c.motors, u);
     double made = 0.0, turned[3] = { 0.0, 0.0, 0.0 };
     for (int i = 0; i < 4; i++) {
-      const double u = m.throttle - (0.5 * place[i][1] * m.roll) + (0.5 * place[i][0] * m.pitch) + (0.5 * place[i][2] * m.yaw);
-      const double force = share * ROTOR_MAX * fmin(fmax(u, 0.0), 1.0);
+      const double force = share * ROTOR_MAX * u[i];
       made += force;
       turned[0] -= place[i][1] * V_ARM * force;
       turned[1] += place[i][0] * V_ARM * force;
@@ -252,6 +272,10 @@ static void fly(double share, int late)
       highest = fmax(highest, vehicle.x[2]);
     }
   }
+  c.motors.is_armed = false; /* disarmed: the rotors stop in that loop */
+  c.loop();
+  mix(c.motors, u);
+  CHECK(!c.frontend.active && (u[0] == 0.0) && (u[1] == 0.0) && (u[2] == 0.0) && (u[3] == 0.0));
   (void)printf("%.6f %.6f %.6f %.6f\n", lowest, highest, vehicle.x[0], vehicle.x[1]);
 }
 

@@ -271,7 +271,7 @@ static void torn(void)
   }
   enough = true;
   CHECK(pthread_join(writer, NULL) == 0);
-  CHECK(images > 1000L);
+  CHECK(images > 100L); /* on one busy core, one for each turn of the tasks */
   (void)printf("whole\n");
 }
 

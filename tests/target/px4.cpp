@@ -210,6 +210,11 @@ static void safety()
   (void)printf("safe\n");
 }
 
+#ifdef TREE_MIXER
+/* That of a tree, see px4_mixer.cpp. */
+void tree_mixer(const double setpoint[4], double share[4]);
+static void allocate(const double sp[4], double u[4]) { tree_mixer(sp, u); }
+#else
 /* Thrusts of the rotors by the allocation of PX4: the pseudo-inverse of what rotors of unit thrust make
  * (its rows are orthogonal here), each of its columns brought to its scale. */
 static void allocate(const double sp[4], double u[4])
@@ -237,6 +242,7 @@ static void allocate(const double sp[4], double u[4])
     }
   }
 }
+#endif
 
 static void fly(double share, int late)
 {
@@ -278,6 +284,13 @@ static void fly(double share, int late)
       highest = fmax(highest, vehicle.x[2]);
     }
   }
+  const unsigned at = torques() + thrusts();
+  command(MODE, false); /* disarmed: not a word more; and what asks for nothing stops the rotors */
+  tick();
+  const double none[4] = { 0.0, 0.0, 0.0, 0.0 };
+  double u[4];
+  allocate(none, u);
+  CHECK((torques() + thrusts() == at) && (fabs(u[0]) + fabs(u[1]) + fabs(u[2]) + fabs(u[3]) == 0.0));
   (void)printf("%.6f %.6f %.6f %.6f\n", lowest, highest, vehicle.x[0], vehicle.x[1]);
 }
 

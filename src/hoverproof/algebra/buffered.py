@@ -1,4 +1,4 @@
-"""A graph that is called very often with numbers: its places are laid out once."""
+"""A graph that is called with many plain numbers: its places are laid out once."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Buffered:
     Parameters
     ----------
     function : casadi.Function
-        Of vectors, with dense results.
+        With dense results. Its matrices are given and come as vectors, column by column.
     """
 
     def __init__(self, function: ca.Function) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hoverproof.audit.log import FlightLog
 from hoverproof.audit.tracks import Tracks, log_of
-from hoverproof.errors import InputError, suggestion
+from hoverproof.errors import InputError, needing, suggestion
 
 Array = NDArray[np.float64]
 Row = tuple[float, tuple[float, ...]]
@@ -94,12 +94,9 @@ def read(path: Path, topics: Mapping[str, str]) -> FlightLog:
     InputError
         If rosbags is not there, a topic is not, or nothing of a flight can be read.
     """
-    try:
+    with needing("logs", str(path), "needs rosbags to be read"):
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
-    except ImportError:
-        reason = "needs rosbags to be read: pip install 'hoverproof[logs]'"
-        raise InputError(str(path), "", reason) from None
     if path.is_file() and path.suffix not in ENDINGS:
         raise InputError(str(path), "", "is a bag of ROS 2, whose name must end in .mcap or .db3")
     bag = Bag(str(path))

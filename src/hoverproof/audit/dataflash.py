@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from hoverproof.audit.log import FlightLog
 from hoverproof.audit.tracks import Tracks, log_of
-from hoverproof.errors import InputError
+from hoverproof.errors import InputError, needing
 
 Array = NDArray[np.float64]
 Rows = dict[str, Array]
@@ -91,11 +91,8 @@ def read(path: Path) -> FlightLog:
     InputError
         If pymavlink is not there, or nothing of a flight can be read.
     """
-    try:
+    with needing("logs", str(path), "needs pymavlink to be read"):
         from pymavlink import DFReader
-    except ImportError:
-        reason = "needs pymavlink to be read: pip install 'hoverproof[logs]'"
-        raise InputError(str(path), "", reason) from None
     messages, tracks = Messages(DFReader.DFFormat, DFReader.FORMAT_TO_STRUCT), Tracks()
     for form in messages.read(path):
         rows = form.take()

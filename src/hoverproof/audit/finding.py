@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+ROUNDING = 1e-9
+"""What is less, in any unit, is the rounding of computers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +65,31 @@ class Finding:
         """What is left up to the bound, in the unit; below 0 if it is broken."""
         return self.bound - self.value
 
+    @property
+    def found(self) -> str:
+        """The value with its error bar and unit, in the digits that the bound gives sense to."""
+        spread = _digits(self.deviation, self._scale, 1)
+        bar = "" if spread in ("nan", "inf", "0") else f" ± {spread}"
+        return f"{_digits(self.value, self._scale)}{bar}{self._unit}"
+
+    @property
+    def assumed(self) -> str:
+        """The bound with its unit."""
+        return f"{_digits(self.bound, self._scale)}{self._unit}"
+
+    @property
+    def beyond(self) -> str:
+        """By how much the value is above the bound, with the unit."""
+        return f"{_digits(-self.margin, self._scale)}{self._unit}"
+
+    @property
+    def _unit(self) -> str:
+        return "" if self.unit == "1" else f" {self.unit}"
+
+    @property
+    def _scale(self) -> float:
+        return max(abs(self.bound), abs(self.value) if abs(self.value) > ROUNDING else 0.0)
+
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines, without what is over time."""
 
@@ -80,6 +109,14 @@ class Finding:
             "broken_at": plain(self.at),
             "words": self.words,
         }
+
+
+def _digits(value: float, scale: float, digits: int = 4) -> str:
+    """Write a number without what is below a ten-thousandth of a scale."""
+    if not math.isfinite(value) or scale <= 0:
+        return f"{value:.{digits}g}"
+    places = 3 - math.floor(math.log10(scale))
+    return f"{round(value, places) + 0.0:.{digits}g}"
 
 
 def untold(name: str, why: str) -> Finding:

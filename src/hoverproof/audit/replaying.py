@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hoverproof.audit.log import FlightLog
 from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
-from hoverproof.firmware import FAULTS
+from hoverproof.firmware.as_built import FAULTS
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.laws.heading import flown_law
 from hoverproof.simulation.record import Column, Record

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hoverproof.audit.log import FlightLog
 from hoverproof.audit.tracks import Tracks, log_of
-from hoverproof.errors import InputError
+from hoverproof.errors import InputError, needing
 
 Array = NDArray[np.float64]
 
@@ -65,11 +65,8 @@ def read(path: Path) -> FlightLog:
     InputError
         If pyulog is not there, or nothing of a flight can be read.
     """
-    try:
+    with needing("logs", str(path), "needs pyulog to be read"):
         from pyulog import ULog
-    except ImportError:
-        reason = "needs pyulog to be read: pip install 'hoverproof[logs]'"
-        raise InputError(str(path), "", reason) from None
     tracks, damaged = Tracks(), False
     with path.open("rb") as file:
         pieces = Pieces(file, path.stat().st_size)

@@ -169,7 +169,8 @@ class View:
     def centroid(self) -> Array:
         """The q that a level camera sees in the middle of each cell, (k, 3), dimensionless."""
         shares = self.weights / np.maximum(self.distance, 1e-12)
-        return np.asarray(np.einsum("kn,kni->ki", shares, self.rays))
+        q: Array = np.einsum("kn,kni->ki", shares, self.rays)
+        return q
 
     @property
     def depths(self) -> Array:

@@ -9,37 +9,56 @@ from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, load_mission, progress
-from hoverproof.cli.reading import parse_weights, picture_path
+from hoverproof.cli.reading import parse_weights, picture_path, refuse_given
 from hoverproof.errors import InputError
+from hoverproof.files import require_folder
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from hoverproof.cli.answers.start_atlas import StartAtlasAnswer
     from hoverproof.design.atlas import Axis
     from hoverproof.mission.sections import Mission
 
 VARY = (
-    "k1, k2, k3, k4, lowest_eigenvalue, highest_eigenvalue, lowest_thrust, highest_thrust or level"
+    "k1, k2, k3, k4, lowest_eigenvalue, highest_eigenvalue, lowest_thrust, highest_thrust or "
+    "level; of a start k1 to k4, or a tolerance such as thrust or latency"
 )
 
 
 def atlas(
     mission: MissionName,
     *,
+    theorem: Annotated[
+        Literal["gains", "start"],
+        Parameter(
+            help="Of the gains, as certify decides it, or of the start, as attraction proves it of "
+            "every vehicle within tolerance."
+        ),
+    ] = "gains",
     x: Annotated[str, Parameter(help=f"What varies across: {VARY}.")] = "k1",
     y: Annotated[str, Parameter(help="What varies upward: another of these.")] = "k2",
     x_range: Annotated[
-        str | None, Parameter(help="Range LOW,HIGH of x; by default /10 to x10.")
+        str | None,
+        Parameter(help="Range LOW,HIGH of x; by default /10 to x10, of a start /3 to x3."),
     ] = None,
     y_range: Annotated[str | None, Parameter(help="Range LOW,HIGH of y.")] = None,
     x_scale: Annotated[Literal["log", "linear"] | None, Parameter(help="Scale of x.")] = None,
     y_scale: Annotated[Literal["log", "linear"] | None, Parameter(help="Scale of y.")] = None,
-    cells: Annotated[int, Parameter(help="Cells along each axis.")] = 200,
+    cells: Annotated[
+        int | None, Parameter(help="Cells along each axis; by default 200, of a start 16.")
+    ] = None,
     show: Annotated[
-        Literal["decay_rate", "margin"], Parameter(help="What the colours show.")
-    ] = "decay_rate",
+        Literal["decay_rate", "margin"] | None,
+        Parameter(help="What the colours show of gains; by default decay_rate."),
+    ] = None,
     exact_boundary: Annotated[
-        bool, Parameter(negative="", help="Decide each cell at the boundary exactly.")
+        bool,
+        Parameter(
+            negative="",
+            help="Decide each cell at the boundary exactly; of a start, prove those that are "
+            "found there, and the soonest.",
+        ),
     ] = False,
     processes: Annotated[
         int | None, Parameter(help="How many work at once; by default one for each CPU.")
@@ -60,37 +79,47 @@ def atlas(
     set_: Set = None,
     json_: Json = False,
 ) -> int:
-    """Map the certified decay rate over two gains or bounds.
+    """Map the certified decay rate over two gains or bounds, or the settling time from the start.
 
     The map is in floating point; with --exact-boundary each cell that has a neighbour on the other
     side is decided exactly, as `certify` does. Writes NAME.atlas.nc and a figure.
 
+    With --theorem start the map says in how many seconds every vehicle within [uncertainty] has
+    settled from the mission's start, as found by search; each cell takes about half a second. With
+    --exact-boundary cells at the boundary are proved, a few seconds each, and the figure marks
+    which are. Where nothing is found, nothing is refuted. Writes NAME.start-atlas.nc.
+
     Example: `hoverproof atlas x4-flyer --x k3 --y k4 --exact-boundary`
 
     Example: `hoverproof atlas x4-flyer --cells 50 --show margin --figure k1-and-k2.svg`
+
+    Example: `hoverproof atlas crazyflie-2.1 --theorem start --cells 12 --exact-boundary`
+
+    Example: `hoverproof atlas racer-250 --theorem start --x k1 --y latency`
     """
     from hoverproof.cli.answers.atlas import AtlasAnswer
     from hoverproof.design.atlas import atlas as draw_map
-    from hoverproof.design.atlas import axis
     from hoverproof.design.atlas_summary import atlas_summary
     from hoverproof.files import write_bytes
 
-    loaded = load_mission(mission, set_)
+    loaded, of_start = load_mission(mission, set_), theorem == "start"
     if processes is not None and not 1 <= processes <= 1024:
         raise InputError("--processes", "", f"must be from 1 to 1024, not {processes}")
     if processes is not None and scheduler is not None:
         raise InputError("--processes", "", "does not go with --scheduler")
-    across = axis(loaded, x, ends=_ends("--x-range", x_range), scale=x_scale, cells=cells)
-    along = axis(
-        loaded, y, ends=_ends("--y-range", y_range), scale=y_scale, cells=cells, option="--y"
-    )
-    path = out or Path(f"{loaded.name}.atlas.nc")
+    if of_start:
+        refuse_given({"--weights": weights, "--show": show}, "is for --theorem gains")
+    asked = ("--x", x, x_range, x_scale), ("--y", y, y_range, y_scale)
+    across, along = (_axis(loaded, one, cells, of_start=of_start) for one in asked)
+    path = out or Path(f"{loaded.name}.{'start-atlas' if of_start else 'atlas'}.nc")
+    require_folder(path)
     picture = picture_path(figure or path.with_suffix(".png"))
     with progress("atlas") as report:
         drawn = draw_map(
             loaded,
             across,
             along,
+            theorem=theorem,
             weights=parse_weights(loaded, weights, None),
             exact=exact_boundary,
             processes=processes,
@@ -98,10 +127,47 @@ def atlas(
             report=report,
         )
     write_bytes(path, drawn.to_netcdf(engine="h5netcdf"))
-    _draw(loaded, drawn, across, along, show, picture)
+    if of_start:
+        return tell(_of_start(loaded, drawn, (across, along), path, picture), json_, loaded)
+    _draw(loaded, drawn, across, along, show or "decay_rate", picture)
     found = atlas_summary(drawn)
     answer = AtlasAnswer(loaded.name, across, along, found, exact_boundary, path, picture)
     return tell(answer, json_, loaded)
+
+
+def _axis(
+    mission: Mission,
+    asked: tuple[str, str, str | None, Literal["log", "linear"] | None],
+    cells: int | None,
+    *,
+    of_start: bool,
+) -> Axis:
+    """Make an axis of what was asked for: its option, what varies, the range and the scale."""
+    from hoverproof.design.axes import axis
+    from hoverproof.design.start_atlas import CELLS
+
+    option, name, ends, scale = asked
+    return axis(
+        mission,
+        name,
+        ends=_ends(f"{option}-range", ends),
+        scale=scale,
+        cells=(CELLS if of_start else 200) if cells is None else cells,
+        option=option,
+        of_start=of_start,
+    )
+
+
+def _of_start(
+    mission: Mission, drawn: xr.Dataset, axes: tuple[Axis, Axis], path: Path, picture: Path
+) -> StartAtlasAnswer:
+    """Draw a map of settling times from the start, and sum it up."""
+    from hoverproof.cli.answers.start_atlas import StartAtlasAnswer
+    from hoverproof.design.atlas_summary import start_summary
+    from hoverproof.show.start_atlas import save_start_atlas_figure
+
+    save_start_atlas_figure(mission, drawn, picture)
+    return StartAtlasAnswer(mission, axes, start_summary(drawn), path, picture)
 
 
 def _draw(mission: Mission, drawn: xr.Dataset, x: Axis, y: Axis, show: str, picture: Path) -> None:

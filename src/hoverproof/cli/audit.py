@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,10 +12,12 @@ from cyclopts import Parameter
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import mission_names
 from hoverproof.cli.console import NO_FOLDER, Json, Set, at_work, load_mission
+from hoverproof.cli.reading import certificate_beside, mission_name
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
     from hoverproof.audit.claim import Claim
+    from hoverproof.audit.recertifying import Recertified
     from hoverproof.mission.sections import Mission
 
 LogFile = Annotated[
@@ -53,6 +56,14 @@ def audit(
         Parameter(help="Page to write; by default LOG.audit.html, here.", validator=NO_FOLDER),
     ] = None,
     page: Annotated[bool, Parameter(help="Write the page.")] = True,
+    certify: Annotated[
+        Path | None,
+        Parameter(
+            help="Mission file to write, with the tolerances that would cover the flight, proved "
+            "with its gains or else with tuned ones; its certificate beside it.",
+            validator=NO_FOLDER,
+        ),
+    ] = None,
     topic: Topics = None,
     set_: Set = None,
     json_: Json = False,
@@ -65,18 +76,25 @@ def audit(
     estimated positions. What a log does not tell is said to be untold, never to hold.
 
     Names what broke first, when and by how much, and the tolerances that would cover it, as a
-    command that asks for their proof. Status 0 if all that is told held, 1 if something broke, 3
-    if nothing is proved of the mission or told by the log.
+    command that asks for their proof; --certify asks for it now. Status 0 if all that is told
+    held, 1 if something broke, 3 if nothing is proved of the mission or told by the log.
 
     Example: `hoverproof audit flight.nc --mission research-1.5kg`
 
     Example: `hoverproof audit log.ulg --mission my-flyer.toml --certificate my.cert.json --json`
+
+    Example: `hoverproof audit flight.mcap --mission my-flyer.toml --topic imu=/mavros/imu/data`
+
+    Example: `hoverproof audit flight.nc --mission my-flyer.toml --certify wider.toml`
     """
     from hoverproof.audit.reading import read_log
     from hoverproof.audit.verdict import audit as hold
     from hoverproof.cli.answers.audit import AuditAnswer
+    from hoverproof.files import require_folder
 
     loaded = load_mission(mission, set_)
+    if certify is not None:
+        require_folder(certify)
     flight = read_log(log, _topics(topic))
     claim, reason = _claim(loaded, certificate)
     found = hold(flight, loaded, claim)
@@ -85,12 +103,36 @@ def audit(
     words = ["hoverproof", "attraction", mission]
     asked = [f"uncertainty.{key}={value}" for key, value in tolerances.items()]
     words += [word for setting in [*(set_ or []), *asked] for word in ("--set", setting)]
-    answer = AuditAnswer(found, reason, shlex.join(words) if tolerances else None, path)
+    anew = _anew(mission, [*(set_ or []), *asked], certify) if certify and asked else None
+    command = shlex.join(words) if tolerances and anew is None else None
+    answer = AuditAnswer(
+        found, reason, command, path, certify, certify and certificate_beside(certify), anew
+    )
     if path is not None:
         from hoverproof.reporting.audit_page import write_page
 
-        write_page(path, found, [*answer.text()], answer.command)
+        write_page(
+            path, found, answer.verdict, [*answer.text()], answer.command, [*answer.proof_anew()]
+        )
     return tell(answer, json_)
+
+
+def _anew(mission: str, settings: list[str], out: Path) -> Recertified:
+    """Prove a mission with wider tolerances, and write it with its certificate."""
+    from hoverproof.audit.recertifying import recertified
+    from hoverproof.cli.answers.audit import settled
+    from hoverproof.files import write_text
+    from hoverproof.mission.writing import mission_text
+
+    loaded = load_mission(mission, settings)
+    wider = loaded.model_copy(update={"name": mission_name(out)})  # whom the certificate is about
+    with at_work() as doing:
+        found = recertified(wider, doing)
+    if found.verdict is not None:
+        found.verdict.certificate.save(certificate_beside(out))
+        note = f"{shlex.join(['hoverproof', *sys.argv[1:]])}\n{settled(found.verdict)}, proved"
+        write_text(out, mission_text(found.mission, name=mission_name(out), note=note))
+    return found
 
 
 def replay(
@@ -128,7 +170,7 @@ def replay(
     from hoverproof.cli.answers.replay import ReplayAnswer
     from hoverproof.export.binding import Firmware
     from hoverproof.files import write_bytes
-    from hoverproof.firmware import exported
+    from hoverproof.firmware.exporting import exported
 
     loaded = load_mission(mission, set_)
     flight = read_log(log, _topics(topic))

@@ -79,7 +79,7 @@ def export(
     from hoverproof import checker
     from hoverproof.cli.answers.export import ExportAnswer, refused_as_json
     from hoverproof.export.package import NotCertified
-    from hoverproof.firmware import export_c
+    from hoverproof.firmware.exporting import export_c
 
     loaded = load_mission(mission, set_)
     given = None if certificate is None else _read(certificate)

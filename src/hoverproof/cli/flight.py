@@ -155,7 +155,7 @@ def _fly(
         return images.fly(mission, seed, timing, firmware=firmware)
     images.refuse()
     if firmware:
-        from hoverproof.firmware import flown_firmware
+        from hoverproof.firmware.flying import flown_firmware
 
         return flown_firmware(mission, timing, seed=seed)
     from hoverproof.simulation.flight import flown

@@ -56,6 +56,10 @@ def fly(
     duration: Annotated[
         float | None, Parameter(help="Hand back after so long, s; by default fly on.")
     ] = None,
+    clock_drift: Annotated[
+        float,
+        Parameter(help="How far the vehicle's clock may run from ours; a simulator's: 0.02, s/s."),
+    ] = 0.0002,
     log: Annotated[
         Path | None, Parameter(help="Log to write at the end, netCDF-4.", validator=NO_FOLDER)
     ] = None,
@@ -85,7 +89,7 @@ def fly(
     from hoverproof.mavlink.flying import Wish, package_of
 
     loaded = load_mission(mission, set_)
-    wish = Wish(rate, hover_throttle, system, duration)
+    wish = Wish(rate, hover_throttle, system, duration, clock_drift)
     _check(loaded, wish, mavlink, rehearse, features, log)
     try:
         firmware = package_of(loaded, package, allow_uncertified=allow_uncertified)

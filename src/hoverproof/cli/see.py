@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,9 +12,10 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from hoverproof.cli.answers.answer import tell
+from hoverproof.cli.answers.answer import print_line, tell
 from hoverproof.cli.completion import mission_names
 from hoverproof.cli.console import NO_FOLDER, Json, Set, load_mission, progress
+from hoverproof.cli.reading import refuse_given
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
@@ -22,6 +24,10 @@ if TYPE_CHECKING:
     from hoverproof.mission.sections import Mission
     from hoverproof.mission.tags import Board
     from hoverproof.simulation.record import Record
+
+
+ENDLESS = 9e5
+"""s that a camera is looked at where lines go to a flight: until that ends."""
 
 
 @dataclass
@@ -96,6 +102,13 @@ def see(
             validator=NO_FOLDER,
         ),
     ] = None,
+    stream: Annotated[
+        bool,
+        Parameter(negative="", help="Print a JSON line an image, for `fly --features`; no file."),
+    ] = False,
+    late: Annotated[
+        float | None, Parameter(help="With --stream: age of an image that comes, s; by default 0.")
+    ] = None,
     set_: Set = None,
     json_: Json = False,
 ) -> int:
@@ -115,6 +128,8 @@ def see(
     Example: `hoverproof see 0 --camera camera_info.yaml --tag 4x4_50:7:0.1 --duration 20`
 
     Example: `hoverproof see frames/ --mission my-flyer.toml --overlay seen.mp4 --json`
+
+    Example: `hoverproof see 0 --mission my-flyer.toml --stream --late 0.02`
     """
     from hoverproof.cli.answers.see import SeeAnswer
     from hoverproof.eyes.at_rest import at_rest
@@ -129,6 +144,11 @@ def see(
     if loaded is None and set_:
         raise InputError("--set", "", "goes with --mission")
     viewer = _viewer(loaded, camera, (printed or Printed()).board())
+    if stream:
+        of_files = {"--out": out, "--overlay": overlay, "--still": still, "--json": json_}
+        refuse_given(of_files, "does not go with --stream, which prints lines alone")
+        return _stream(viewer, open_source(source, rate, duration or ENDLESS), late or 0.0)
+    refuse_given({"--late": late}, "goes with --stream")
     images = open_source(source, rate, duration)
     seen = Sightings(viewer, images)
     with progress("images") as report, _overlay(overlay, viewer, images) as shown:
@@ -139,6 +159,20 @@ def see(
     half = None if loaded is None else loaded.camera.half_angle
     facts = seen.facts(record) | {"half_angle": None if half is None else float(half)}
     return tell(SeeAnswer(facts, rest, path, overlay), json_)
+
+
+def _stream(viewer: Viewer, images: Source, late: float) -> int:
+    """Print where the target is in each image, as soon as it is there."""
+    import numpy as np
+
+    if not 0 <= late < 1:
+        raise InputError("--late", "", f"must be from 0 to 1 s, not {late:g}")
+    for _, image in images.images:
+        exposed = time.time() - late
+        pixels, _ = viewer.found(image, images.name)
+        seen = [] if np.isnan(pixels).any() else pixels.tolist()
+        print_line({"time": exposed, "pixels": seen})
+    return int(bool(images.short))
 
 
 def _stretch(text: str) -> tuple[float, float]:

@@ -22,7 +22,7 @@ from hoverproof.cli.console import (
     progress,
     warn,
 )
-from hoverproof.cli.reading import mission_name, parse_weights, picture_path
+from hoverproof.cli.reading import certificate_beside, mission_name, parse_weights, picture_path
 from hoverproof.errors import InputError
 from hoverproof.files import require_folder
 
@@ -183,13 +183,14 @@ def _write(found: Tuned | RegionTuned | StartTuned, out: Path) -> Path | None:
     from hoverproof.files import write_text
     from hoverproof.mission.writing import mission_text
 
-    certificate: Path | None = out.with_suffix(ENDING)
+    beside = certificate_beside(out)
+    certificate: Path | None = beside
     if isinstance(found, RegionTuned):
         proved = f"certified hovers about the goal: {reach_text(found.region)}"
-        found.region.certificate.save(out.with_suffix(ENDING))
+        found.region.certificate.save(beside)
     elif isinstance(found, StartTuned):
         proved = f"settled from the start, proved: {settled_text(found)}"
-        found.verdict.certificate.save(out.with_suffix(ENDING))
+        found.verdict.certificate.save(beside)
     else:
         proved = f"certified decay rate of L: {number(found.verdict.decay_rate)} 1/s"
         certificate = None

@@ -7,13 +7,12 @@ each cell can be decided exactly, by `certify`.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,21 +23,23 @@ from hoverproof.certification.problem import ONES, gain_problem, pose
 from hoverproof.design.axes import QUANTITIES as QUANTITIES
 from hoverproof.design.axes import Axis as Axis
 from hoverproof.design.axes import axis as axis
+from hoverproof.design.axes import coordinates, two_axes, with_value
 from hoverproof.design.margins import Questions, margins
+from hoverproof.design.start_atlas import start_chart
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
-from hoverproof.mission.task import Bounds, Gains
 from hoverproof.servo.laws.hamel_mahony import law_of
 from hoverproof.servo.variables import Design
 from hoverproof.simulation.record import Column, Record
-from hoverproof.spread import spread
+from hoverproof.spread import collected
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Array = NDArray[np.float64]
 Report = Callable[[int, int], None]
+Theorem = Literal["gains", "start"]
 
 CHUNK = 4000
 BARELY = 1e-6  # how near to its bounds Q at the goal may come, as a part
@@ -53,6 +54,7 @@ def atlas(
     x: Axis | str = "k1",
     y: Axis | str = "k2",
     *,
+    theorem: Theorem = "gains",
     weights: tuple[Fraction, ...] = ONES,
     exact: bool = False,
     processes: int | None = None,
@@ -61,15 +63,21 @@ def atlas(
 ) -> xr.Dataset:
     """Map the certified margin and decay rate over two gains or bounds.
 
+    With the theorem "start": in how many seconds every vehicle within tolerance has settled from
+    the mission's start, over two gains or tolerances; see `start_atlas.start_chart`.
+
     Parameters
     ----------
     mission : Mission, or str or Path as `hoverproof.load` takes
     x, y : Axis, or str
         What varies; a name stands for its default range (see `axis`).
+    theorem : {"gains", "start"}
+        What `certify` decides, or what `attraction` proves of every vehicle.
     weights : (4,) Fractions
-        w of L = ½ Σ wᵢ|δᵢ|².
+        w of L = ½ Σ wᵢ|δᵢ|²; for the gains.
     exact : bool
-        Decide with `certify` each cell that has a neighbour of another sign.
+        Decide with `certify` each cell that has a neighbour of another sign; of a start, prove
+        those that have a neighbour where none is found, and the soonest.
     processes : int, optional
         Number of those that work at once; by default one for each CPU.
     scheduler : str, optional
@@ -80,24 +88,24 @@ def atlas(
     Returns
     -------
     xarray.Dataset
-        ``margin`` kg/s and ``decay_rate`` 1/s over (y, x), in floating point, NaN where no
+        Of gains ``margin`` kg/s and ``decay_rate`` 1/s over (y, x), in floating point, NaN where no
         question is posed; ``verdict``, 1 proved, -1 refuted, 0 undecided, -128 where `certify`
-        was not asked.
+        was not asked. Of a start see `start_atlas.start_chart`.
 
     Raises
     ------
     InputError
-        If an axis or the scheduler cannot be used.
+        If an axis or the scheduler cannot be used, or there is no such theorem.
     """
-    drawn = chart(
-        *(mission, x, y),
-        weights=weights,
-        exact=exact,
-        processes=processes,
-        scheduler=scheduler,
-        report=report,
-    )
-    return drawn.dataset()
+    if theorem not in get_args(Theorem):
+        known = ", ".join(get_args(Theorem))
+        raise InputError("--theorem", "", f"must be one of {known}, not {theorem!r}")
+    work: dict[str, Any] = {"processes": processes, "scheduler": scheduler, "report": report}
+    if theorem == "start":
+        if weights != ONES:
+            raise InputError("--weights", "", "is for --theorem gains")
+        return start_chart(mission, x, y, exact=exact, **work).dataset()
+    return chart(mission, x, y, weights=weights, exact=exact, **work).dataset()
 
 
 def chart(
@@ -122,44 +130,21 @@ def chart(
     processes : int, optional
         A bare number.
     """
-    x = axis(mission, x, option="--x") if isinstance(x, str) else x
-    y = axis(mission, y, option="--y") if isinstance(y, str) else y
-    if x.name == y.name:
-        raise InputError("--y", "", f"must differ from --x, {x.name}")
+    x, y = two_axes(mission, x, y)
     pairs = np.stack(np.meshgrid(x.values, y.values), axis=-1).reshape(-1, 2)
     parts = [pairs[i : i + CHUNK] for i in range(0, len(pairs), CHUNK)]
     measure = partial(cell_margins, mission, x.name, y.name, weights)
-    done = _spread(measure, parts, processes, scheduler, report)
+    done = collected(measure, parts, processes, scheduler, report)
     margin = np.concatenate(done).reshape(len(y.values), len(x.values))
     verdict = np.full(margin.shape, NOT_ASKED, np.int16)
     if exact:
         asked = np.argwhere(on_boundary(margin))
         groups = [asked[i : i + EXACT_CHUNK] for i in range(0, len(asked), EXACT_CHUNK)]
         decide = partial(cell_verdicts, mission, x, y, weights)
-        found = _spread(decide, groups, processes, scheduler, report)
+        found = collected(decide, groups, processes, scheduler, report)
         if len(asked):
             verdict[tuple(asked.T)] = np.concatenate(found)
     return _record(mission, x, y, weights, margin, verdict)
-
-
-def _spread(
-    work: Callable[[Any], Any],
-    parts: list[Any],
-    processes: int | None,
-    scheduler: str | None,
-    report: Report,
-) -> list[Any]:
-    """Do parts of the work in processes or on a cluster; return the results in their order."""
-    if scheduler is None and (processes == 1 or len(parts) < 2):
-        done: Iterable[Any] = map(work, parts)
-    else:
-        pool = ProcessPoolExecutor(processes) if scheduler is None else None
-        done = spread(work, parts, executor=pool, scheduler=scheduler)
-    results = []
-    for result in done:
-        results.append(result)
-        report(len(results), len(parts))
-    return results
 
 
 def cell_margins(
@@ -275,15 +260,7 @@ def cell_mission(mission: Mission, x: Axis, y: Axis, i: int, j: int) -> Mission:
         Numbers of the cell along y and along x.
     """
     for one, place in ((x, j), (y, i)):
-        section, name = one.quantity.key.split(".")
-        exact: Any = Fraction(repr(float(one.values[place])))
-        part: Gains | Bounds = getattr(mission, section)
-        if one.quantity.end is not None:
-            pair = list(getattr(part, name))
-            pair[one.quantity.end] = exact
-            exact = tuple(pair)
-        changed = part.model_copy(update={name: exact})
-        mission = mission.model_copy(update={section: changed})
+        mission = with_value(mission, one, place)
     return mission
 
 
@@ -311,14 +288,7 @@ def _record(
             k: Column(dims, v, {"units": words[k][0], "long_name": words[k][1]})
             for k, v in values.items()
         },
-        {
-            a.name: Column(
-                (a.name,),
-                a.values,
-                {"units": a.quantity.unit, "long_name": a.quantity.told(mission)},
-            )
-            for a in (x, y)
-        },
+        coordinates(mission, x, y),
         attrs={
             "title": f"atlas of {mission.name}",
             "mission": json.dumps(mission.exact()),

@@ -1,18 +1,22 @@
-"""The axes of an atlas: gains and bounds of a mission, and the values that they take."""
+"""The axes of an atlas: gains, bounds and tolerances of a mission, and their values."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.errors import InputError
+from hoverproof.mission.reading import with_tolerance
 from hoverproof.mission.sections import Mission
+from hoverproof.mission.task import Bounds, Gains
+from hoverproof.mission.tolerances import UNITS
 from hoverproof.servo.variables import Design
+from hoverproof.simulation.record import Column
 
 Array = NDArray[np.float64]
 Scale = Literal["log", "linear"]
@@ -69,17 +73,27 @@ class Quantity:
         return value
 
 
+GAINS = {
+    name: Quantity(f"gains.{name}", None, Design.units()[name], f"gain {name}")
+    for name in Design.chain_gains()
+}
 QUANTITIES = {
-    **{
-        name: Quantity(f"gains.{name}", None, Design.units()[name], f"gain {name}")
-        for name in Design.chain_gains()
-    },
+    **GAINS,
     "lowest_eigenvalue": Quantity("bounds.eigenvalues", 0, "1/m", "lowest eigenvalue of Q"),
     "highest_eigenvalue": Quantity("bounds.eigenvalues", 1, "1/m", "highest eigenvalue of Q"),
     "lowest_thrust": Quantity("bounds.thrust", 0, "N", "lowest thrust", "linear"),
     "highest_thrust": Quantity("bounds.thrust", 1, "N", "highest thrust", "linear"),
     "level": Quantity("bounds.level", None, "1", "level of L"),
 }
+"""What the theorem of the gains is mapped over."""
+OF_START = GAINS | {
+    name: Quantity(f"uncertainty.{name}", None, unit or "1", f"uncertainty.{name}", "linear")
+    for name, unit in UNITS.items()
+    if "." not in name
+}
+"""What the theorem of a start is mapped over."""
+FACTOR, OF_START_FACTOR = 10, 3
+"""By which a gain is divided and multiplied, for the ends of its range."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +103,7 @@ class Axis:
     Attributes
     ----------
     name : str
-        One of `QUANTITIES`.
+        One of `QUANTITIES` or `OF_START`.
     values : (n,)
         Short decimals, so that a cell can be decided exactly.
     scale : str
@@ -102,7 +116,7 @@ class Axis:
     @property
     def quantity(self) -> Quantity:
         """What the axis runs over."""
-        return QUANTITIES[self.name]
+        return {**OF_START, **QUANTITIES}[self.name]
 
 
 def axis(
@@ -113,6 +127,7 @@ def axis(
     scale: Scale | None = None,
     cells: int = 200,
     option: str = "--x",
+    of_start: bool = False,
 ) -> Axis:
     """Make an axis.
 
@@ -120,26 +135,30 @@ def axis(
     ----------
     mission : Mission
     name : str
-        One of `QUANTITIES`.
+        One of `QUANTITIES`; of a start, of `OF_START`.
     ends : (low, high), optional
         Bare numbers in the unit of the quantity. By default a tenth and ten times of what the
-        mission has; for a thrust, the thrust of hover and half or three halves of it.
+        mission has, of a start a third and three times; for a thrust, the thrust of hover and half
+        or three halves of it; for a tolerance, nothing and twice what the mission has.
     scale : str, optional
         "log" or "linear"; by default what suits the quantity.
     cells : int
         Number of values.
     option : str
         How the user calls it, for messages.
+    of_start : bool
+        Whether it is for a map of a start.
 
     Raises
     ------
     InputError
         If there is no such quantity, or its range cannot be used.
     """
-    name = name.removeprefix("gains.")
-    if name not in QUANTITIES:
-        raise InputError(option, "", f"must be one of {', '.join(QUANTITIES)}, not {name!r}")
-    quantity = QUANTITIES[name]
+    name, known = name.removeprefix("gains."), OF_START if of_start else QUANTITIES
+    name = name.removeprefix("uncertainty.") if of_start else name
+    if name not in known:
+        raise InputError(option, "", f"must be one of {', '.join(known)}, not {name!r}")
+    quantity = known[name]
     held = quantity.value(mission)
     if held is None:
         other = "bounds.level" if name.endswith("thrust") else "bounds.thrust"
@@ -150,16 +169,94 @@ def axis(
         raise InputError("--cells", "", f"must be from 2 to 5000, not {cells}")
     scale = scale or quantity.scale
     if ends is None:
-        weight = float(mission.vehicle.weight)
-        special = {
-            "lowest_thrust": (weight / 2, weight),
-            "highest_thrust": (weight, 3 * weight / 2),
-        }
-        ends = special.get(name, (float(held) / 10, float(held) * 10))
+        if not held:
+            words = f"{name} cannot vary about 0: {option}-range says between what"
+            raise InputError(option, "", words)
+        ends = _ends(mission, name, float(held), OF_START_FACTOR if of_start else FACTOR)
     low, high = ends
-    if not 0 < low < high < math.inf:
-        what = f"two numbers in order, above 0 {quantity.unit}"
+    from_zero = quantity.key.startswith("uncertainty") and scale == "linear"
+    begins = low >= 0 if from_zero else low > 0
+    if not begins or not low < high < math.inf:
+        what = f"two numbers in order, {'0 or more' if from_zero else f'above 0 {quantity.unit}'}"
         raise InputError(f"{option}-range", "", f"must be {what}, not {low:g},{high:g}")
     line = np.geomspace(low, high, cells) if scale == "log" else np.linspace(low, high, cells)
     digits = DIGITS + max(0, math.ceil(math.log10(cells * high / (high - low))) - 3)
     return Axis(name, np.array([float(f"{v:.{digits}g}") for v in line]), scale)
+
+
+def _ends(mission: Mission, name: str, held: float, factor: float) -> tuple[float, float]:
+    """Return the ends of a range of which nothing is said."""
+    weight = float(mission.vehicle.weight)
+    special = {
+        "lowest_thrust": (weight / 2, weight),
+        "highest_thrust": (weight, 3 * weight / 2),
+    }
+    if name in OF_START and name not in GAINS:
+        return 0.0, 2 * held
+    return special.get(name, (held / factor, held * factor))
+
+
+def two_axes(
+    mission: Mission, x: Axis | str, y: Axis | str, *, of_start: bool = False, cells: int = 200
+) -> tuple[Axis, Axis]:
+    """Return the axes of a map; a name stands for its default range.
+
+    Parameters
+    ----------
+    mission, of_start, cells
+        See `axis`, also for what is raised.
+    x, y : Axis, or str
+    """
+    x, y = (
+        axis(mission, one, option=option, of_start=of_start, cells=cells)
+        if isinstance(one, str)
+        else one
+        for one, option in ((x, "--x"), (y, "--y"))
+    )
+    if x.name == y.name:
+        raise InputError("--y", "", f"must differ from --x, {x.name}")
+    return x, y
+
+
+def with_value(mission: Mission, one: Axis, place: int) -> Mission:
+    """Return a mission with a value of an axis, the short decimal that it is, exactly.
+
+    Parameters
+    ----------
+    mission : Mission
+    one : Axis
+    place : int
+        Number of the value.
+
+    Raises
+    ------
+    InputError
+        If a mission cannot have such a tolerance.
+    """
+    section, name = one.quantity.key.split(".")
+    exact: Any = Fraction(repr(float(one.values[place])))
+    if section == "uncertainty":
+        return with_tolerance(mission, name, exact)
+    part: Gains | Bounds = getattr(mission, section)
+    if one.quantity.end is not None:
+        pair = list(getattr(part, name))
+        pair[one.quantity.end] = exact
+        exact = tuple(pair)
+    changed = part.model_copy(update={name: exact})
+    return mission.model_copy(update={section: changed})
+
+
+def coordinates(mission: Mission, x: Axis, y: Axis) -> dict[str, Column]:
+    """Return the columns that say where the cells of a map are.
+
+    Parameters
+    ----------
+    mission : Mission
+    x, y : Axis
+    """
+    return {
+        a.name: Column(
+            (a.name,), a.values, {"units": a.quantity.unit, "long_name": a.quantity.told(mission)}
+        )
+        for a in (x, y)
+    }

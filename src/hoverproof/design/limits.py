@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 BANDWIDTH_TIMES_SAMPLE = 0.2
 """Largest bandwidth times sampling period: some 30 samples a period of the fastest motion."""
 
+ANY = 1e6
+"""A bandwidth that is no limit, rad/s."""
 YAW_PART = 4
 YAW_EFFORT = 2
 BINDS = 0.01
@@ -61,7 +63,7 @@ class Limits:
 
     def __post_init__(self) -> None:
         for option, value, unit, most in (
-            ("--bandwidth", self.bandwidth, "rad/s", 1e6),
+            ("--bandwidth", self.bandwidth, "rad/s", ANY),
             ("--rate", self.rate, "Hz", 1e9),
             ("--tilt", self.tilt, "rad", math.pi / 2),
             ("--rotor-thrust", self.rotor_thrust, "N", 1e9),

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.design.limits import Limits
+from hoverproof.design.limits import ANY, Limits
 from hoverproof.design.start_search import StartSearch
 from hoverproof.mission.uncertainty import Uncertainty
 
 ALIKE = 4
 """Times are alike if the one is at most so many times the other."""
-ANY = 1e6
-"""A bandwidth that is no limit, rad/s."""
 
 
 def why_longer(verdict: Exponential, flown: float | None) -> str | None:

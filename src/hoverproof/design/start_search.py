@@ -177,8 +177,8 @@ class StartSearch:
         over = [missing / asked.rate, *limited, *self.held_to.unseen(asked)]
         return Value(math.log(time) if 0 < time < math.inf else FAILED, np.array(over), None)
 
-    def slopes(self, z: Array, at: Value) -> Array:
-        """Return how the time and what is beyond limits change with a point, (1 + m, 7).
+    def slopes(self, z: Array, at: Value, first: int = 0) -> Array:
+        """Return how the time and what is beyond limits change with a point, (1 + m, 7 - first).
 
         Parameters
         ----------
@@ -186,17 +186,19 @@ class StartSearch:
             See `Point`.
         at : Value
             What is there.
+        first : int
+            Number of the first parameter that changes.
         """
         found: Found = at.found
         places = z + np.diag(LITTLE)
         limited = self.held_to.beyond(np.exp(places[:, :4]))
-        result = np.zeros((len(at.all), len(z)))
-        for k, step in enumerate(LITTLE):
+        result = np.zeros((len(at.all), len(z) - first))
+        for k, step in list(enumerate(LITTLE))[first:]:
             new = self.pose(places[k])
             if new is not None:
                 missing = found.solution.optimum.x[-1]
                 missing += found.asked.program.change(found.solution, new.program)
-                result[:, k] = (self._value(new, missing, limited[k]).all - at.all) / step
+                result[:, k - first] = (self._value(new, missing, limited[k]).all - at.all) / step
         return result
 
     @property
@@ -240,7 +242,7 @@ class StartSearch:
             return self.value(np.array([*fixed, *rest]), tried[0][1].found.solution.tight)
 
         def slopes(rest: Array, at: Value) -> Array:
-            return self.slopes(np.array([*fixed, *rest]), at)[:, 4:]
+            return self.slopes(np.array([*fixed, *rest]), at, first=4)
 
         z, at = min(tried, key=lambda pair: pair[1].merit)
         rest, at = Descent(value, slopes, self.highest[4:]).run(z[4:], at, evaluations)
@@ -251,19 +253,29 @@ class StartSearch:
         """What is found for the mission's own gains."""
         names = self.whole.vehicles.law.design.chain_gains()
         four = np.array([getattr(self.mission.gains, name) for name in names], float)
-        low, high = self.ends
-        if not low < high:
-            return Point(FAILED, np.zeros(7))
-        near = [
-            [math.log(low * (high / low) ** part), share, math.log(self.with_gains(four).slow(low))]
-            for part, share in itertools.product((0.6, 0.85), (-1.7, -3.0))
-        ]
         best = Point(FAILED, np.zeros(7))
-        for z in near:
-            best = min(best, self.best_for(four, np.array([z])), key=lambda point: point.cost)
+        for near in self.places(four):
+            best = min(best, self.best_for(four, near[None]), key=lambda point: point.cost)
             if best.cost < OUTSIDE:
                 break
         return best
+
+    def places(self, four: Array) -> list[Array]:
+        """Return from which d, share and rate to set out where nothing is known, (3,) each.
+
+        Parameters
+        ----------
+        four : (4,)
+            k1 to k4.
+        """
+        low, high = self.ends
+        if not low < high:
+            return []
+        rate = math.log(self.with_gains(four).slow(low))
+        return [
+            np.array([math.log(low * (high / low) ** part), share, rate])
+            for part, share in itertools.product((0.6, 0.85), (-1.7, -3.0))
+        ]
 
     @property
     def settled_before(self) -> float | None:

@@ -68,7 +68,19 @@ class Detector:
         return ca.Function("bent", [point], [self.lens.pixel(point)])
 
     def corners(self, image: Image) -> Array:
-        """Return the corners of each tag, (m, 4, 2), px; not a number where it is not found.
+        """Return the corners of each tag of the board; see `found`.
+
+        Parameters
+        ----------
+        image : (height, width) uint8
+            Grey levels.
+        """
+        return self.found(image)[0]
+
+    def found(self, image: Image) -> tuple[Array, list[int]]:
+        """Return the corners of each tag, (m, 4, 2), px, and which others of its family there are.
+
+        Corners are not a number where the tag is not found.
 
         Pixel (0, 0) is the middle of the first pixel, as in OpenCV and ROS. The corners are in the
         order of the board: as the tag is printed, whichever way it is seen.
@@ -80,16 +92,18 @@ class Detector:
         """
         found, numbers, _ = self._opencv.detectMarkers(image)
         corners = np.full((len(self.board.numbers), 4, 2), np.nan)
-        turn = 2 * half_turns(self.board.family)
+        turn, others = 2 * half_turns(self.board.family), []
         for quad, number in zip(found, [] if numbers is None else np.ravel(numbers), strict=True):
             if number in self.board.numbers:
                 place = self.board.numbers.index(int(number))
                 corners[place] = np.roll(quad.reshape(4, 2), turn, axis=0)
+            else:
+                others.append(int(number))
         seen = np.flatnonzero(~np.isnan(corners).any(axis=(1, 2)))
         if len(seen):
             for _ in range(PASSES):
                 corners[seen] = self._between_edges(image, corners[seen])
-        return corners
+        return corners, sorted(set(others))
 
     def _between_edges(self, image: Image, corners: Array) -> Array:
         """Return where straight edges of the tags meet, (k, 4, 2), px: a blurred corner is round.

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hoverproof.errors import InputError
 from hoverproof.eyes.detector import Detector
 from hoverproof.eyes.renderer import Image, Pose, Renderer, Shot
-from hoverproof.firmware import flown_firmware
+from hoverproof.firmware.flying import flown_firmware
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.tags import Board, board_of_mission
 from hoverproof.plant import camera

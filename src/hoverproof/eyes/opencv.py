@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.errors import InputError
+from hoverproof.errors import InputError, needing
 from hoverproof.mission.tags import FAMILIES, Board
 
 PUBLISHED = (1, 1, 0, 1, 0, 1)
@@ -27,11 +27,8 @@ def opencv() -> Any:
     """
     os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
-    try:
+    with needing("vision", "OpenCV", "is missing, which finds tags in images"):
         import cv2
-    except ImportError:
-        reason = "is missing, which finds tags in images: pip install 'hoverproof[vision]'"
-        raise InputError("OpenCV", "", reason) from None
     return cv2
 
 

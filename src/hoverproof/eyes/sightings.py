@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -88,8 +89,10 @@ class Viewer:
         several = [CENTROID.seen(directions), SCALED.seen(directions), *own, angle]
         return ca.Function("told", [image, down], [ca.densify(part) for part in several])
 
-    def corners(self, image: Image, where: str) -> Array:
-        """Return where the target points are in an image, (n, 2), px; not a number if not found.
+    def found(self, image: Image, where: str) -> tuple[Array, list[int]]:
+        """Return where the target points are in an image, (n, 2), px, and which other tags.
+
+        Of what is not found it is not a number.
 
         Parameters
         ----------
@@ -108,7 +111,8 @@ class Viewer:
             wanted = f"{self.lens.width:g} x {self.lens.height:g} px"
             reason = f"has images of {width} x {height} px, the calibration is for {wanted}"
             raise InputError(where, "", f"{reason}: give that of this size")
-        return self.detector.corners(image).reshape(-1, 2)[self.board.order]
+        corners, others = self.detector.found(image)
+        return corners.reshape(-1, 2)[self.board.order], others
 
     def pose(self, pixels: Array) -> tuple[Array, Array]:
         """Return where the camera is, (3,), m, and its axes, (3, 3), world frame, as they fit best.
@@ -165,12 +169,15 @@ class Sightings:
         s.
     pixels : list of (n, 2) arrays
         px; not a number of what was not found.
+    others : Counter of int
+        In how many images there were other tags of the family, by their numbers.
     """
 
     viewer: Viewer
     source: Source
     times: list[float] = field(default_factory=list)
     pixels: list[Array] = field(default_factory=list)
+    others: Counter[int] = field(default_factory=Counter)
 
     def look(
         self, shown: Callable[[Image, Array], None], report: Callable[[int, int], None]
@@ -185,7 +192,9 @@ class Sightings:
             Told how many images are done, and how many there are, 0 if it is not known.
         """
         for time, image in self.source.images:
-            self.pixels.append(self.viewer.corners(image, self.source.name))
+            corners, others = self.viewer.found(image, self.source.name)
+            self.pixels.append(corners)
+            self.others.update(others)
             self.times.append(time)
             shown(image, self.pixels[-1])
             report(len(self.times), max(self.source.expected, len(self.times)))
@@ -288,6 +297,9 @@ class Sightings:
             "frames_expected": self.source.expected or None,
             "frames_whole": int(self.whole.sum()),
             "frames_in_part": int((tags.any(axis=1) & ~self.whole).sum()),
+            "others": {
+                f"{self.viewer.board.family}:{k}": n for k, n in sorted(self.others.items())
+            },
             "law": None if self.viewer.numbers is None else self.viewer.numbers.law.name,
         }
         if not self.whole.any():

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from hoverproof.errors import InputError
+from hoverproof.errors import needing
 
 ATTITUDE_IGNORE = 128
 """The type mask of a setpoint of body rates and thrust: of all fields, the attitude is ignored."""
@@ -29,11 +29,8 @@ def dialect() -> Any:
     InputError
         If it is not installed.
     """
-    try:
+    with needing("mavlink", "--mavlink", "needs pymavlink"):
         from pymavlink.dialects.v20 import common
-    except ImportError:
-        reason = "needs pymavlink: pip install 'hoverproof[mavlink]'"
-        raise InputError("--mavlink", "", reason) from None
     return common
 
 

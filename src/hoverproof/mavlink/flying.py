@@ -12,7 +12,7 @@ from hoverproof.errors import InputError
 from hoverproof.export.adapter import oldest_image
 from hoverproof.export.binding import Firmware
 from hoverproof.export.camera import KEPT
-from hoverproof.firmware import export_c
+from hoverproof.firmware.exporting import export_c
 from hoverproof.mavlink.dialect import dialect
 from hoverproof.mavlink.flight import Flight
 from hoverproof.mavlink.guide import Guide
@@ -20,11 +20,15 @@ from hoverproof.mavlink.link import Clock, Link
 from hoverproof.mavlink.report import Report
 from hoverproof.mavlink.sight import Sight
 from hoverproof.mavlink.throttle import PLAUSIBLE, HoverThrottle
+from hoverproof.mavlink.told import DRIFT, Told
 from hoverproof.mission.sections import Mission
 from hoverproof.simulation.timing import fastest_rate
 
 SLOWEST, FASTEST = 20.0, 400.0
 """Hz of the setpoints."""
+
+MOST_DRIFT = 0.05
+"""s in a second: a simulator that runs slower than that is not flown."""
 
 
 @dataclass(frozen=True)
@@ -41,12 +45,15 @@ class Wish:
         Number of the vehicle; by default the first that is heard.
     duration : float or None
         Of the law's own flight, s; by default until the pilot or a fault ends it.
+    clock_drift : float
+        By how much the vehicle's clock may run apart from ours, s in a second.
     """
 
     rate: float = 100.0
     hover_throttle: float | None = None
     system: int | None = None
     duration: float | None = None
+    clock_drift: float = DRIFT
 
     def check(self, mission: Mission) -> None:
         """Refuse what cannot be flown.
@@ -77,6 +84,9 @@ class Wish:
             raise InputError("--system", "", f"must be from 1 to 255, not {self.system}")
         if self.duration is not None and not self.duration > 0:
             raise InputError("--duration", "", f"must be above 0 s, not {self.duration:g}")
+        if not DRIFT <= self.clock_drift <= MOST_DRIFT:
+            reason = f"must be from {DRIFT:g} to {MOST_DRIFT:g}, not {self.clock_drift:g}"
+            raise InputError("--clock-drift", "", reason)
 
 
 def package_of(
@@ -144,4 +154,5 @@ def flight_of(
         system=wish.system,
         duration=wish.duration,
         report=report,
+        told=Told(drift=wish.clock_drift),
     )

@@ -8,7 +8,7 @@ import time
 from abc import ABC, abstractmethod
 from typing import Any
 
-from hoverproof.errors import InputError
+from hoverproof.errors import InputError, needing
 
 LARGEST = 2048
 """Bytes of a datagram."""
@@ -156,11 +156,8 @@ class Serial(Link):
     """
 
     def __init__(self, device: str, baud: int) -> None:
-        try:
+        with needing("mavlink", "--mavlink", "needs pyserial"):
             import serial
-        except ImportError:
-            reason = "needs pyserial: pip install 'hoverproof[mavlink]'"
-            raise InputError("--mavlink", "", reason) from None
         try:
             self._port = serial.Serial(device, baud, timeout=0, write_timeout=0)
         except (OSError, ValueError) as error:

@@ -24,7 +24,7 @@ RESTART = 1.0
 """s: a stamp that is older by more is of a vehicle that has started anew, not of a late packet."""
 
 DRIFT = 2e-4
-"""s in a second: by how much two clocks may run apart."""
+"""s in a second: by how much two clocks may run apart; that of a simulator may by more."""
 
 STALE = {"rotation": 0.15, "rate": 0.15, "velocity": 0.3, "specific_force": 0.15}
 """s: the age from which on something is not flown by."""
@@ -54,12 +54,15 @@ class Stamps:
         Whether the stamps began anew.
     overtaken : int
         How many came behind a newer one: a bare number.
+    drift : float
+        By how much the clocks may run apart, s in a second.
     """
 
     newest: float = -math.inf
     ahead: float = math.inf
     restarted: bool = False
     overtaken: int = 0
+    drift: float = DRIFT
 
     def read(self, stamp: float, now: float) -> float | None:
         """Return when that was by our clock, s; None of what is no newer than what came before.
@@ -76,7 +79,7 @@ class Stamps:
             return None
         passed = stamp - self.newest if self.newest > -math.inf else 0.0
         self.newest = stamp
-        self.ahead = min(self.ahead + DRIFT * passed, now - stamp)
+        self.ahead = min(self.ahead + self.drift * passed, now - stamp)
         return stamp + self.ahead
 
 
@@ -141,6 +144,8 @@ class Told:
         MAV_LANDED_STATE, a bare number; 0 if it does not say.
     refused : dict
         Messages that cannot be used, and why.
+    drift : float
+        By how much the vehicle's clock and ours may run apart, s in a second.
     """
 
     heartbeat: Heartbeat | None = None
@@ -151,6 +156,7 @@ class Told:
     thrust_setpoint: Reading | None = None
     landed: int = 0
     refused: dict[str, str] = field(default_factory=dict)
+    drift: float = DRIFT
     _clocks: dict[str, Stamps] = field(default_factory=dict)
 
     @property
@@ -198,7 +204,7 @@ class Told:
             return
         boot = getattr(message, "time_boot_ms", None)
         stamp = message.time_usec / 1e6 if boot is None else boot / 1e3
-        at = self._clocks.setdefault(kind, Stamps()).read(stamp, now)
+        at = self._clocks.setdefault(kind, Stamps(drift=self.drift)).read(stamp, now)
         if at is not None:
             taken(message, at)
 

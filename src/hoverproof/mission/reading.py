@@ -9,7 +9,7 @@ import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, Concatenate, ParamSpec, TypeVar
+from typing import Any, Concatenate, ParamSpec, TypeVar, get_args
 
 from pydantic import ValidationError
 
@@ -290,7 +290,8 @@ def _known_keys(path: Sequence[int | str]) -> list[str]:
     section: Any = Mission
     for part in path:
         field = getattr(section, "model_fields", {}).get(part)
-        section = field and field.annotation
+        kinds = () if field is None else (field.annotation, *get_args(field.annotation))
+        section = next((kind for kind in kinds if hasattr(kind, "model_fields")), None)
     return [key for key in getattr(section, "model_fields", ()) if key != "source"]
 
 

@@ -327,6 +327,26 @@ def seeing(lens: LensModel, where: str, key: str) -> tuple[LensModel, Sight]:
     return lens, sight
 
 
+def cone_in_image(mission: Mission) -> float | None:
+    """Return the half angle of the largest cone about the optical axis that is in the image, rad.
+
+    None where the mission tells no lens. Rounded down, to four digits after the point.
+
+    Parameters
+    ----------
+    mission : Mission
+
+    Raises
+    ------
+    InputError
+        If a pixel of the image has no one direction.
+    """
+    seeing = seeing_lens(mission)
+    if seeing is None:
+        return None
+    return math.floor(1e4 * seeing[1].half_angle(np.array([0.0, 0.0, 1.0]))) / 1e4
+
+
 def check_cone(mission: Mission) -> None:
     """Refuse a half angle that reaches beyond the image, where the lens is told.
 
@@ -339,14 +359,11 @@ def check_cone(mission: Mission) -> None:
     InputError
         If it does, or a pixel of the image has no one direction.
     """
-    seeing, half = seeing_lens(mission), mission.camera.half_angle
-    if seeing is None or half is None:
-        return
-    largest = seeing[1].half_angle(np.array([0.0, 0.0, 1.0]))
-    if half > largest:
+    largest, half = cone_in_image(mission), mission.camera.half_angle
+    if largest is not None and half is not None and half > largest:
         reason = (
             f"reaches beyond the image: the largest cone about the optical axis within it has "
-            f"{math.floor(1e4 * largest) / 1e4:g} rad, not {float(half):g}"
+            f"{largest:g} rad, not {float(half):g}"
         )
         raise InputError(mission.source, "camera.half_angle", reason)
 

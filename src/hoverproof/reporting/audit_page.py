@@ -2,91 +2,89 @@
 
 from __future__ import annotations
 
-import io
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-
-import matplotlib as mpl
-from jinja2 import Environment
 
 from hoverproof.audit.verdict import Audit
 from hoverproof.files import write_text
-from hoverproof.show.audit import findings_figure
-from hoverproof.show.style import laid_out
+from hoverproof.reporting.assets import asset, pages
+from hoverproof.reporting.pictures import Picture, picture
+from hoverproof.show.audit import finding_figure
 from hoverproof.version import __version__
 
-PAGE = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8">
-<meta name="viewport" content="width=device-width">
-<title>Audit of {{ audit.log.source }}</title>
-<style>
-body { font: 15px/1.45 system-ui, sans-serif; max-width: 62em; margin: 1em auto; padding: 0 1em }
-table { border-collapse: collapse; width: 100% }
-td, th { text-align: left; vertical-align: top; padding: .25em .6em; border-bottom: 1px solid #ddd }
-.broken { background: #fbe3d6 } .untold { color: #666 } pre { white-space: pre-wrap }
-svg { width: 100%; height: auto }
-</style></head><body>
-<h1>{{ heading }}</h1>
-<p>{{ audit.log.source }}, {{ audit.log.kind }}{% if audit.log.partial %}.
-<strong>Partial: {{ audit.log.partial }}.</strong>{% endif %}</p>
-<table><tr><th>Assumption</th><th></th><th>Found</th><th>Assumed</th><th>Since</th><th></th></tr>
-{% for f in audit.findings %}
-<tr class="{{ 'untold' if f.held is none else '' if f.held else 'broken' }}">
-<td>{{ f.name }}{{ ' (follows)' if f.follows }}</td>
-<td>{{ 'not told' if f.held is none else 'held' if f.held else 'broken' }}</td>
-<td>{% if f.held is not none %}{{ '%.4g' % f.value }}
-{%- if f.deviation == f.deviation %} ± {{ '%.1g' % f.deviation }}{% endif %}
-{{ '' if f.unit == '1' else f.unit }}{% endif %}</td>
-<td>{% if f.held is not none %}{{ '%.4g' % f.bound }}{% endif %}</td>
-<td>{% if f.at is not none %}{{ '%.4g' % f.at }} s{% endif %}</td>
-<td>{{ f.words }}</td></tr>
-{% endfor %}</table>
-{% if command %}<p>Tolerances that would cover it, to be proved by</p>
-<pre>{{ command }}</pre>{% endif %}
-{% if picture %}<h2>Over time</h2>
-<p>Dashed: what is assumed. Upright: when it first broke.</p>
-{{ picture|safe }}{% endif %}
-<details><summary>As printed</summary><pre>{{ lines|join("\n") }}</pre></details>
-<p>hoverproof {{ version }}. Assumptions that are not told may be broken all the same.</p>
-</body></html>
-"""
 
-
-def write_page(path: Path, audit: Audit, lines: Sequence[str], command: str | None) -> None:
+def write_page(
+    path: Path,
+    audit: Audit,
+    summary: str,
+    lines: Sequence[str],
+    command: str | None,
+    anew: Sequence[str] = (),
+) -> None:
     """Write the page.
 
     Parameters
     ----------
     path : Path
     audit : Audit
+    summary : str
+        What it came to, in a few words.
     lines : sequence of str
-        What is printed; its first is the heading.
+        What is printed.
     command : str, optional
         That asks for the proof with tolerances that would cover what was found.
+    anew : sequence of str
+        What such a proof came to, if it was asked for.
 
     Raises
     ------
     InputError
         If it cannot be written.
     """
-    page = Environment(autoescape=True).from_string(PAGE)
-    text = page.render(
-        audit=audit,
-        heading=lines[0],
-        lines=lines,
-        command=command,
-        picture=_picture(audit),
-        version=__version__,
+    log = audit.log
+    told = [f for f in audit.findings if f.held is not None]
+    tone = "refuted" if audit.broken else "proved" if told and audit.claim else "undecided"
+    text = (
+        pages()
+        .get_template("audit.html.j2")
+        .render(
+            audit=audit,
+            heading=f"{audit.mission.name}: was it flown as it is proved?",
+            span=f"{log.times[0]:.4g} to {log.times[-1]:.4g} s",
+            tone=tone,
+            summary=summary,
+            said=[*_said(audit)],
+            told=told,
+            untold=audit.untold,
+            command=command,
+            anew=anew,
+            pictures=_pictures(audit),
+            lines=lines,
+            css=asset("report.css"),
+            version=__version__,
+        )
     )
-    write_text(path, text + "\n")
+    write_text(path, text)
 
 
-def _picture(audit: Audit) -> str:
-    if not any(f.times is not None for f in audit.findings):
-        return ""
-    drawn = io.StringIO()
-    with mpl.rc_context({"svg.hashsalt": "audit"}):
-        figure = laid_out(findings_figure(audit.findings), "svg")
-        figure.savefig(drawn, format="svg", metadata={"Date": None})
-    text = drawn.getvalue()
-    return text[text.index("<svg") :]
+def _said(audit: Audit) -> Iterator[str]:
+    """Yield what is to be known before all else."""
+    if audit.broken:
+        first = audit.broken[0]
+        when = "" if first.at is None else f", at {first.at:.4g} s"
+        yield f"First broke: {first.name}{when}: {first.found}, where {first.assumed} is assumed."
+    if audit.log.partial:
+        yield f"The log is partial: {audit.log.partial}."
+    if audit.claim is None:
+        yield "Nothing is proved of this mission by theorem 5."
+    yield from (f"{note[:1].upper()}{note[1:]}." for note in audit.log.notes)
+
+
+def _pictures(audit: Audit) -> list[Picture]:
+    drawn = [f for f in audit.findings if f.times is not None and f.values is not None]
+    drawn.sort(key=lambda f: bool(f.held))  # what broke comes first
+    found = []
+    for k, f in enumerate(drawn):
+        what = f"{f.name}, {'held' if f.held else 'broken'}: {f.found} of {f.assumed}"
+        found.append(picture(f"finding-{k}", lambda f=f: finding_figure(f), f.name, what))  # type: ignore[misc]
+    return found

@@ -8,7 +8,6 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 from typing import Any
 
 import jinja2
@@ -21,11 +20,11 @@ from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.export.cost import STEPS
 from hoverproof.paper.judge import Verdict
 from hoverproof.reporting import mathematics, pictures, tables, wording
+from hoverproof.reporting.assets import asset, pages
 from hoverproof.reporting.glance import Line
 from hoverproof.reporting.numerals import short
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts, sentence
 from hoverproof.reporting.player import player_data
-from hoverproof.templates import templates
 from hoverproof.version import __version__
 
 CONTENTS = (
@@ -115,8 +114,8 @@ def context(parts: Parts, origin: Origin, glance: Sequence[Line]) -> dict[str, A
         "verdict": parts.verdict,
         "version": __version__,
         "contents": [(anchor, wording.heading(words, parts)) for anchor, words in CONTENTS],
-        "css": _asset("report.css"),
-        "js": _asset("player.js"),
+        "css": asset("report.css"),
+        "js": asset("player.js"),
         "headline": wording.headline(parts),
         "glance": glance,
         "merits": list(wording.merits(parts)),
@@ -303,15 +302,8 @@ def _tone(verdict: Verdict) -> str:
 
 
 @cache
-def _asset(name: str) -> str:
-    folder = resources.files("hoverproof.reporting") / "templates"
-    return re.sub(r"(?m)\s+$", "", (folder / name).read_text(encoding="utf-8")) + "\n"
-
-
-@cache
 def _template() -> jinja2.Template:
-    layout = {"autoescape": True, "trim_blocks": True, "lstrip_blocks": True}
-    environment = templates("hoverproof.reporting", "templates", **layout)
+    environment = pages()
 
     def mathml(latex: str, *, block: bool = False) -> Markup:
         return Markup(mathematics.mathml(latex, block=block))

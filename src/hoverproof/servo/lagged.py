@@ -17,13 +17,19 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from hoverproof.algebra.linear import lie_derivative
-from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import horizontal
 from hoverproof.servo.layout import Packed, column, scalar
-from hoverproof.servo.uncertain import QUARTER, kappa
+from hoverproof.servo.true_vehicle import (
+    QUARTER,
+    kappa,
+    outer_rates,
+    true_errors,
+    true_flow,
+    true_force,
+)
 from hoverproof.servo.variables import Design, Errors, Measurement
 
 
@@ -130,10 +136,9 @@ def lagged_rates(e: Errors, at: Setting, rotors: Rotors, design: Design) -> ca.S
     applied = smooth_command(e, design) + rotors.torque
     gain, own = ca.reshape(rotors.angular_gain, 2, 2), own_gyroscopic(design)
 
-    d1 = turn @ e.d1 - y + dragged
-    d2 = turn @ e.d2 + y + pull - dragged
     lift = rotors.thrust_gain * follows
-    d3 = turn @ e.d3 + y + pull + ca.vertcat(k * at.lever_ratio * zeta, -lift)
+    pushed = ca.vertcat(k * at.lever_ratio * zeta, -lift)
+    d1, d2, d3 = outer_rates(e, turn=turn, depth_flow=y, pull=pull, dragged=dragged, pushed=pushed)
     d4 = (
         horizontal(y + pull)
         + (k * at.lever_ratio + drift + h * e.d3[2]) * zeta
@@ -201,9 +206,7 @@ def derive_lagged_loop(law: Law) -> LaggedLoop:
     body, ahead, rotors = Measurement.symbols(), ca.SX.sym("n", 3), Rotors.symbols()
     wind = ca.SX.sym("wind", 3) if law.force.sensed else ca.SX.zeros(3)
     late, applied = ca.SX.sym("U_a"), ca.SX.sym("a_a", 2)
-    force = wind + rigid_body.force(
-        body.thrust, body.gravity_direction, design.mass, design.gravity
-    )
+    force = true_force(body, wind, design)
     known = replace(body, centroid=body.centroid + ahead)
     if law.force.sensed:
         known = law.force.sensed(known, (wind - body.thrust * E3) / design.mass)
@@ -217,13 +220,7 @@ def derive_lagged_loop(law: Law) -> LaggedLoop:
         design.stiffness,
         kappa(design),
     )
-    e = law.chain(
-        design,
-        image_error=law.goal.error(body, design),
-        velocity=body.velocity,
-        force=force,
-        turn=lever * skew(E3) @ body.rate,
-    )
+    e = true_errors(law, body, force, lever, design)
     mu = lever / (c * k) * applied - smooth_command(e, design)
     mu_thrust = late / c - k * e.d3[2]
 
@@ -231,12 +228,14 @@ def derive_lagged_loop(law: Law) -> LaggedLoop:
     gain, gyroscopic = (ca.reshape(x, 2, 2) for x in (rotors.angular_gain, rotors.gyroscopic))
     spun = applied + gain @ applied - body.rate[2] * gyroscopic @ turned
     flow = ca.vertcat(
-        camera.centroid_rate(body.centroid, body.rate, depth_flow),
-        rigid_body.acceleration(body.velocity, body.rate, force, design.mass),
-        rigid_body.gravity_direction_rate(body.gravity_direction, body.rate),
-        -QUARTER @ spun,
-        ca.SX.sym("yaw_acceleration"),
-        rotors.thrust_gain * late,
+        true_flow(
+            body,
+            design,
+            force=force,
+            depth_flow=depth_flow,
+            turning=spun,
+            thrust_rate=rotors.thrust_gain * late,
+        ),
         (QUARTER @ (torque / design.inertia[:3])[:2] - applied) / rotors.lag,
         (asked - late) / rotors.lag,
     )

@@ -13,16 +13,20 @@ from typing import Any
 import casadi as ca
 
 from hoverproof.algebra.linear import lie_derivative
-from hoverproof.plant import camera, rigid_body
 from hoverproof.plant.rigid_body import E3, skew
 from hoverproof.servo.controller import Controller, derive_controller
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, horizontal
 from hoverproof.servo.layout import Packed, column, scalar
+from hoverproof.servo.true_vehicle import (
+    QUARTER,
+    kappa,
+    outer_rates,
+    true_errors,
+    true_flow,
+    true_force,
+)
 from hoverproof.servo.variables import Design, Errors, Measurement
-
-QUARTER = ca.SX([[0, -1], [1, 0]])
-"""e₃ × of a horizontal vector, (2, 2)."""
 
 
 @dataclass(frozen=True)
@@ -94,16 +98,6 @@ class Motion(Packed):
     crosswind: ca.SX = scalar("1/s")
 
 
-def kappa(design: Design) -> ca.SX:
-    """Return κ = (k1 k2 + k3)/m, (1, 1), 1/s: 1/(c κ) is the β of δ4.
-
-    Parameters
-    ----------
-    design : Design
-    """
-    return (design.k1 * design.k2 + design.k3) / design.mass
-
-
 def command(e: Errors, motion: Motion, doubt: Doubt, design: Design) -> ca.SX:
     """Return what the controller asks of e₃ × Ω̇, times what it takes δ4 for, (2, 1), 1/s².
 
@@ -149,10 +143,9 @@ def error_rates(e: Errors, motion: Motion, doubt: Doubt, design: Design) -> ca.S
     p2 = motion.sinking_by_error
     dragged = motion.goal * motion.quickness * ca.vertcat(zeta, 0)
 
-    d1 = turn @ e.d1 - y + dragged
-    d2 = turn @ e.d2 + y + pull - dragged
     lift = doubt.thrust_gain * force_pace * (e.d3[2] - missed[2])
-    d3 = turn @ e.d3 + y + pull + ca.vertcat(force_pace * chi * zeta, -lift)
+    pushed = ca.vertcat(force_pace * chi * zeta, -lift)
+    d1, d2, d3 = outer_rates(e, turn=turn, depth_flow=y, pull=pull, dragged=dragged, pushed=pushed)
     d4 = (
         horizontal(y)
         - force_pace * h3
@@ -220,27 +213,21 @@ def derive_uncertain_loop(law: Law = HAMEL_MAHONY) -> UncertainLoop:
     known = replace(law.measurement.symbols(), rate=body.rate)
     thrust_rate, command, model_drift = _commanded(derive_controller(law), known, design)
 
-    force = wind + rigid_body.force(
-        body.thrust, body.gravity_direction, design.mass, design.gravity
-    )
+    force = true_force(body, wind, design)
     lever = law.lever(law.force.thrust(known, design), design)
     held, depth_flow = ca.SX.sym("D_c"), ca.SX.sym("y", 3)  # D_c moves as it is said to
-    errors = law.chain(
-        design,
-        image_error=law.goal.error(body, design),
-        velocity=body.velocity,
-        force=force,
-        turn=held * skew(E3) @ body.rate,
-    )
+    errors = true_errors(law, body, force, held, design)
     spin = ca.reshape(doubt.gyroscopic, 2, 2) @ QUARTER @ body.rate[:2]
     turned = QUARTER @ command + ca.reshape(doubt.angular_gain, 2, 2) @ QUARTER @ command
     flow = ca.vertcat(
-        camera.centroid_rate(body.centroid, body.rate, depth_flow),
-        rigid_body.acceleration(body.velocity, body.rate, force, design.mass),
-        rigid_body.gravity_direction_rate(body.gravity_direction, body.rate),
-        -QUARTER @ (turned + body.rate[2] * spin),
-        ca.SX.sym("yaw_acceleration"),
-        doubt.thrust_gain * thrust_rate,
+        true_flow(
+            body,
+            design,
+            force=force,
+            depth_flow=depth_flow,
+            turning=turned + body.rate[2] * spin,
+            thrust_rate=doubt.thrust_gain * thrust_rate,
+        ),
         -skew(body.rate) @ wind,
         model_drift + doubt.lever_drift * lever,
     )

@@ -141,8 +141,8 @@ def draw_atlas(
     if np.isnan(margin).any():
         handles.append(Patch(facecolor=NO_QUESTION, edgecolor="grey", label="no question posed"))
     handles += _boundary(axes, atlas, x, y, scales)
-    axes.set_xlim(*_edges(across, scales[0])[[0, -1]])
-    axes.set_ylim(*_edges(along, scales[1])[[0, -1]])
+    axes.set_xlim(*cell_edges(across, scales[0])[[0, -1]])
+    axes.set_ylim(*cell_edges(along, scales[1])[[0, -1]])
     if printed is not None:
         handles.append(_printed_area(axes, across, along, printed))
     own = [QUANTITIES[name].value(mission) for name in (x, y)]
@@ -190,7 +190,9 @@ def _boundary(axes: Axes, atlas: Recorded, x: str, y: str, scales: list[str]) ->
             atlas[x].values, atlas[y].values, margin, levels=[0], colors="black", linewidths=1.5
         )
         return [Line2D([], [], color="black", label="boundary (floating point)")]
-    edges = [_edges(atlas[name].values, scale) for name, scale in zip((x, y), scales, strict=True)]
+    edges = [
+        cell_edges(atlas[name].values, scale) for name, scale in zip((x, y), scales, strict=True)
+    ]
     lines = []
     for i, j in np.argwhere(verdict[:, 1:] * verdict[:, :-1] == -1):
         lines.append([(edges[0][j + 1], edges[1][i]), (edges[0][j + 1], edges[1][i + 1])])
@@ -200,8 +202,16 @@ def _boundary(axes: Axes, atlas: Recorded, x: str, y: str, scales: list[str]) ->
     return [Line2D([], [], color="black", label="boundary, decided exactly on both sides")]
 
 
-def _edges(values: Array, scale: str) -> Array:
-    """Return the edges of cells about values, (n + 1,)."""
+def cell_edges(values: Array, scale: str) -> Array:
+    """Return the edges of cells about values, (n + 1,), in their unit.
+
+    Parameters
+    ----------
+    values : (n,)
+        Ascending, in any unit.
+    scale : str
+        "log" or "linear".
+    """
     v = np.log(values) if scale == "log" else values
     middle = (v[1:] + v[:-1]) / 2
     edges = np.concatenate([[2 * v[0] - middle[0]], middle, [2 * v[-1] - middle[-1]]])

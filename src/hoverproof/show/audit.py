@@ -1,4 +1,4 @@
-"""Draw the findings of an audit over time, each against its bound."""
+"""Draw a finding of an audit over time, against its bound."""
 
 from __future__ import annotations
 
@@ -8,34 +8,35 @@ from matplotlib.figure import Figure
 from hoverproof.audit.finding import Finding
 from hoverproof.show.style import COLOURS
 
-POINTS = 1500
+COLUMNS = 600
+"""Of more samples the least and the largest of each of so many stretches of time are drawn."""
 
 
-def findings_figure(findings: list[Finding]) -> Figure:
-    """Draw what was found over time, a panel each.
+def finding_figure(f: Finding) -> Figure:
+    """Draw what was found over time.
 
     Parameters
     ----------
-    findings : list of Finding
-        With at least one that is told over time.
+    f : Finding
+        That is told over time.
     """
-    drawn = [f for f in findings if f.times is not None and f.values is not None]
-    rows = -(-len(drawn) // 2)
-    figure = Figure(figsize=(10, 1.9 * rows), layout="constrained")
-    panels = np.atleast_1d(figure.subplots(rows, 2, squeeze=False)).ravel()
-    for axes, f in zip(panels, drawn, strict=False):
-        assert f.times is not None and f.values is not None
-        step = max(1, len(f.times) // POINTS)
-        axes.plot(f.times[::step], f.values[::step], color=COLOURS[0], lw=1)
-        axes.axhline(f.bound, color=COLOURS[1], ls="--", lw=1)
-        if f.at is not None:
-            axes.axvline(f.at, color=COLOURS[3], lw=1)
-        unit = "" if f.unit == "1" else f", {f.unit}"
-        axes.set_title(f"{f.name}{unit}", fontsize=9, loc="left")
-        axes.tick_params(labelsize=8)
-        axes.grid(alpha=0.3)
-    for axes in panels[len(drawn) :]:
-        axes.set_axis_off()
-    for axes in panels[max(len(drawn) - 2, 0) : len(drawn)]:
-        axes.set_xlabel("time, s", fontsize=8)
+    assert f.times is not None and f.values is not None
+    figure = Figure(figsize=(5, 2.1), layout="constrained")
+    axes = figure.subplots()
+    step = max(1, len(f.times) // COLUMNS)
+    if step == 1:
+        axes.plot(f.times, f.values, color=COLOURS[0], lw=1.2)
+    else:
+        count = len(f.times) // step * step
+        stretches = f.values[:count].reshape(-1, step)
+        ends = np.stack([stretches.min(axis=1), stretches.max(axis=1)], axis=1).ravel()
+        axes.plot(np.repeat(f.times[:count:step], 2), ends, color=COLOURS[0], lw=1.2)
+    axes.axhline(f.bound, color=COLOURS[1], ls="--", lw=1.4)
+    if f.at is not None:
+        axes.axvline(f.at, color=COLOURS[3], lw=1.4)
+    if np.nanmax(abs(f.values)) < 1e-9 and not f.bound:  # else rounding errors fill the picture
+        axes.set_ylim(-1, 1)
+    axes.set_xlabel("time, s")
+    axes.set_ylabel("share" if f.unit == "1" else f.unit)
+    axes.grid(alpha=0.3)
     return figure

@@ -17,6 +17,7 @@ import shutil
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -65,10 +66,11 @@ SECONDS_BETWEEN_NOTES = 2
 SIZES = {"axis": 3, "body_axis": 3, "angle": 3}
 
 
-def file_size(plan: Plan, runs: int, precision: Precision) -> int:
-    """Return about how many bytes the file of runs takes.
+@dataclass(frozen=True)
+class Batch:
+    """The runs of a file: all that decides about its bytes.
 
-    Parameters
+    Attributes
     ----------
     plan : Plan
     runs : int
@@ -76,11 +78,36 @@ def file_size(plan: Plan, runs: int, precision: Precision) -> int:
     precision : "float32" or "float64"
         Of the numbers kept over time.
     """
-    sizes = SIZES | {"rotor": plan.rotors}
-    numbers = sum(int(np.prod([sizes[d] for d in dims])) for dims, _, _ in SERIES.values())
-    each = numbers * np.dtype(precision).itemsize * (plan.samples + 1)
-    of_a_run = 8 + sum(np.dtype(kind).itemsize for kind, _, _ in OF_A_RUN.values())
-    return HEADER_BYTES + 8 * plan.samples + runs * (each + of_a_run)
+
+    plan: Plan
+    runs: int
+    precision: Precision
+
+    @property
+    def file_size(self) -> int:
+        """About how many bytes the file takes."""
+        sizes = SIZES | {"rotor": self.plan.rotors}
+        numbers = sum(int(np.prod([sizes[d] for d in dims])) for dims, _, _ in SERIES.values())
+        each = numbers * np.dtype(self.precision).itemsize * (self.plan.samples + 1)
+        of_a_run = 8 + sum(np.dtype(kind).itemsize for kind, _, _ in OF_A_RUN.values())
+        return HEADER_BYTES + 8 * self.plan.samples + self.runs * (each + of_a_run)
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """What tells it from other batches, by name, as JSON has it."""
+        plan = self.plan
+        return {
+            "mission": plan.mission.exact(),
+            "conditions": plan.mission.conditions(),
+            "seed": plan.seed,
+            "runs": self.runs,
+            "step": plan.step,
+            "samples": plan.samples,
+            "every": plan.every,
+            "precision": self.precision,
+            "version": plan.version,
+            "model": plan.model_sha256,
+        }
 
 
 class RunsFile:
@@ -152,17 +179,13 @@ class RunsFile:
 
 
 @contextmanager
-def create(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[RunsFile]:
+def create(path: Path, batch: Batch) -> Iterator[RunsFile]:
     """Make the file of runs, all still to be flown, and open it.
 
     Parameters
     ----------
     path : Path
-    plan : Plan
-    runs : int
-        Number of runs.
-    precision : "float32" or "float64"
-        Of the numbers kept over time.
+    batch : Batch
 
     Raises
     ------
@@ -171,10 +194,10 @@ def create(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[
     """
     try:
         with replacing(path) as beside:
-            _reserve(beside, file_size(plan, runs, precision))
-            _skeleton(plan, runs, precision).to_netcdf(beside, engine="h5netcdf")
+            _reserve(beside, batch.file_size)
+            _skeleton(batch).to_netcdf(beside, engine="h5netcdf")
             with h5netcdf.File(beside, "r+") as file:
-                _lay_out(file, plan, runs, precision)
+                _lay_out(file, batch)
     except RuntimeError as error:  # of HDF5
         raise InputError(str(path), "", f"cannot be written: {error}") from None
     with contextlib.closing(RunsFile(path)) as opened:
@@ -182,17 +205,13 @@ def create(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[
 
 
 @contextmanager
-def reopen(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[RunsFile]:
+def reopen(path: Path, batch: Batch) -> Iterator[RunsFile]:
     """Open the file of runs that was cut short.
 
     Parameters
     ----------
     path : Path
-    plan : Plan
-    runs : int
-        Number of runs.
-    precision : "float32" or "float64"
-        Of the numbers kept over time.
+    batch : Batch
 
     Raises
     ------
@@ -209,8 +228,7 @@ def reopen(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[
         raise InputError(
             str(path), "", "is not the file of a batch, so not to be resumed"
         ) from None
-    wanted = identity(plan, runs, precision)
-    for key, value in wanted.items():
+    for key, value in batch.identity.items():
         if found.get(key) != value:
             reason = f"was made with another {key}, so it cannot be resumed"
             if not isinstance(value, dict):
@@ -222,31 +240,6 @@ def reopen(path: Path, plan: Plan, runs: int, precision: Precision) -> Iterator[
         raise InputError(str(path), "", f"cannot be opened: {error.strerror}") from None
     with contextlib.closing(opened):
         yield opened
-
-
-def identity(plan: Plan, runs: int, precision: Precision) -> dict[str, Any]:
-    """Return all that decides about the bytes of a file of runs.
-
-    Parameters
-    ----------
-    plan : Plan
-    runs : int
-        Number of runs.
-    precision : "float32" or "float64"
-        Of the numbers kept over time.
-    """
-    return {
-        "mission": plan.mission.exact(),
-        "conditions": plan.mission.conditions(),
-        "seed": plan.seed,
-        "runs": runs,
-        "step": plan.step,
-        "samples": plan.samples,
-        "every": plan.every,
-        "precision": precision,
-        "version": plan.version,
-        "model": plan.model_sha256,
-    }
 
 
 def _reserve(path: Path, size: int) -> None:
@@ -274,9 +267,9 @@ def _unless_unknown() -> Iterator[None]:
             raise
 
 
-def _skeleton(plan: Plan, runs: int, precision: Precision) -> xr.Dataset:
+def _skeleton(batch: Batch) -> xr.Dataset:
     """Return coordinates and provenance, without runs."""
-    mission, axes = plan.mission, list("xyz")
+    plan, mission, axes = batch.plan, batch.plan.mission, list("xyz")
     return xr.Dataset(
         coords={
             "time": ("time", plan.times, {"units": "s"}),
@@ -297,23 +290,23 @@ def _skeleton(plan: Plan, runs: int, precision: Precision) -> xr.Dataset:
             "every": plan.every,
             "model_sha256": plan.model_sha256,
             "hoverproof_version": __version__,
-            "runs": runs,
+            "runs": batch.runs,
             "runs_complete": np.int64(0),
-            "batch": json.dumps(identity(plan, runs, precision)),
+            "batch": json.dumps(batch.identity),
         },
     )
 
 
-def _lay_out(file: h5netcdf.File, plan: Plan, runs: int, precision: Precision) -> None:
+def _lay_out(file: h5netcdf.File, batch: Batch) -> None:
     """Take the space of every variable, and mark all of it as missing."""
     early = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     early.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-    file.dimensions["run"] = runs
+    file.dimensions["run"] = runs = batch.runs
     number = file.create_variable("run", ("run",), "int64", data=np.arange(runs))
     number.attrs["long_name"] = "number of the run, from 0"
     for name, (dims, units, words) in SERIES.items():
         variable = file.create_variable(
-            name, ("run", "time", *dims), precision, fillvalue=np.nan, dcpl=early.copy()
+            name, ("run", "time", *dims), batch.precision, fillvalue=np.nan, dcpl=early.copy()
         )
         variable.attrs.update({"units": units, "long_name": words})
     for name, (kind, units, words) in OF_A_RUN.items():

@@ -24,7 +24,7 @@ from hoverproof.simulation import kernel
 from hoverproof.simulation.block import fly_block
 from hoverproof.simulation.flight_log import OUTCOMES
 from hoverproof.simulation.plan import AT_LEAST, Plan, check_seed
-from hoverproof.simulation.results import Precision, create, reopen
+from hoverproof.simulation.results import Batch, Precision, create, reopen
 from hoverproof.simulation.surroundings import RECORD
 from hoverproof.simulation.timing import Timing
 from hoverproof.spread import spread
@@ -136,7 +136,7 @@ def simulate_batch(
     begin, path = time.perf_counter(), Path(path or f"{mission.name}.flights.nc")
     opening = reopen if resume else create
     stop, interrupted = kernel.Stop(), False
-    with locked(path), opening(path, plan, runs, precision) as file:
+    with locked(path), opening(path, Batch(plan, runs, precision)) as file:
         earlier = file.runs_complete
         parts = [(a, min(plan.block, runs - a)) for a in range(earlier, runs, plan.block)]
         fly = partial(fly_block, plan) if scheduler else partial(fly_block, plan, stop=stop)

@@ -24,7 +24,7 @@ from hoverproof.servo.lagged import (
     smooth_command,
 )
 from hoverproof.servo.law import Law
-from hoverproof.servo.uncertain import QUARTER, kappa
+from hoverproof.servo.true_vehicle import QUARTER, kappa
 from hoverproof.servo.variables import Errors
 
 

@@ -30,7 +30,8 @@ from hoverproof.plant.rigid_body import E3
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import horizontal
 from hoverproof.servo.layout import Packed, column, scalar
-from hoverproof.servo.uncertain import Doubt, Motion, command, error_rates, kappa
+from hoverproof.servo.true_vehicle import kappa
+from hoverproof.servo.uncertain import Doubt, Motion, command, error_rates
 from hoverproof.servo.variables import Design, Errors
 
 

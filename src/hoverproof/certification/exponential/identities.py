@@ -26,7 +26,8 @@ from hoverproof.servo.lagged import (
 )
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import LAWS
-from hoverproof.servo.uncertain import QUARTER, Doubt, Motion, command, error_rates, kappa
+from hoverproof.servo.true_vehicle import QUARTER, kappa
+from hoverproof.servo.uncertain import Doubt, Motion, command, error_rates
 from hoverproof.servo.variables import Design, Errors, Measurement
 
 GOALS = {goal: LAWS["scaled", goal, "measured"] for goal in ("image", "inertial")}

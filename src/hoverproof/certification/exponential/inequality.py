@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.algebra.buffered import Buffered
 from hoverproof.certification.exponential.form import ROWS, Variables, Weights, derive_form
 from hoverproof.certification.exponential.held import factor, moved
 from hoverproof.certification.exponential.limits import Limits
@@ -282,17 +282,11 @@ def _at_vertices(limits: Limits, potential: bool) -> dict[str, Array]:
 
 def _at(law: Law, lagged: bool, potential: bool, given: Sequence[Array]) -> Array:
     """Evaluate the form at rows of designs, vertices and weights: (rows, 62, 20)."""
-    form = _several(law, lagged, potential, len(given[0]))
+    count = len(given[0])
+    form = _several(law, lagged, potential, count)
     rows, columns = form.size_out(0)
-    found = np.empty((len(given[0]), columns // len(given[0]), rows))
-    buffer, evaluate = form.buffer()
-    arrays: list[Any] = [np.ascontiguousarray(array, float) for array in given]
-    for k, array in enumerate(arrays):  # casadi's stubs ask for a size besides
-        buffer.set_arg(k, memoryview(array))  # type: ignore[call-arg]
-    whole: Any = found
-    buffer.set_res(0, memoryview(whole))  # type: ignore[call-arg]
-    evaluate()
-    return found.swapaxes(1, 2)
+    (found,) = Buffered(form)(*(array.ravel() for array in given))
+    return found.reshape(count, columns // count, rows).swapaxes(1, 2)
 
 
 @cache

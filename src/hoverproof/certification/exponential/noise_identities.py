@@ -24,7 +24,7 @@ from hoverproof.servo.lagged import (
 )
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import LAWS
-from hoverproof.servo.uncertain import QUARTER, kappa
+from hoverproof.servo.true_vehicle import QUARTER, kappa
 from hoverproof.servo.variables import Design, Errors, Measurement
 
 

@@ -12,7 +12,7 @@ from hoverproof.mission.sections import Mission
 from hoverproof.mission.uncertainty import TOLERANCES
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import law_of
-from hoverproof.servo.uncertain import kappa
+from hoverproof.servo.true_vehicle import kappa
 from hoverproof.servo.variables import Design
 
 Array = NDArray[np.float64]

@@ -8,23 +8,28 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hoverproof.cli.answers.answer import EXIT, Answer
-from hoverproof.cli.answers.words import wrapped
+from hoverproof.cli.answers.words import number, wrapped
 
 if TYPE_CHECKING:
     from hoverproof.audit.finding import Finding
+    from hoverproof.audit.recertifying import Recertified
     from hoverproof.audit.verdict import Audit
+    from hoverproof.certification.exponential.verdict import Exponential
 
 HELD = {True: "held", False: "BROKEN", None: "not told"}
 
 
 @dataclass(frozen=True)
 class AuditAnswer(Answer):
-    """An audit, why nothing is proved, the command that would cover, and the page."""
+    """An audit, why nothing is proved, the command that would cover, the page, a proof anew."""
 
     found: Audit
     reason: str
     command: str | None
     page: Path | None
+    certify: Path | None = None
+    certificate: Path | None = None
+    anew: Recertified | None = None
 
     @property
     def status(self) -> int:
@@ -66,10 +71,34 @@ class AuditAnswer(Answer):
             yield from wrapped("first", _first(found.broken[0]))
         for key, value in found.covering().items():
             yield f"  {'would be covered by':22}  uncertainty.{key} = {value}"
+        yield from self.proof_anew()
         if self.page is not None:
             yield f"  {'page':22}  {self.page}"
         if self.command:
             yield f"Next: {self.command}"
+
+    def proof_anew(self) -> Iterator[str]:
+        """Yield what a proof with wider tolerances came to."""
+        if self.certify is None:
+            return
+        if self.anew is None:
+            yield from wrapped("proved anew", f"nothing: {self._no_need()}")
+            return
+        verdict = self.anew.verdict
+        if verdict is None:
+            yield from wrapped("proved anew", f"not with these: {self.anew.reason}")
+            return
+        whose = "tuned gains" if self.anew.tuned else "the mission's gains"
+        yield from wrapped("proved anew", f"with these and {whose}: {settled(verdict)}")
+        if others := [f.name for f in self.found.broken if not f.key and not f.follows]:
+            yield from wrapped("", f"covered by no tolerance: {', '.join(others)}")
+        yield f"  {'mission':22}  {self.certify}"
+        yield f"  {'certificate':22}  {self.certificate}"
+
+    def _no_need(self) -> str:
+        if self.found.broken:
+            return "no tolerance covers what broke"
+        return "the mission's own tolerances cover what is told"
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""
@@ -90,9 +119,36 @@ class AuditAnswer(Answer):
             "first": found.broken[0].as_json() if found.broken else None,
             "findings": [f.as_json() for f in found.findings],
             "covering": {k: float(v) for k, v in found.covering().items()},
+            "anew": self._anew_as_json(),
             "command": self.command,
             "page": None if self.page is None else str(self.page),
         }
+
+    def _anew_as_json(self) -> dict[str, Any] | None:
+        if self.anew is None or self.certify is None:
+            return None
+        verdict = self.anew.verdict
+        proved = verdict is not None
+        return {
+            "proved": proved,
+            "tuned": self.anew.tuned,
+            "reason": self.anew.reason or None,
+            "settling_time": None if verdict is None else float(verdict.settling.time),
+            "settling_radius": None if verdict is None else float(verdict.settling.radius),
+            "mission": str(self.certify) if proved else None,
+            "certificate": str(self.certificate) if proved else None,
+        }
+
+
+def settled(verdict: Exponential) -> str:
+    """Write how soon a vehicle has settled.
+
+    Parameters
+    ----------
+    verdict : Exponential
+    """
+    settling = verdict.settling
+    return f"settled after {number(settling.time)} s within {number(settling.radius)} m"
 
 
 def _lines(f: Finding) -> Iterator[str]:
@@ -100,19 +156,11 @@ def _lines(f: Finding) -> Iterator[str]:
     if f.held is None:
         yield from wrapped(f.name, f"not told: {f.words}")
         return
-    unit = "" if f.unit == "1" else f" {f.unit}"
     since = "" if f.at is None else f" from {f.at:.4g} s on"
-    yield from wrapped(
-        f.name, f"{HELD[f.held]}{since}: {_number(f.value)} of {_number(f.bound)}{unit}"
-    )
+    yield from wrapped(f.name, f"{HELD[f.held]}{since}: {f.found}, assumed {f.assumed}")
     yield from wrapped("", f.words)
 
 
 def _first(f: Finding) -> str:
-    unit = "" if f.unit == "1" else f" {f.unit}"
     when = "" if f.at is None else f" at {f.at:.4g} s"
-    return f"{f.name}{when}, by {_number(-f.margin)}{unit}"
-
-
-def _number(value: float) -> str:
-    return f"{value:.4g}"
+    return f"{f.name}{when}, by {f.beyond}"

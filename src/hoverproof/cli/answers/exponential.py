@@ -10,6 +10,7 @@ from typing import Any
 from hoverproof.certification.certificate import exact
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.cli.answers.words import interval, number, numbers
+from hoverproof.plant.lens import cone_in_image
 
 
 def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
@@ -40,6 +41,7 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     if verdict.field_of_view is not None:
         angle = f"{number(verdict.field_of_view)} rad ({math.degrees(verdict.field_of_view):.3g}°)"
         yield f"  target points           within {angle} of the {verdict.mission.camera.axis_seen}"
+        yield from map("  {:24}".format("").__add__, _out_of_image(verdict))
     yield f"  thrust of each rotor    in {interval(verdict.rotor_thrust)} N"
     if verdict.mission.vehicle.own_limits:
         names = verdict.mission.vehicle.frame.names
@@ -49,6 +51,20 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     symbol = "J" if verdict.mission.law.feature == "scaled" else "Q"
     ball = f"j = {number((low + high) / 2)}, ϱ = {number((high - low) / 2)} 1/m"
     yield f"  |{symbol} - j I| <= ϱ          {ball}"
+
+
+def _out_of_image(verdict: Exponential) -> list[str]:
+    """Say what the image holds, where points may leave it: that they do not was not asked for."""
+    camera, cone = verdict.mission.camera, cone_in_image(verdict.mission)
+    if cone is None or camera.half_angle is not None or verdict.field_of_view is None:
+        return []
+    if verdict.field_of_view <= cone - camera.tilt:
+        return [f"the image holds {cone:g} rad about the optical axis: all in it"]
+    return [
+        f"the image holds {cone:g} rad about the optical axis:",
+        f"they may leave it; camera.half_angle = {cone:g} asks for",
+        "a proof that they do not",
+    ]
 
 
 def heights(verdict: Exponential) -> tuple[float, float]:

@@ -8,7 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hoverproof.cli.answers.answer import Answer
-from hoverproof.cli.answers.words import position_text
+from hoverproof.cli.answers.words import position_text, wrapped
+
+MOST_TAGS = 8
+"""So many other tags are named, those that were seen most."""
 
 if TYPE_CHECKING:
     from hoverproof.eyes.at_rest import Rest
@@ -43,6 +46,11 @@ class SeeAnswer(Answer):
         yield f"  all of it found         in {whole} of {frames}" + (
             f", some in {part}" if part else ""
         )
+        if others := facts["others"]:
+            most = sorted(others, key=lambda tag: -others[tag])[:MOST_TAGS]
+            words = ", ".join(f"{tag} in {others[tag]}" for tag in most)
+            more = len(others) - len(most)
+            yield from wrapped("other tags seen", words + (f", and {more} more" if more else ""))
         if whole:
             yield from self._seen()
             yield from self._noise()

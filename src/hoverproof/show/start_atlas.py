@@ -1,0 +1,139 @@
+"""Pictures of maps of when the start of a mission has settled, for every vehicle covered."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from hoverproof.design.axes import OF_START
+from hoverproof.design.start_atlas import NOT_PROVED, PROVED
+from hoverproof.mission.sections import Mission
+from hoverproof.show.atlas import cell_edges
+from hoverproof.show.style import COLOURS, save_figure
+from hoverproof.simulation.record import Recorded
+
+SLOWEST = 6
+"""Times are told apart up to so many times the shortest."""
+NOTHING = "#D0D0D0"
+
+
+def start_atlas_figure(mission: Mission, atlas: Recorded) -> Figure:
+    """Draw a map: settling times where they are found, and which cells are proved.
+
+    Parameters
+    ----------
+    mission : Mission
+    atlas : Dataset or Record
+        From `hoverproof.atlas` with the theorem "start".
+    """
+    figure = Figure(figsize=(5.6, 5.6), layout="constrained")  # to be read 390 px wide, too
+    axes = figure.subplots()
+    handles = draw_start_atlas(axes, mission, atlas)
+    axes.set_title(f"{mission.name}: its start, every vehicle covered")
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize="small")
+    return figure
+
+
+def draw_start_atlas(axes: Axes, mission: Mission, atlas: Recorded) -> list[Artist]:
+    """Draw a map on axes, with a bar for its colours, and return what belongs in the legend.
+
+    Parameters
+    ----------
+    axes : Axes
+    mission, atlas
+        See `start_atlas_figure`.
+    """
+    y, x = (str(name) for name in atlas["settling_time"].dims)
+    across, along = atlas[x].values, atlas[y].values
+    time, verdict = atlas["settling_time"].values, atlas["verdict"].values
+    handles: list[Artist] = []
+    axes.set_facecolor(NOTHING)
+    if not np.isnan(time).all():
+        first = float(np.nanmin(time))
+        mesh = axes.pcolormesh(
+            across,
+            along,
+            np.ma.masked_invalid(time),
+            norm=LogNorm(first, SLOWEST * first),
+            cmap="viridis_r",
+            shading="nearest",
+        )
+        mesh.set_rasterized(True)
+        bar = axes.figure.colorbar(
+            mesh, ax=axes, label="settled after (s), found by search", extend="max"
+        )
+        ticks = [float(f"{first * SLOWEST**part:.2g}") for part in np.linspace(0.05, 0.95, 5)]
+        bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
+        bar.minorticks_off()
+    if np.isnan(time).any():
+        handles.append(Patch(color=NOTHING, label="no weights found (not refuted)"))
+    for code, mark, words in ((PROVED, "o", "proved exactly"), (NOT_PROVED, "x", "not confirmed")):
+        rows, columns = np.nonzero(verdict == code)
+        if len(rows):
+            handles += axes.plot(
+                across[columns],
+                along[rows],
+                mark,
+                color="white" if code == PROVED else "black",
+                markeredgecolor="black",
+                markersize=5,
+                linestyle="none",
+                label=words,
+            )
+    handles += _own(axes, mission, (x, y))
+    scale_x, scale_y = (str(scale) for scale in atlas.attrs["scales"])
+    axes.set(xscale=scale_x, yscale=scale_y)
+    for line, scale in ((axes.xaxis, scale_x), (axes.yaxis, scale_y)):
+        if scale == "log":  # of a decade or so: few plain numbers
+            line.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            line.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            line.set_minor_formatter(NullFormatter())
+    axes.set_xlim(*cell_edges(across, scale_x)[[0, -1]])
+    axes.set_ylim(*cell_edges(along, scale_y)[[0, -1]])
+    for set_label, name in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
+        unit = OF_START[name].unit
+        set_label(f"{OF_START[name].told(mission)}{'' if unit == '1' else f' ({unit})'}")
+    return handles
+
+
+def _own(axes: Axes, mission: Mission, names: tuple[str, str]) -> list[Artist]:
+    """Mark the point of the mission itself, where it lies on the map."""
+    x, y = (OF_START[name].value(mission) for name in names)
+    if x is None or y is None:
+        return []
+    return list(
+        axes.plot(
+            float(x),
+            float(y),
+            "*",
+            color=COLOURS[1],
+            markeredgecolor="white",
+            markersize=16,
+            linestyle="none",
+            label="the mission's own point",
+        )
+    )
+
+
+def save_start_atlas_figure(mission: Mission, atlas: Recorded, path: Path) -> None:
+    """Write the map as PNG or SVG.
+
+    Parameters
+    ----------
+    mission, atlas
+        See `start_atlas_figure`.
+    path : Path
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    save_figure(start_atlas_figure(mission, atlas), path)
