@@ -204,7 +204,7 @@ def two_axes(
     Parameters
     ----------
     mission, of_start, cells
-        See `axis`, also for what is raised.
+        See `axis`, also for what is raised; the last is a bare number.
     x, y : Axis, or str
     """
     x, y = (
