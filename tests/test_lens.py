@@ -199,9 +199,7 @@ def test_a_lens_takes_the_place_of_what_sensors_say(mission_with):
 
 
 def test_a_key_that_a_lens_has_not_is_told_with_those_that_it_has():
-    with pytest.raises(
-        InputError, match=r"lens\.fc: unknown key \(known here: width, .*fx"
-    ):
+    with pytest.raises(InputError, match=r"lens\.fc: unknown key \(known here: width, .*fx"):
         hp.load("x4-flyer", {"camera.lens.fc": 400})
 
 
