@@ -234,7 +234,7 @@ def bag_of(log, path, plugin="mcap", begin=10.0):
             bag.odometry("/odom", time, "target", log.position[k], q[k], log.velocity[k])
             bag.thrust(own + "thrust", sent, log.thrust_command[k])
             bag.rotors(own + "rotors", sent, log.rotor_command[k])
+            bag.feature(own + "feature", sent, exposed[k], log.feature[k])
             if not k or exposed[k] > exposed[k - 1] + 1e-6:
-                bag.feature(own + "feature", sent, exposed[k], log.feature[k])
                 bag.sightings("/detections", sent, exposed[k], 1)
     return path

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.audit.log import FlightLog
-from hoverproof.audit.tracks import Tracks, log_of
+from hoverproof.audit.tracks import EVER, Tracks, log_of
 from hoverproof.errors import InputError, needing, suggestion
 
 Array = NDArray[np.float64]
@@ -79,7 +79,7 @@ def is_bag(path: Path, first: bytes) -> bool:
     return first.startswith((b"\x89MCAP0\r\n", b"SQLite format 3\0"))
 
 
-def read(path: Path, topics: Mapping[str, str]) -> FlightLog:
+def read(path: Path, topics: Mapping[str, str], between: tuple[float, float] = EVER) -> FlightLog:
     """Read a bag.
 
     Parameters
@@ -88,6 +88,8 @@ def read(path: Path, topics: Mapping[str, str]) -> FlightLog:
         Its folder, or its one file.
     topics : mapping
         Topic by part, where the type does not tell it.
+    between : (2,)
+        s: what is not is left out.
 
     Raises
     ------
@@ -99,7 +101,7 @@ def read(path: Path, topics: Mapping[str, str]) -> FlightLog:
         from rosbags.typesys import Stores, get_typestore
     if path.is_file() and path.suffix not in ENDINGS:
         raise InputError(str(path), "", "is a bag of ROS 2, whose name must end in .mcap or .db3")
-    bag = Bag(str(path))
+    bag = Bag(str(path), Tracks(between))
     try:
         reader = AnyReader([path], default_typestore=get_typestore(Stores.LATEST))
         reader.open()
@@ -129,7 +131,7 @@ class Bag:
     """
 
     source: str
-    tracks: Tracks = field(default_factory=Tracks)
+    tracks: Tracks
     notes: list[str] = field(default_factory=list)
     partial: list[str] = field(default_factory=list)
     _rows: dict[str, list[Row]] = field(default_factory=dict)
@@ -225,7 +227,13 @@ class Bag:
             yield "imu attitude", (time, _quaternion(message.orientation, turn))
 
     def odometry(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield what a message of the odometry tells; see `imu`."""
+        """Yield what a message of the odometry tells.
+
+        Parameters
+        ----------
+        message, at
+            See `imu`; the time in s.
+        """
         time, turn = _stamp(message), _turn(message)
         pose, frame = message.pose.pose, message.header.frame_id
         yield "attitude", (time, _quaternion(pose.orientation, turn))
@@ -234,21 +242,45 @@ class Bag:
             yield "odometry position", (time, turn(pose.position))
 
     def pose(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield what a message of the pose from the target tells; see `imu`."""
+        """Yield what a message of the pose from the target tells.
+
+        Parameters
+        ----------
+        message, at
+            See `imu`; the time in s.
+        """
         time, turn = _stamp(message), _turn(message)
         yield "position", (time, turn(message.pose.position))
         yield "pose attitude", (time, _quaternion(message.pose.orientation, turn))
 
     def feature(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield the feature that came in; its stamp is that of the exposure; see `imu`."""
+        """Yield the feature that came in; its stamp is that of the exposure.
+
+        Parameters
+        ----------
+        message, at
+            See `imu`; the time in s.
+        """
         yield "feature", (at, (_stamp(message), *_turn(message)(message.vector)))
 
     def sightings(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield whether there was something in an image; see `imu`."""
+        """Yield whether there was something in an image.
+
+        Parameters
+        ----------
+        message, at
+            See `imu`; the time in s.
+        """
         yield "frames", (_stamp(message), (float(len(message.detections) > 0),))
 
     def rates(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield the rates that were asked for; see `imu`."""
+        """Yield the rates that were asked for.
+
+        Parameters
+        ----------
+        message, at
+            See `imu`; the time in s.
+        """
         time, turn = _stamp(message), _turn(message)
         if hasattr(message, "body_rate"):
             yield "rate_command", (time, turn(message.body_rate))
@@ -257,11 +289,23 @@ class Bag:
             yield "rate_command", (time, turn(message.twist.angular))
 
     def thrust(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield the thrust that was asked for, N; see `imu`."""
+        """Yield the thrust that was asked for, N.
+
+        Parameters
+        ----------
+        message, at
+            See `imu`; the time in s.
+        """
         yield "thrust_command", (_stamp(message), (-_turn(message)(message.wrench.force)[2],))
 
     def rotors(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield the thrust that was asked of each rotor, N; see `imu`."""
+        """Yield the thrust that was asked of each rotor, N.
+
+        Parameters
+        ----------
+        message, at
+            See `imu`; the time in s.
+        """
         if len(message.effort):
             yield "rotor_command", (_stamp(message), tuple(map(float, message.effort)))
 

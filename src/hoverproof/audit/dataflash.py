@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.audit.log import FlightLog
-from hoverproof.audit.tracks import Tracks, log_of
+from hoverproof.audit.tracks import EVER, Tracks, log_of
 from hoverproof.errors import InputError, needing
 
 Array = NDArray[np.float64]
@@ -50,7 +50,7 @@ class Format:
     ----------
     name : str
     length : int
-        Bytes, with its header of three.
+        A number of bytes, with its header of three.
     layout : dtype
     factors : dict of float
         What the numbers of a column are times what is stored.
@@ -79,12 +79,14 @@ class Format:
         }
 
 
-def read(path: Path) -> FlightLog:
+def read(path: Path, between: tuple[float, float] = EVER) -> FlightLog:
     """Read a .bin file.
 
     Parameters
     ----------
     path : Path
+    between : (2,)
+        s: what is not is left out.
 
     Raises
     ------
@@ -93,7 +95,8 @@ def read(path: Path) -> FlightLog:
     """
     with needing("logs", str(path), "needs pymavlink to be read"):
         from pymavlink import DFReader
-    messages, tracks = Messages(DFReader.DFFormat, DFReader.FORMAT_TO_STRUCT), Tracks()
+    messages = Messages(DFReader.DFFormat, DFReader.FORMAT_TO_STRUCT)
+    tracks = Tracks(between)
     for form in messages.read(path):
         rows = form.take()
         if {"TimeUS", *COLUMNS[form.name]} <= rows.keys():

@@ -53,7 +53,8 @@ class FlightLog:
     step : float
         From one step of the integrator to the next, s; NaN if not told.
     ahead : int
-        How many rows before a command stands what it was made of, a bare number.
+        How many rows before a command, and the feature that it was made with, stands all else that
+        it was made of, a bare number.
     continuous : bool
         Whether commands are those at each time, and not held from one row to the next.
     outcome : str

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.audit.log import MOST_ROWS, FlightLog
+from hoverproof.audit.tracks import EVER
 from hoverproof.errors import InputError
 from hoverproof.plant.rigid_body import rotation_rows
 
@@ -20,13 +21,29 @@ Array = NDArray[np.float64]
 AT_A_TIME = 100_000
 """So many rows of a column are read at once."""
 
+COLUMNS = {
+    "position": "position",
+    "velocity": "velocity",
+    "rotation": "rotation",
+    "rate": "body_rate",
+    "specific_force": "specific_force",
+    "thrust_command": "thrust_command",
+    "rotor_command": "rotor_command",
+    "rate_command": "rate_setpoint",
+    "image_age": "image_age",
+    "status": "firmware_status",
+}
+"""What a log has, by the name that it has in the file."""
 
-def read(path: Path) -> FlightLog:
+
+def read(path: Path, between: tuple[float, float] = EVER) -> FlightLog:
     """Read a file of ours.
 
     Parameters
     ----------
     path : Path
+    between : (2,)
+        s: what is not is left out.
 
     Raises
     ------
@@ -35,59 +52,52 @@ def read(path: Path) -> FlightLog:
     """
     try:
         with h5py.File(path, "r") as file:
-            return _read(file, str(path))
+            return _read(file, str(path), between)
+    except InputError:  # which is a ValueError
+        raise
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, IndexError):
         reason = "is damaged or cut short, or was not written by simulate, fly or see"
         raise InputError(str(path), "", reason) from None
 
 
-def _read(file: Any, source: str) -> FlightLog:
+def _read(file: Any, source: str, between: tuple[float, float]) -> FlightLog:
     attrs = dict(file.attrs)
     title = str(attrs["title"])
     if "run" in file:
         raise InputError(source, "", "holds many flights: give the file of one")
-    sizes = file["time"].shape
-    step = max(1, -(-sizes[0] // MOST_ROWS))
+    first, last = _places(file["time"], between)
+    count = last - first
+    step = max(1, -(-count // MOST_ROWS))
 
     def column(name: str) -> Array | None:
         if name not in file:
             return None
         data = file[name]
         parts = [
-            data[i : i + AT_A_TIME * step : step] for i in range(0, sizes[0], AT_A_TIME * step)
+            data[i : min(i + AT_A_TIME * step, last) : step]
+            for i in range(first, last, AT_A_TIME * step)
         ]
         return np.concatenate([np.asarray(p, np.float64) for p in parts]) if parts else None
 
-    notes = (f"every {step} rows of {sizes[0]} are looked at",) if step > 1 else ()
+    notes = (f"every {step} rows of {count} are looked at",) if step > 1 else ()
     times = column("time")
-    assert times is not None
+    if times is None:
+        raise InputError(source, "", "holds no flight between these times")
     held: dict[str, Any] = {"source": source, "times": times, "notes": notes}
     if "mission" in attrs:
         held["mission"] = json.loads(attrs["mission"])
     held["outcome"] = str(attrs.get("outcome", ""))
     if title.startswith("what was seen"):
-        whole = _whole(file["pixel"])
+        whole = _whole(file["pixel"], first, last)
         return FlightLog(
             kind="images, by see",
             partial=str(attrs.get("partial", "")),
-            frames=np.asarray(file["time"], np.float64),
+            frames=np.asarray(file["time"][first:last], np.float64),
             frames_whole=whole,
             feature=column("feature"),
             **held,
         )
-    for ours, theirs in (
-        ("position", "position"),
-        ("velocity", "velocity"),
-        ("rotation", "rotation"),
-        ("rate", "body_rate"),
-        ("specific_force", "specific_force"),
-        ("thrust_command", "thrust_command"),
-        ("rotor_command", "rotor_command"),
-        ("rate_command", "rate_setpoint"),
-        ("image_age", "image_age"),
-        ("status", "firmware_status"),
-    ):
-        held[ours] = column(theirs)
+    held |= {ours: column(theirs) for ours, theirs in COLUMNS.items()}
     held["feature"] = column("feature" if "feature" in file else "centroid_held")
     if "phase" in file:
         return _flown(held, column("phase"), column("gravity_direction"))
@@ -100,17 +110,27 @@ def _read(file: Any, source: str) -> FlightLog:
         held |= {"feature": column("centroid"), "image_age": np.zeros(len(times))}
         held |= {"ahead": 0, "continuous": True}
     if "frame" in file:
-        held["frames"] = np.asarray(file["frame"], np.float64)
-        held["frames_whole"] = _whole(file["pixel_found"])
+        begin, end = _places(file["frame"], between)
+        held["frames"] = np.asarray(file["frame"][begin:end], np.float64)
+        held["frames_whole"] = _whole(file["pixel_found"], begin, end)
     if held["specific_force"] is None:
         held["specific_force"] = _felt(held)
         held["notes"] += ("the specific force is made of the velocity, which is not noisy here",)
     return FlightLog(kind="flight, by simulate", **held)
 
 
-def _whole(pixels: Any) -> NDArray[np.bool_]:
+def _places(times: Any, between: tuple[float, float]) -> tuple[int, int]:
+    """Return which of the times, (n,), s, of a file are the first between two, and behind them."""
+    if between == EVER:
+        return 0, times.shape[0]
+    begin, end = between
+    all_ = np.asarray(times)
+    return int(np.searchsorted(all_, begin)), int(np.searchsorted(all_, end, side="right"))
+
+
+def _whole(pixels: Any, first: int, last: int) -> NDArray[np.bool_]:
     """Tell in which images all of the target was found, (m,), of (m, n, 2) px in a file."""
-    parts = (pixels[i : i + AT_A_TIME] for i in range(0, pixels.shape[0], AT_A_TIME))
+    parts = (pixels[i : min(i + AT_A_TIME, last)] for i in range(first, last, AT_A_TIME))
     return np.concatenate([np.zeros(0, bool), *(~np.isnan(p).any(axis=(1, 2)) for p in parts)])
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from hoverproof.audit import bag, dataflash, own, ulog
 from hoverproof.audit.log import FlightLog
+from hoverproof.audit.tracks import EVER
 from hoverproof.errors import InputError
 
 FORMATS = (
@@ -16,7 +17,11 @@ FORMATS = (
 )
 
 
-def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> FlightLog:
+def read_log(
+    path: str | Path,
+    topics: Mapping[str, str] | None = None,
+    between: tuple[float, float] = EVER,
+) -> FlightLog:
     """Read a log.
 
     Parameters
@@ -24,6 +29,8 @@ def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> Fligh
     path : str or Path
     topics : mapping, optional
         Topic of a bag by the part that it plays: see `hoverproof.audit.bag.PARTS`.
+    between : (2,)
+        s: what is not is left out.
 
     Raises
     ------
@@ -35,13 +42,13 @@ def read_log(path: str | Path, topics: Mapping[str, str] | None = None) -> Fligh
     if topics and not bag.is_bag(path, first):
         raise InputError("--topic", "", f"is for bags of ROS 2, which {path} is not")
     if bag.is_bag(path, first):
-        log = bag.read(path, topics or {})
+        log = bag.read(path, topics or {}, between)
     elif first.startswith(b"\x89HDF"):
-        log = own.read(path)
+        log = own.read(path, between)
     elif first.startswith(b"ULog\x01\x12\x35"):
-        log = ulog.read(path)
+        log = ulog.read(path, between)
     elif first.startswith(dataflash.MAGIC):
-        log = dataflash.read(path)
+        log = dataflash.read(path, between)
     else:
         ros1 = first.startswith(b"#ROSBAG")
         reason = "is a bag of ROS 1: rosbags-convert makes one of ROS 2 of it" if ros1 else ""

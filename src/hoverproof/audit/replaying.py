@@ -182,9 +182,11 @@ def replayed(log: FlightLog, mission: Mission, firmware: Firmware) -> Replay:
     firmware.reset(_first_thrust(log, int(rows[0])))
     periods = np.clip(np.diff(log.times[rows], append=np.nan), 1e-6, LONGEST)
     periods[-1] = periods[-2]
-    seen, feature = ~np.isnan(log.feature.sum(axis=1)), np.zeros(3)
+    used = np.minimum(np.arange(len(log.times)) + log.ahead, len(log.times) - 1)  # as commands are
+    features = log.feature[used]
+    seen, feature = ~np.isnan(features.sum(axis=1)), np.zeros(3)
     for k, period in zip(rows, periods, strict=True):
-        feature = log.feature[k] if seen[k] else feature
+        feature = features[k] if seen[k] else feature
         told = {name: values[k] for name, values in columns.items()}
         begin = time.perf_counter()
         out = firmware.step(feature, **told, dt=period, target_seen=bool(seen[k]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -23,6 +24,7 @@ LEAP = 1.0
 MOST = {"rate": 200.0, "specific_force": 2000.0, "attitude": 2.0, "frames": 1.0}
 """What no sensor of a flying vehicle tells: rad/s, m/s², components of a quaternion, 0 or 1."""
 MOST_OF_OTHERS = 1e6
+EVER = -math.inf, math.inf
 EACH = frozenset({"frames", "feature"})
 """Of which none may be left out. A row of a feature is the exposure, s, and the three numbers."""
 
@@ -35,7 +37,7 @@ class Track:
     width : int
         Numbers in a row.
     most : int
-        So many rows are kept at most.
+        So many rows are kept at most, a bare number.
     each : bool
         Whether rows may not be left out: then those after the most are.
     """
@@ -81,14 +83,17 @@ class Tracks:
     Attributes
     ----------
     held : dict of Track
+    between : (2,)
+        Of the times from the origin on, s: what is not is left out.
     origin : float
-        What is taken from all times, s.
+        What is taken from all times, s, where these are dates.
     damaged : dict of int
-        By quantity, rows that were left out since their times or values cannot be.
+        By quantity, the number of rows that were left out since their times or values cannot be.
     """
 
+    between: tuple[float, float] = EVER
     held: dict[str, Track] = field(default_factory=dict)
-    origin: float = 0.0
+    origin: float | None = None
     damaged: dict[str, int] = field(default_factory=dict)
 
     def add(self, name: str, times: Array, values: Array) -> None:
@@ -103,6 +108,15 @@ class Tracks:
         values : (k, width)
             Any unit.
         """
+        if not len(times):
+            return
+        if self.origin is None:
+            self.origin = float(np.floor(times[0])) if times[0] > EPOCH else 0.0
+        begin, end = self.between
+        if self.between != EVER:
+            since = -math.inf if name == "mode" else begin  # that is as it was before
+            kept = (times - self.origin >= since) & (times - self.origin <= end)
+            times, values = times[kept], values[kept]
         if name not in self.held:
             each = name in EACH
             most = MOST_IMAGES if each else MOST_ROWS
@@ -125,9 +139,9 @@ class Tracks:
         if name != "mode":  # that is written when it changes
             usual &= _usual(times)
         self.damaged[name] = int((~usual).sum())
-        times, values = times[usual] - self.origin, values[usual]
+        times, values = times[usual] - (self.origin or 0.0), values[usual]
         if name == "feature":
-            values[:, 0] -= self.origin
+            values[:, 0] -= self.origin or 0.0
         if not len(times):
             return None
         rising = np.r_[True, times[1:] > np.maximum.accumulate(times)[:-1]]
@@ -137,7 +151,7 @@ class Tracks:
     def short_of_images(self) -> float | None:
         """Until when there are images, s, if there were too many to keep."""
         full = [t for name, t in self.held.items() if name in EACH and t.count > t.most]
-        ends = [float(track.rows()[0][-1]) - self.origin for track in full]
+        ends = [float(track.rows()[0][-1]) - (self.origin or 0.0) for track in full]
         return min(ends, default=None)
 
 
@@ -234,7 +248,8 @@ def log_of(
     wanted : mapping, optional
         By quantity, where it was looked for and what it would tell.
     active : mapping, optional
-        Names of modes in which the law may fly: if it was in any, the log is of these times.
+        Names of modes in which the law may fly, by their numbers: if it was in any, the log is of
+        these times.
     notes : tuple of str
 
     Raises
@@ -244,11 +259,11 @@ def log_of(
     """
     found = tracks.rows("rate")
     if found is None:
-        raise InputError(source, "", f"holds no flight: no {rates} in it")
-    if found[0][0] > EPOCH:  # a date, not a time since the start
-        tracks.origin = float(np.floor(found[0][0]))
+        while_ = "" if tracks.between == EVER else " between these times"
+        raise InputError(source, "", f"holds no flight{while_}: no {rates} in it")
+    if tracks.origin:
         notes = (*notes, f"times are from {tracks.origin:.0f} s on, as the log has them")
-    times, rate = found[0] - tracks.origin, found[1]
+    times, rate = found
     track = tracks.held["rate"]
     if track.stride > 1:
         notes = (*notes, f"every {track.stride} rows of {track.count} are looked at")

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.audit.log import FlightLog
-from hoverproof.audit.tracks import Tracks, log_of
+from hoverproof.audit.tracks import EVER, Tracks, log_of
 from hoverproof.errors import InputError, needing
 
 Array = NDArray[np.float64]
@@ -53,12 +53,14 @@ PIECE = 8 << 20
 """So many bytes of what is wanted are given to pyulog at once."""
 
 
-def read(path: Path) -> FlightLog:
+def read(path: Path, between: tuple[float, float] = EVER) -> FlightLog:
     """Read a .ulg file.
 
     Parameters
     ----------
     path : Path
+    between : (2,)
+        s: what is not is left out.
 
     Raises
     ------
@@ -67,7 +69,7 @@ def read(path: Path) -> FlightLog:
     """
     with needing("logs", str(path), "needs pyulog to be read"):
         from pyulog import ULog
-    tracks, damaged = Tracks(), False
+    tracks, damaged = Tracks(between), False
     with path.open("rb") as file:
         pieces = Pieces(file, path.stat().st_size)
         for piece in pieces:
@@ -112,7 +114,7 @@ class Pieces:
     ----------
     file : binary file
     size : int
-        Bytes.
+        A number of bytes.
     """
 
     def __init__(self, file: BinaryIO, size: int) -> None:

@@ -12,13 +12,17 @@ from cyclopts import Parameter
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import mission_names
 from hoverproof.cli.console import NO_FOLDER, Json, Set, at_work, load_mission
-from hoverproof.cli.reading import certificate_beside, mission_name
+from hoverproof.cli.reading import certificate_beside, mission_name, stretch
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
     from hoverproof.audit.claim import Claim
+    from hoverproof.audit.log import FlightLog
     from hoverproof.audit.recertifying import Recertified
     from hoverproof.mission.sections import Mission
+
+LONG = 50_000_000
+"""Bytes: it is said that a longer file is being read."""
 
 LogFile = Annotated[
     Path,
@@ -35,6 +39,10 @@ Topics = Annotated[
         help="Of a bag, PART=NAME, where its type does not tell (repeatable); the part is imu, "
         "odometry, pose, feature, sightings, rates, thrust or rotors.",
     ),
+]
+
+Between = Annotated[
+    str | None, Parameter(help="FROM,TO in s: that part of the log alone, more closely if long.")
 ]
 
 
@@ -65,6 +73,7 @@ def audit(
         ),
     ] = None,
     topic: Topics = None,
+    between: Between = None,
     set_: Set = None,
     json_: Json = False,
 ) -> int:
@@ -87,7 +96,6 @@ def audit(
 
     Example: `hoverproof audit flight.nc --mission my-flyer.toml --certify wider.toml`
     """
-    from hoverproof.audit.reading import read_log
     from hoverproof.audit.verdict import audit as hold
     from hoverproof.cli.answers.audit import AuditAnswer
     from hoverproof.files import require_folder
@@ -95,7 +103,7 @@ def audit(
     loaded = load_mission(mission, set_)
     if certify is not None:
         require_folder(certify)
-    flight = read_log(log, _topics(topic))
+    flight = _log(log, topic, between)
     claim, reason = _claim(loaded, certificate)
     found = hold(flight, loaded, claim)
     path = (out or Path(f"{log.stem}.audit.html")) if page else None
@@ -152,6 +160,7 @@ def replay(
     ] = None,
     figure: Annotated[bool, Parameter(help="Draw the commands beside the file.")] = True,
     topic: Topics = None,
+    between: Between = None,
     set_: Set = None,
     json_: Json = False,
 ) -> int:
@@ -165,7 +174,6 @@ def replay(
 
     Example: `hoverproof replay flight.nc --mission my-flyer.toml --package firmware --json`
     """
-    from hoverproof.audit.reading import read_log
     from hoverproof.audit.replaying import replayed
     from hoverproof.cli.answers.replay import ReplayAnswer
     from hoverproof.export.binding import Firmware
@@ -173,7 +181,7 @@ def replay(
     from hoverproof.firmware.exporting import exported
 
     loaded = load_mission(mission, set_)
-    flight = read_log(log, _topics(topic))
+    flight = _log(log, topic, between)
     firmware = exported(loaded, camera=True) if package is None else Firmware(package)
     found = replayed(flight, loaded, firmware)
     path = out or Path(f"{log.stem}.replay.nc")
@@ -185,6 +193,20 @@ def replay(
 
         save_figure(replay_figure(found), picture)
     return tell(ReplayAnswer(found.facts(), path, picture), json_)
+
+
+def _log(path: Path, topics: list[str] | None, between: str | None) -> FlightLog:
+    """Read a log, or a part of it; say so if that takes a while."""
+    from hoverproof.audit.reading import read_log
+    from hoverproof.audit.tracks import EVER
+
+    part = EVER if between is None else stretch("--between", between)
+    named = _topics(topics)
+    if not path.is_file() or path.stat().st_size < LONG:
+        return read_log(path, named, part)
+    with at_work() as doing:
+        doing(f"reading {path}")
+        return read_log(path, named, part)
 
 
 def _topics(given: list[str] | None) -> dict[str, str]:

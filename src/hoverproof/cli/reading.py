@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import re
 import shlex
 from fractions import Fraction
@@ -95,3 +96,14 @@ def certificate_stem(mission: Mission, source: str, settings: list[str] | None) 
         if plain.name != mission.name or plain.exact() == mission.exact():
             return mission.name
     return f"{mission.name}.{digest(mission.exact())[:8]}"
+
+
+def stretch(option: str, text: str) -> tuple[float, float]:
+    """Read FROM,TO in s."""
+    try:
+        begin, end = map(float, text.split(","))
+    except ValueError:
+        begin = end = math.nan
+    if not begin < end:
+        raise InputError(option, "", f"must be FROM,TO in s, as 2,7.5, not {text[:40]!r}")
+    return begin, end

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from cyclopts import Parameter
 from hoverproof.cli.answers.answer import print_line, tell
 from hoverproof.cli.completion import mission_names
 from hoverproof.cli.console import NO_FOLDER, Json, Set, load_mission, progress
-from hoverproof.cli.reading import refuse_given
+from hoverproof.cli.reading import refuse_given, stretch
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
@@ -139,7 +138,7 @@ def see(
     path = out or Path(f"{Path(source).stem or 'camera'}.seen.nc")
     if path.suffix.lower() not in (".nc", ".csv"):
         raise InputError(str(path), "", "must end in .nc or .csv")
-    stretch = None if still is None else _stretch(still)
+    part = None if still is None else stretch("--still", still)
     loaded = None if mission is None else load_mission(mission, set_)
     if loaded is None and set_:
         raise InputError("--set", "", "goes with --mission")
@@ -153,7 +152,7 @@ def see(
     seen = Sightings(viewer, images)
     with progress("images") as report, _overlay(overlay, viewer, images) as shown:
         seen.look(shown, report)
-    rest = at_rest(seen, stretch)
+    rest = at_rest(seen, part)
     record = seen.record()
     _write(path, record)
     half = None if loaded is None else loaded.camera.half_angle
@@ -173,16 +172,6 @@ def _stream(viewer: Viewer, images: Source, late: float) -> int:
         seen = [] if np.isnan(pixels).any() else pixels.tolist()
         print_line({"time": exposed, "pixels": seen})
     return int(bool(images.short))
-
-
-def _stretch(text: str) -> tuple[float, float]:
-    try:
-        begin, end = map(float, text.split(","))
-    except ValueError:
-        begin = end = math.nan
-    if not begin < end:
-        raise InputError("--still", "", f"must be FROM,TO in s, as 2,7.5, not {text[:40]!r}")
-    return begin, end
 
 
 def _viewer(mission: Mission | None, camera: Path | None, given: Board | None) -> Viewer:
