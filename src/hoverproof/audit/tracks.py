@@ -37,7 +37,7 @@ class Track:
     width : int
         Numbers in a row.
     most : int
-        So many rows are kept at most.
+        So many rows are kept at most, a bare number.
     each : bool
         Whether rows may not be left out: then those after the most are.
     """
@@ -88,7 +88,7 @@ class Tracks:
     origin : float
         What is taken from all times, s, where these are dates.
     damaged : dict of int
-        By quantity, rows that were left out since their times or values cannot be.
+        By quantity, the bare number of rows left out since their times or values cannot be.
     """
 
     between: tuple[float, float] = EVER
@@ -248,7 +248,8 @@ def log_of(
     wanted : mapping, optional
         By quantity, where it was looked for and what it would tell.
     active : mapping, optional
-        Names of modes in which the law may fly: if it was in any, the log is of these times.
+        Names of modes by bare number, in which the law may fly: if it was in any, the log is of
+        these times.
     notes : tuple of str
 
     Raises
