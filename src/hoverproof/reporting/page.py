@@ -292,7 +292,7 @@ def _equation(id: str) -> str:
 def _tight(words: str) -> str:
     """Keep a number and its unit on one line."""
     return re.sub(
-        rf"(?<=[\d)⁰¹²³⁴-⁹]) (?=({UNITS})\b)|(?<=kg) (?=m)|(?<=N) (?=m)|(?<=[≥≤]) ",
+        rf"(?<=[\d)⁰¹²³⁴-⁹]) (?=(?:{UNITS})\b|%)|(?<=kg) (?=m)|(?<=N) (?=m)|(?<=[≥≤]) ",
         "\N{NO-BREAK SPACE}",
         words,
     )
