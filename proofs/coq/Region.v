@@ -296,8 +296,9 @@ Proof.
   set (d := dissipation (loop_in c) (Q2R (r_grav c)) (natural_in c)).
   assert (Corner : forall f' q', In f' [fst (r_f c); snd (r_f c)] -> In q' (ends (fst (r_q3 c)) (snd (r_q3 c))) ->
     forall n', pz n' = 0 -> n' · n' = 1 -> ep < d (Q2R f') (Q2R q') (t * n')%vec J x).
-  { intros f' q' If Iq n' Z1 Z2. destruct If as [<-|[<-|[]]];
-      eapply any_direction; eassumption. }
+  { intros f' q' If Iq n' Z1 Z2. destruct If as [<-|[<-|[]]].
+    - exact (any_direction c _ _ _ q' J x n' O O5 O4 O1 Iq B N Z1 Z2).
+    - exact (any_direction c _ _ _ q' J x n' O O5 O4 O0 Iq B N Z1 Z2). }
   assert (Tilt : forall f' q', In f' [fst (r_f c); snd (r_f c)] -> In q' (ends (fst (r_q3 c)) (snd (r_q3 c))) ->
     ep < d (Q2R f') (Q2R q') (s * n)%vec J x).
   { intros f' q' If Iq. destruct (affine_tilt (loop_in c) (Q2R (r_grav c)) (natural_in c) (Q2R f') (Q2R q') n J x Lin)

@@ -618,8 +618,8 @@ def about(held: dict[str, Any]) -> dict[str, Any]:
     if held["kind"] == "attraction":
         shown = [
             "region_sound: the inequality of theorem 3, that -(m/k1) Λ' is above rate·|Y|², for "
-            "every Q with eigenvalues between 0 and the largest, every f and q3* between their "
-            "ends and every tilt up to the bound, in whatever direction"
+            "every Q with eigenvalues between 0 and the largest, all f and q3* between their ends "
+            "and every tilt up to the bound, in whatever direction"
         ]
         return {"shown": shown, "left": NATURAL}
     if held["kind"] != "gains":

@@ -50,7 +50,7 @@ class Format:
     ----------
     name : str
     length : int
-        A number of bytes, with its header of three.
+        Bytes with its header of three, a bare number.
     layout : dtype
     factors : dict of float
         What the numbers of a column are times what is stored.

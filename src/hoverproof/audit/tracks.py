@@ -88,7 +88,7 @@ class Tracks:
     origin : float
         What is taken from all times, s, where these are dates.
     damaged : dict of int
-        By quantity, the number of rows that were left out since their times or values cannot be.
+        By quantity, the bare number of rows left out since their times or values cannot be.
     """
 
     between: tuple[float, float] = EVER
@@ -248,7 +248,7 @@ def log_of(
     wanted : mapping, optional
         By quantity, where it was looked for and what it would tell.
     active : mapping, optional
-        Names of modes in which the law may fly, by their numbers: if it was in any, the log is of
+        Names of modes by bare number, in which the law may fly: if it was in any, the log is of
         these times.
     notes : tuple of str
 

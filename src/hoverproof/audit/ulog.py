@@ -114,7 +114,7 @@ class Pieces:
     ----------
     file : binary file
     size : int
-        A number of bytes.
+        Bytes, a bare number.
     """
 
     def __init__(self, file: BinaryIO, size: int) -> None:
