@@ -45,7 +45,7 @@ docs: .venv/installed-docs
 	$(BIN)/python -m sphinx -b html -W --keep-going -q docs docs/_build/html
 	@echo "The documentation: docs/_build/html/index.html"
 
-# The theorem behind certificates of gains, and these certificates, by the proof assistant Coq.
+# The theorems behind certificates, and these certificates, by the proof assistant Coq.
 coq:
 	@$(MAKE) --no-print-directory -C proofs/coq
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import functools
 import graphlib
+import re
 import sys
 from pathlib import Path
 
@@ -15,7 +16,8 @@ import hoverproof
 HOUSE = Path(hoverproof.__file__).parent
 FLOORS = [
     {"errors", "version"},
-    {"compilers", "descent", "files", "sequential", "spread", "templates"},
+    {"compilers", "descent", "files", "sequential", "spread"},
+    {"templates"},
     {"mission", "algebra"},
     {"plant"},
     {"servo"},
@@ -76,6 +78,18 @@ def test_imports_run_downward():
                 yield f"imports {rest[0]}"
 
     assert faults(fault) == {}
+
+
+def test_CONTRIBUTING_lists_the_floors_of_the_house_from_the_top_down():
+    guide = (Path(__file__).parent.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    listed = guide.partition("How the house is built")[2].partition("What is added")[0]
+    rows = [
+        row[1].split(", ") for row in re.finditer(r"(?m)^    ([a-z]+(?:, [a-z]+)*)(?:  |$)", listed)
+    ]
+    floors = [{floor(part) for part in row} for row in rows]
+    assert all(len(found) == 1 for found in floors)
+    assert floors == sorted(floors, key=max, reverse=True)
+    assert {part for row in rows for part in row} == set().union(*FLOORS) - {"__main__"}
 
 
 def test_no_modules_import_each_other_in_a_circle():
@@ -180,6 +194,27 @@ def test_the_gains_of_a_law_are_listed_in_one_place():
 
 def test_the_checker_imports_the_standard_library_alone():
     assert set(imports(HOUSE / "checker.py")) <= sys.stdlib_module_names | {"collections.abc"}
+
+
+LONG = {
+    "derive_form": "a derivation, read from top to bottom",
+    "_scheme": "a derivation, read from top to bottom",
+    "_fly_slowly": "it follows batch.c, which is held to the same bits",
+}
+"""Functions of more than 60 lines, and why."""
+
+
+def test_a_function_fits_on_a_screen():
+    """Without its signature and docstring, which may have much to say."""
+
+    def fault(path):
+        for function in nodes(path):
+            if isinstance(function, ast.FunctionDef) and function.name not in LONG:
+                does = function.body[1:] if ast.get_docstring(function) else function.body
+                if does and does[-1].end_lineno - does[0].lineno >= 60:
+                    yield function.name
+
+    assert faults(fault) == {}
 
 
 def test_a_module_fits_in_one_reading():

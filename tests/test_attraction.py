@@ -16,7 +16,8 @@ import numpy as np
 import pytest
 
 from checker_kit import matrix
-from hoverproof import checker, cli
+from command_line import run
+from hoverproof import checker
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.identity import prove_equal
@@ -387,10 +388,9 @@ def test_no_region_is_proved_where_no_hover_sees_the_goal(paper):
 
 @pytest.mark.slow
 def test_the_command_writes_a_certificate_and_tells_in_json(capsys):
-    with pytest.raises(SystemExit) as done:
-        cli.main(["attraction", "x4-flyer", "--no-figure", "--json"])
-    assert done.value.code == 0
-    answer = json.loads(capsys.readouterr().out)
+    status, out, _ = run(capsys, "attraction", "x4-flyer", "--no-figure", "--json")
+    assert status == 0
+    answer = json.loads(out)
     assert answer["verdict"] == "proved"
     assert {"level", "weights", "tilt", "barrier_height", "reach", "certificate"} <= set(answer)
     assert set(answer["reach"]) == {"sideways", "up", "down"}
@@ -409,17 +409,17 @@ def test_the_command_writes_a_certificate_and_tells_in_json(capsys):
     ],
 )
 def test_a_start_that_cannot_be_used_is_refused_in_one_line(options, capsys):
-    with pytest.raises(SystemExit) as done:
-        cli.main(["attraction", "x4-flyer", *options])
-    assert done.value.code == 2
-    assert capsys.readouterr().err.count("\n") == 1
+    status, _, err = run(capsys, "attraction", "x4-flyer", *options)
+    assert status == 2
+    assert err.count("\n") == 1
 
 
 def test_undecided_has_its_own_exit_status(capsys):
-    with pytest.raises(SystemExit) as done:
-        cli.main(["attraction", "x4-flyer", "--barrier", "--set", "gains.k3=5", "--json"])
-    assert done.value.code == 3
-    answer = json.loads(capsys.readouterr().out)
+    status, out, _ = run(
+        capsys, "attraction", "x4-flyer", "--barrier", "--set", "gains.k3=5", "--json"
+    )
+    assert status == 3
+    answer = json.loads(out)
     assert answer["verdict"] == "undecided"
     assert answer["level"] is None
     assert "k3" in answer["reason"]

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from hoverproof import cli
+from command_line import run
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.simulation import plan
@@ -292,17 +292,14 @@ COMMAND = ["--runs", "20", "--duration", "30", "--set", "scatter.position=[1,1,1
 @pytest.mark.slow
 def test_the_command_says_what_became_of_the_runs(capsys):
     for extra in ([], ["--json"]):
-        with pytest.raises(SystemExit) as done:
-            cli.main(["simulate", "x4-flyer", *COMMAND, *extra])
-        assert done.value.code == 0
-        text = capsys.readouterr().out
-    told = json.loads(text)
+        status, out, _ = run(capsys, "simulate", "x4-flyer", *COMMAND, *extra)
+        assert status == 0
+    told = json.loads(out)
     assert told["outcomes"]["flown"] == 20
     assert told["steps"] == 20 * 3000
-    with pytest.raises(SystemExit) as done:
-        cli.main(["simulate", "x4-flyer", "--resume"])
-    assert done.value.code == 2
-    assert "--resume: is for --runs" in capsys.readouterr().err
+    status, _, err = run(capsys, "simulate", "x4-flyer", "--resume")
+    assert status == 2
+    assert "--resume: is for --runs" in err
 
 
 def test_work_is_spread_in_order_and_stopped_when_nobody_wants_it():

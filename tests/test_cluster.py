@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from command_line import run
 from hoverproof.cli import main
 from hoverproof.design.atlas import atlas, axis
 from hoverproof.errors import InputError
@@ -103,10 +104,11 @@ def test_the_command_for_an_atlas_reaches_a_cluster_and_it_is_the_one_drawn_here
 
 
 def test_processes_and_a_scheduler_exclude_each_other(capsys):
-    with pytest.raises(SystemExit) as done:
-        main(["atlas", "x4-flyer", "--processes", "2", "--scheduler", "tcp://127.0.0.1:1"])
-    assert done.value.code == 2
-    assert "does not go with --scheduler" in capsys.readouterr().err
+    status, _, err = run(
+        capsys, "atlas", "x4-flyer", "--processes", "2", "--scheduler", "tcp://127.0.0.1:1"
+    )
+    assert status == 2
+    assert "does not go with --scheduler" in err
 
 
 def test_without_a_scheduler_there_is_one_clear_message(monkeypatch):

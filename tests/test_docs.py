@@ -113,18 +113,26 @@ def test_each_condition_of_a_flight_says_what_it_means():
     assert "From the frame to its arrival at the controller" in text
 
 
-def test_the_front_page_tells_the_region_of_the_shipped_certificate():
-    shipped = json.loads((ROOT / "proofs" / "x4-flyer.attraction.cert.json").read_text())
+def shipped_claim(preset):
+    path = ROOT / "proofs" / f"{preset}.attraction.cert.json"
+    return json.loads(path.read_text(encoding="utf-8"))["claim"]
+
+
+def test_the_front_page_tells_the_time_and_the_region_of_the_shipped_certificates():
     with Image.open(ROOT / "docs" / "front-page.png") as picture:
+        told = picture.text["Settled"]
+    time = Fraction(shipped_claim("crazyflie-2.1")["settling"]["time"])
+    assert told == f"{float(time):.4g} s"
+    with Image.open(ROOT / "docs" / "paper-vehicle.png") as picture:
         told = picture.text["Proved sideways"]
-    assert told == f"{int(Fraction(shipped['claim']['reach']['sideways']))} m"
+    assert told == f"{int(Fraction(shipped_claim('x4-flyer')['reach']['sideways']))} m"
 
 
 @pytest.mark.slow
-def test_the_picture_of_the_front_page_can_be_drawn_anew(tmp_path):
-    drawn = tmp_path / "drawn.png"
-    subprocess.run([sys.executable, ROOT / "docs" / "front_page.py", drawn], check=True)
-    with Image.open(drawn) as new, Image.open(ROOT / "docs" / "front-page.png") as kept:
+@pytest.mark.parametrize("name", ["front-page.png", "paper-vehicle.png"])
+def test_the_pictures_of_the_front_page_can_be_drawn_anew(name, tmp_path):
+    subprocess.run([sys.executable, ROOT / "docs" / "front_page.py", tmp_path, name], check=True)
+    with Image.open(tmp_path / name) as new, Image.open(ROOT / "docs" / name) as kept:
         assert new.size == kept.size
         apart = ImageChops.difference(new.convert("L"), kept.convert("L"))
         assert ImageStat.Stat(apart).mean[0] < 10  # of 255: fonts may differ, what is drawn may not

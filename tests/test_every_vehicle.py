@@ -326,10 +326,11 @@ def test_the_largest_torque_of_the_papers_vehicle_is_proved_and_written(far, mon
         three_percent = next(k for k in range(-180, 0) if largest.two_digits(k) == F("0.03"))
         for name, value in {"FIRST": three_percent, "HIGHEST": three_percent, "DOUBLED": 1}.items():
             monkeypatch.setattr(largest, name, value)
-    with pytest.raises(SystemExit) as done:
-        cli.main(["attraction", "x4-flyer", "--largest", "torque", "--no-figure", "--json"])
-    told = json.loads(capsys.readouterr().out)
-    assert done.value.code == 0
+    status, out, _ = run(
+        capsys, "attraction", "x4-flyer", "--largest", "torque", "--no-figure", "--json"
+    )
+    told = json.loads(out)
+    assert status == 0
     value, beyond = told["largest"]["value"], told["largest"]["not_found_at"]
     assert 0 < value < beyond < 1.2 * value if far else (value, beyond) == (0.03, None)
     assert told["theorem"] == "potential"

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from command_line import run
 from firmware_kit import export, tool
-from hoverproof.cli import main
 from hoverproof.export.binding import Firmware
 from hoverproof.export.vehicle import rate_function
 from hoverproof.servo.loop import LoopNumbers
@@ -279,7 +279,6 @@ def test_without_the_option_there_is_no_camera(tmp_path):
 
 
 def test_the_command_writes_one(tmp_path, capsys):
-    with pytest.raises(SystemExit) as stop:
-        main(["export", "x4-flyer", "--out", str(tmp_path / "fw"), "--camera"])
-    assert stop.value.code == 0
+    status, _, _ = run(capsys, "export", "x4-flyer", "--out", str(tmp_path / "fw"), "--camera")
+    assert status == 0
     assert (tmp_path / "fw" / "x4_flyer_camera.c").exists()

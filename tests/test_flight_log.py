@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from hoverproof import cli
+from command_line import run
 from hoverproof.compilers import find_compiler
 from hoverproof.firmware.flying import fly_firmware
 from hoverproof.mission.reading import load
@@ -117,9 +117,8 @@ def test_an_end_that_no_log_holds_is_found_at_its_step(end):
 
 
 def printed(capsys, *arguments):
-    with pytest.raises(SystemExit) as done:
-        cli.main(["simulate", *arguments, "--no-figures"])
-    return done.value.code, capsys.readouterr().out.splitlines()
+    status, out, _ = run(capsys, "simulate", *arguments, "--no-figures")
+    return status, out.splitlines()
 
 
 def test_the_command_tells_one_time_of_a_flight_that_ends_early(capsys):

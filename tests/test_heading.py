@@ -286,6 +286,18 @@ def test_without_a_heading_the_step_flies_on_and_damps_yaw_alone(headed, heading
     assert out.thrust == pytest.approx(4.905, rel=1e-6)
 
 
+def apart(mission, step):
+    """Fly the firmware and the model to the heading; return how far apart they come, m."""
+    ours, theirs = (
+        fly(mission, duration=8, step=step)
+        for fly in (hoverproof.fly_firmware, hoverproof.simulate)
+    )
+    assert ours.attrs["outcome"] == theirs.attrs["outcome"] == "flown"
+    assert yaw_of(ours)[-1] == pytest.approx(yaw_of(theirs)[-1], abs=2e-3)
+    assert yaw_of(ours)[-1] == pytest.approx(1.2, abs=0.05)
+    return np.linalg.norm(ours["position"].values - theirs["position"].values, axis=1).max()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("choices", mostly_whole([(BEST,), (PAPERS,)], every=2))
 def test_the_firmware_flies_as_the_simulation_does(choices):
@@ -293,15 +305,7 @@ def test_the_firmware_flies_as_the_simulation_does(choices):
     for overrides in ({}, REAL):
         mission = mission_of(choices, overrides=overrides)
         step = 0.002 if not overrides else None
-        ours, theirs = (
-            fly(mission, duration=8, step=step)
-            for fly in (hoverproof.fly_firmware, hoverproof.simulate)
-        )
-        assert ours.attrs["outcome"] == theirs.attrs["outcome"] == "flown"
-        assert yaw_of(ours)[-1] == pytest.approx(yaw_of(theirs)[-1], abs=2e-3)
-        assert yaw_of(ours)[-1] == pytest.approx(1.2, abs=0.05)
-        apart = np.linalg.norm(ours["position"].values - theirs["position"].values, axis=1).max()
-        assert apart < 0.01
+        assert apart(mission, step) < 0.01
 
 
 def test_a_package_without_heading_knows_nothing_of_it(tmp_path):

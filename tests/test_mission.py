@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from command_line import run
 from hoverproof import cli
 from hoverproof.errors import InputError
 from hoverproof.mission.presets import preset_text, presets
@@ -104,12 +105,10 @@ def test_a_broken_mission_gives_one_line_and_status_2(command, old, new, key, re
 def test_a_file_that_cannot_be_read_gives_one_line_and_status_2(name, reason, capsys):
     Path("binary.toml").write_bytes(b"\xff\xfe\x00")
     Path("big.toml").write_bytes(b"#" * 2_000_000)
-    with pytest.raises(SystemExit) as exit_:
-        cli.main(["certify", name])
-    message = capsys.readouterr().err
-    assert exit_.value.code == 2
-    assert message.count("\n") == 1
-    assert reason in message
+    status, _, err = run(capsys, "certify", name)
+    assert status == 2
+    assert err.count("\n") == 1
+    assert reason in err
 
 
 def test_an_unreadable_file_is_refused(monkeypatch):

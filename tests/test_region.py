@@ -13,7 +13,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hoverproof import checker, cli
+from command_line import run
+from hoverproof import checker
 from hoverproof.certification.cells import View, grow_tree, largest_below, smallest_above
 from hoverproof.certification.flow import eigenvalues
 from hoverproof.certification.gains import certify, search_weights
@@ -188,34 +189,32 @@ def test_a_box_with_a_target_point_in_it_is_refused(mission):
 
 
 def test_the_command_proves_draws_and_certifies(capsys):
-    with pytest.raises(SystemExit) as exit_:
-        cli.main(["region", "x4-flyer", "--box=4,5,2,2.5,-4,-3", "--json"])
-    answer = json.loads(capsys.readouterr().out)
-    assert exit_.value.code == 0
+    status, out, _ = run(capsys, "region", "x4-flyer", "--box=4,5,2,2.5,-4,-3", "--json")
+    answer = json.loads(out)
+    assert status == 0
     assert answer["verdict"] == "proved"
     assert Path(answer["figure"]).read_bytes().startswith(b"\x89PNG")
     assert "every position in the box" in checker.check_file(answer["certificate"])
-    with pytest.raises(SystemExit) as exit_:
-        cli.main(["region", "x4-flyer", "--box=5,6,3,4,-5,-4", "--json", "--no-figure"])
-    answer = json.loads(capsys.readouterr().out)
-    assert exit_.value.code == 1
+    status, out, _ = run(
+        capsys, "region", "x4-flyer", "--box=5,6,3,4,-5,-4", "--json", "--no-figure"
+    )
+    answer = json.loads(out)
+    assert status == 1
     assert answer["witness"]["eigenvalue"] < 0.01
 
 
 @pytest.mark.parametrize("weights", ["1,2,3", "1,1,1,0", "best", "1,1,1,-1"])
 def test_weights_that_are_none_are_refused(weights, capsys):
-    with pytest.raises(SystemExit) as exit_:
-        cli.main(["certify", "x4-flyer", f"--weights={weights}"])
-    assert exit_.value.code == 2
-    assert capsys.readouterr().err.count("\n") == 1
+    status, _, err = run(capsys, "certify", "x4-flyer", f"--weights={weights}")
+    assert status == 2
+    assert err.count("\n") == 1
 
 
 def test_a_broken_bound_is_refuted_by_a_certificate_of_its_own(mission, capsys):
     wide = "--box=-1,6,-1,4,-5,-2"
-    with pytest.raises(SystemExit) as exit_:
-        cli.main(["region", "x4-flyer", wide, "--json", "--no-figure"])
-    answer = json.loads(capsys.readouterr().out)
-    assert exit_.value.code == 1
+    status, out, _ = run(capsys, "region", "x4-flyer", wide, "--json", "--no-figure")
+    answer = json.loads(out)
+    assert status == 1
     assert answer["witness"]["bound"] == "lower"
     assert "It is not true" in checker.check_file(answer["certificate"])
     content = json.loads(Path(answer["certificate"]).read_text())
@@ -237,10 +236,11 @@ def test_a_broken_bound_is_refuted_by_a_certificate_of_its_own(mission, capsys):
 
 def test_a_limit_of_boxes_that_is_hit_leaves_the_question_undecided(capsys):
     for command in ("region", "certify"):
-        with pytest.raises(SystemExit) as exit_:
-            cli.main([command, "x4-flyer", "--box=-5,5,-3,3,-6,-0.5", "--boxes=2", "--json"])
-        answer = json.loads(capsys.readouterr().out)
-        assert exit_.value.code == 3
+        status, out, _ = run(
+            capsys, command, "x4-flyer", "--box=-5,5,-3,3,-6,-0.5", "--boxes=2", "--json"
+        )
+        answer = json.loads(out)
+        assert status == 3
         assert answer["verdict"] == "undecided"
         assert answer["certificate"] is None
 

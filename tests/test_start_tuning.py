@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from command_line import run
 from hoverproof import checker, cli
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.cells import most_cells
@@ -162,18 +163,16 @@ def test_whoever_follows_the_advice_gets_the_gains_that_were_proved(
     """Of one piece of advice, and with `make trials` of each."""
     small(start)
     options = [f"--set={key}={value}" for key, value in LATE.items()]
-    with pytest.raises(SystemExit) as exit_:
-        cli.main(["tune", "small.toml", "--json", *options])
-    assert exit_.value.code == 1
-    answer = json.loads(capsys.readouterr().out)
+    status, out, _ = run(capsys, "tune", "small.toml", "--json", *options)
+    assert status == 1
+    answer = json.loads(out)
     assert all(words in answer["reason"] for words in said), answer["reason"]
     assert answer["advice"]
     for advice in answer["advice"] if whole else answer["advice"][:1]:
         followed = [f"--set={setting}" for setting in advice["set"]]
-        with pytest.raises(SystemExit) as exit_:
-            cli.main(["tune", "small.toml", "--json", *options, *followed])
-        assert exit_.value.code == 0, advice
-        told = json.loads(capsys.readouterr().out)
+        status, out, _ = run(capsys, "tune", "small.toml", "--json", *options, *followed)
+        assert status == 0, advice
+        told = json.loads(out)
         assert told["settling_time"] == advice["settling_time"]
         assert not [words for words in told["warnings"] if "not considered" in words]
 
@@ -268,10 +267,9 @@ def test_each_point_of_a_trade_is_proved_with_what_it_says(small, capsys):
     small("[0.2, 0, -1.3]")
     words = [f"--set={key}={value}" for key, value in LATE.items()]
     options = ["--trade", "thrust", "--pareto", "2", "--out", "t.svg", "--json"]
-    with pytest.raises(SystemExit) as exit_:
-        cli.main(["tune", "small.toml", *options, *words])
-    assert exit_.value.code == 0
-    told = json.loads(capsys.readouterr().out)
+    status, out, _ = run(capsys, "tune", "small.toml", *options, *words)
+    assert status == 0
+    told = json.loads(out)
     assert [point["thrust"] for point in told["points"]] == [0, 0.4]
     assert ["thrust ±40 %" in point["covers"] for point in told["points"]] == [False, True]
     first, last = (point["settling_time"] for point in told["points"])
@@ -283,10 +281,9 @@ def test_each_point_of_a_trade_is_proved_with_what_it_says(small, capsys):
 def test_tune_writes_a_mission_and_a_certificate_that_holds_its_start(small, capsys):
     small("[0.2, 0, -1.3]")
     words = [f"--set={key}={value}" for key, value in {**SCALED}.items()]
-    with pytest.raises(SystemExit) as exit_:
-        cli.main(["tune", "small.toml", "--out", "t.toml", "--json", *words])
-    assert exit_.value.code == 0
-    answer = json.loads(capsys.readouterr().out)
+    status, out, _ = run(capsys, "tune", "small.toml", "--out", "t.toml", "--json", *words)
+    assert status == 0
+    answer = json.loads(out)
     assert answer["settling_time_flown"] < answer["settling_time"]
     assert answer["settling_time"] < answer["settling_time_before"]
     tuned = load("t.toml")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from command_line import run
 from hoverproof import cli
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
@@ -129,10 +130,9 @@ def test_json_is_read_too():
 
 def test_new_writes_the_points_with_what_they_are(capsys):
     Path("grid.yaml").write_text(GRID.replace("tagCols: 6", "tagCols: 2"), encoding="utf-8")
-    with pytest.raises(SystemExit) as exit_:
-        cli.main(["new", "mine.toml", "--from", "x4-flyer", "--target", "grid.yaml"])
-    assert exit_.value.code == 0
-    assert "AprilGrid: 2 x 5 tags of 0.088 m" in capsys.readouterr().out
+    status, out, _ = run(capsys, "new", "mine.toml", "--from", "x4-flyer", "--target", "grid.yaml")
+    assert status == 0
+    assert "AprilGrid: 2 x 5 tags of 0.088 m" in out
     mission = load("mine.toml")
     assert mission.target.points == read_target("grid.yaml").points
     assert "# AprilGrid: 2 x 5 tags" in Path("mine.toml").read_text(encoding="utf-8")
@@ -159,8 +159,7 @@ def test_new_finds_gains_for_a_target_of_a_file():
 )
 def test_options_of_a_target_that_do_not_go_are_refused(options, where, capsys):
     Path("tags.yaml").write_text(BUNDLE, encoding="utf-8")
-    with pytest.raises(SystemExit) as exit_:
-        cli.main(["new", "mine.toml", "--yes", *options])
-    assert exit_.value.code == 2
-    assert capsys.readouterr().err.startswith(f"hoverproof: {where}")
+    status, _, err = run(capsys, "new", "mine.toml", "--yes", *options)
+    assert status == 2
+    assert err.startswith(f"hoverproof: {where}")
     assert not Path("mine.toml").exists()

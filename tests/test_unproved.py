@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from command_line import run
 from exponential_truth import MISSION
 from hoverproof import checker
 from hoverproof.certification.attraction.starts import Start
@@ -20,7 +21,6 @@ from hoverproof.certification.exponential.reach import Reach
 from hoverproof.certification.exponential.refuting import refused, without_noise
 from hoverproof.certification.exponential.terms import terms
 from hoverproof.certification.exponential.vehicles import Vehicles
-from hoverproof.cli import main
 from hoverproof.design.worst_vehicle import vehicles, worst_flight
 from hoverproof.mission.reading import load
 from papers_law import RACER
@@ -247,9 +247,8 @@ def test_the_worst_flight_is_worse_with_more_doubt():
 
 
 def answered(capsys, *options):
-    with pytest.raises(SystemExit) as done:
-        main(["attraction", *options])
-    return done.value.code, capsys.readouterr().out
+    status, out, _ = run(capsys, "attraction", *options)
+    return status, out
 
 
 @pytest.mark.slow

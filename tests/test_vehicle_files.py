@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hoverproof import cli
+from command_line import run
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.mission.vehicle_files import read_vehicle
@@ -261,10 +261,9 @@ def test_new_takes_a_vehicle_and_says_what_it_has(tmp_path, monkeypatch, capsys,
     monkeypatch.chdir(tmp_path)
     Path("vehicle.txt").write_text(text, encoding="utf-8")
     options = ["--yes", "--json", "--tag", "0.3", "--mass", "1.5"]
-    with pytest.raises(SystemExit) as ended:
-        cli.main(["new", "mine.toml", "--from", "vehicle.txt", *options])
-    assert ended.value.code == 0
-    json.loads(capsys.readouterr().out)
+    status, out, _ = run(capsys, "new", "mine.toml", "--from", "vehicle.txt", *options)
+    assert status == 0
+    json.loads(out)
     vehicle = load("mine.toml").vehicle
     assert len(vehicle.frame.names) == rotors
     assert float(vehicle.mass) == 1.5

@@ -180,7 +180,7 @@ class Gains:
         """Return the certificate, and its target if any, as `extracted/main.ml` reads it."""
         its, rest = self.numbers()
         hints = "\n".join(hint.plain() for hint in self.hints())
-        text = f"{self.name}\n{' '.join(map(str, its + rest))}\n{hints}\n"
+        text = f"gains {self.name}\n{' '.join(map(str, its + rest))}\n{hints}\n"
         if self.given is not None:
             return f"{text}given {' '.join(map(str, self.given))}\n"
         if not self.of_target:
@@ -190,6 +190,68 @@ class Gains:
         ends = " ".join(map(str, itertools.chain(*roots)))
         where = " ".join(map(str, points))
         return f"{text}target {len(self.points)} {where} {len(roots)} {ends}\n"
+
+
+class Region:
+    """A certificate of a region of attraction, with the numbers of `Region.region` in its order."""
+
+    def __init__(self, c: dict[str, Any], name: str) -> None:
+        mission, hints, number = c["mission"], c["enclosures"], Fraction
+        self.name = name
+        self.mass, self.gravity = (number(mission["vehicle"][k]) for k in ("mass", "gravity"))
+        self.k = [number(mission["gains"][key]) for key in ("k1", "k2", "k3", "k4")]
+        self.weights = [number(w) for w in c["weights"]]
+        self.high, self.rate = number(hints["largest_eigenvalue"]), number(c["claim"]["rate"])
+        self.tilt = number(hints["tilt"])
+        self.factor, self.goal = ([number(x) for x in hints[key]] for key in ("factor", "goal"))
+        self.multipliers = [number(x) for x in c["multipliers"]]
+
+    def terms(self, f: Fraction, q3: Fraction, tau: Fraction) -> list[tuple]:
+        """Return the terms of `Region.lower`."""
+        (k1, k2, k3, k4), (a2, a3, a4), one = self.k, self.weights, Fraction(1)
+        d1, d2, d3, d4 = map(vector, (0, 3, 6, 9))
+        k = (k1 * k2 + k3) / k1
+        lean = q3 * k1**2 * k2 / (self.mass**2 * self.gravity)
+        s = plus((lean, d3), (-lean, d2))
+        v = plus((one, d1), (one, [s[0], s[1], [-self.tilt * x for x in s[0]]]), (one, d2))
+        u = plus((-a2, d2), (-a3, d3), (-a4, d4))
+        loss = -self.high / 4
+        return [
+            *((one, d1, v), (self.high / 2, u, v), (loss * tau, v, v), (loss / tau, u, u)),
+            (a2 * k2, d2, plus((one, d2), (-one, d3))),
+            (a2 * f * q3, d2, flat(plus((one, d4), (-one, d3)))),
+            (a3, d3, plus((k2, d2), (-k, d4), (k3 / k1, d3))),
+            (a4, d4, plus((k, d3), (k4 / k1, d4))),
+            *((-self.rate, d, d) for d in (d1, d2, d3, d4)),
+        ]
+
+    def hint(self, f: Fraction, tau: Fraction) -> Hint:
+        """Return a hint for the matrices at one end of the interval of f, of both ends of q3*."""
+        each = [products(self.terms(f, q3, tau)) for q3 in sorted(set(self.goal))]
+        denominators = (x.denominator for m in itertools.chain(*each) for row in m for x in row)
+        return hint(each[0], math.lcm(*denominators))
+
+    def hints(self) -> list[Hint]:
+        """Return those at either end."""
+        return list(map(self.hint, self.factor, self.multipliers))
+
+    def numbers(self) -> list[Fraction]:
+        """Return all but the intervals."""
+        rest = [*self.weights, self.high, self.rate, self.tilt]
+        return [self.mass, *self.k, self.gravity, *rest]
+
+    def literal(self) -> str:
+        """Return the certificate as a term of `Region.region`."""
+        pairs = (self.factor, self.goal, self.multipliers)
+        ends = " ".join(f"({q(a)}, {q(b)})" for a, b in pairs)
+        low, high = (hint.literal() for hint in self.hints())
+        return f"Region {' '.join(map(q, self.numbers()))}\n  {ends}\n  ({low},\n  {high})"
+
+    def plain(self) -> str:
+        """Return the certificate as `extracted/main.ml` reads it."""
+        numbers = [*self.numbers(), *self.factor, *self.goal, *self.multipliers]
+        hints = "\n".join(hint.plain() for hint in self.hints())
+        return f"region {self.name}\n{' '.join(map(str, numbers))}\n{hints}\n"
 
 
 def root(square: Fraction) -> tuple[Fraction, Fraction]:
@@ -225,7 +287,10 @@ class Tolerant:
         self.ball = [claim.low, claim.high]
         self.slope = t.slope
         follows = Follows(claim)
-        self.limits = follows.limits if late and claim.inertial else None
+        whole = late and claim.inertial
+        self.limits = follows.limits if whole else None
+        self.starts = [started(claim, start) for start in c.claim.starts] if whole else []
+        self.settling = settled(claim) if whole else []
         self.setting = [claim.m, *claim.k, claim.gravity]
         self.radii = [up(r) for r in follows.radii(claim)]
         known = iter(t.terms)
@@ -294,29 +359,42 @@ class Tolerant:
         denominators = {x.denominator for m in parts for row in m for x in row}
         return hint(parts, math.lcm(*denominators))
 
+    def hints(self) -> list[Hint]:
+        """Return those of all corners."""
+        return [*map(self.hint, self.corners())]
+
     def literal(self) -> str:
         """Return the certificate as a term of `Tolerant.matrices`."""
         constants = " ".join(map(q, self.constants))
         prices = "; ".join(f"({q(t)}, {q(s)})" for t, s in self.prices)
         ends = " ".join(f"({q(a)}, {q(b)})" for a, b in (self.chi, self.drag, self.gain))
-        hints = ";\n  ".join(self.hint(corner).literal() for corner in self.corners())
+        hints = ";\n  ".join(hint.literal() for hint in self.hints())
         return (
             f"Matrices (Constants {constants})\n  {' '.join(map(q, (*self.ball, self.slope)))}"
             f" [{prices}] [{'; '.join(map(q, self.radii))}]\n  {ends} {q(self.lag)} {q(self.pace)}"
             f"\n  [{hints}]"
         )
 
+    def plain(self) -> str:
+        """Return the certificate as `extracted/main.ml` reads it."""
+        prices = itertools.chain(*self.prices)
+        numbers = [*self.constants, *self.ball, self.slope, *prices, *self.radii]
+        numbers += [*self.chi, *self.drag, *self.gain, self.lag, self.pace]
+        hints = [hint.plain() for hint in self.hints()]
+        rest = [*self.setting, *self.limits, *self.settling, len(self.starts)]
+        rest += itertools.chain(*self.starts)
+        lines = f"tolerant {self.name}", " ".join(map(str, numbers)), str(len(hints)), *hints
+        return "\n".join([*lines, " ".join(map(str, rest)), ""])
+
 
 M = 20
-
-
 LITTLE = Fraction(1, 2**40)
 
 
 class Follows:
-    """What `Stays.limits` holds: bounds of what there is at a level a little above the certificate's.
+    """What `Stays.limits` holds: bounds at a level a little above that of the certificate.
 
-    A little, so that the start is below it. Each is rounded to the side that proves less.
+    Above, so that the start is below it. Each is rounded to the side that proves less.
     """
 
     def __init__(self, claim: Any) -> None:
@@ -328,9 +406,7 @@ class Follows:
         )
         force, push = claim.stiffness * self.spread, claim.m * may.wind
         high = Fraction(0) if claim.inertial else c.enclosures.goal[1]
-        lever = down(
-            root((claim.weight - force) ** 2 - push**2)[0] - claim.stiffness * high, FINE
-        )
+        lever = down(root((claim.weight - force) ** 2 - push**2)[0] - claim.stiffness * high, FINE)
         self.quick = up(claim.stiffness * claim.kappa / lever, FINE)
         self.drag, self.tipped = high * self.quick, push / lever
         past = claim.high * claim.k[0] / claim.m * self.fast
@@ -358,6 +434,30 @@ class Follows:
 
 
 FINE = 64
+
+
+def started(claim: Any, start: Any) -> list[Fraction]:
+    """Return a set of states at first as a `Starts.start`: what the checker sees from there."""
+    moved = start.speed * claim.late
+    box = [(a - moved, b + moved) for a, b in start.position]
+    off, level = (up(x, FINE) for x in claim.place.start(claim.grid, claim.grid.cell(box)))
+    force = start.thrust + claim.weight * start.tilt
+    sine = (force + claim.m * claim.may.wind) / claim.weight
+    cosine = down(root(1 - sine**2)[0], FINE)
+    lean = up(sine * root(2 / (1 + cosine))[1], FINE)
+    flat = min(off, up(level + lean * off, FINE))
+    turn = (claim.weight + force) * start.rate / (claim.stiffness * claim.kappa)
+    return [off, level, start.speed, force, start.rate, cosine, lean, flat, up(turn, FINE)]
+
+
+def settled(claim: Any) -> list[Fraction]:
+    """Return when the vehicle is near as a `Starts.settling`, and powers of e from below."""
+    soon = claim.c.claim.settling
+    y = down(claim.c.claim.rate * soon.time / 64, FINE)
+    powers = [down(sum((y**k / math.factorial(k) for k in range(6)), Fraction(0)), FINE)]
+    for _ in range(6):
+        powers.append(down(powers[-1] ** 2, FINE))
+    return [soon.offset, soon.time, y, *powers]
 
 
 def up(x: Fraction, bits: int = 28) -> Fraction:
@@ -450,14 +550,16 @@ def tolerant_of(held: dict[str, Any], name: str) -> Tolerant | None:
     return Tolerant(claim, name) if plain else None
 
 
-def certificates(paths: list[str], gains: bool = False) -> Iterator[Gains | Tolerant]:
-    """Yield the certificates that Coq can decide, or those of gains among them."""
+def certificates(paths: list[str]) -> Iterator[Gains | Tolerant | Region]:
+    """Yield the certificates that Coq can decide."""
     for path in map(Path, paths):
         held = json.loads(path.read_text(encoding="utf-8"))
         name = path.name.removesuffix(".cert.json")
         if held["kind"] == "gains":
             yield Gains(held, name)
-        elif held["kind"] == "exponential" and not gains:
+        elif held["kind"] == "attraction":
+            yield Region(held, name)
+        elif held["kind"] == "exponential":
             found = tolerant_of(held, name)
             if found:
                 yield found
@@ -469,8 +571,18 @@ PLAIN = (
     "none of noise, gusts, a control period, a lag of the force, and images that are not turned"
 )
 STEPS = (
-    "that the corners and the bounds follow from the level and the mission, that no motion leaves "
-    "the level, the domain, the starts, the settling and the rotors are on paper, and left to "
+    "that the corners and the bounds follow from the level, that no motion leaves it, the domain, "
+    "the starts, the settling and the rotors are on paper, and left to checker.py"
+)
+PLACES = (
+    "what depends on where the target is is left to checker.py: that J is in its ball and all "
+    "points are seen all over the domain, that it ends where what is seen is beyond the offset, "
+    "how far off a start sees, the radius within which the offset is, and the angle; so are the "
+    "rotors; that a motion exists, and motions of thrusts that jump, are on paper"
+)
+NATURAL = (
+    "that -(m/k1) Λ' is that form and its ends follow from the level, that no motion leaves the "
+    "region, the positions, the barrier, the starts and the convergence are on paper, and left to "
     "checker.py"
 )
 ENCLOSED = "that the wanted feature is in its box is left to checker.py"
@@ -481,7 +593,8 @@ BOX = "that J or Q is within its bounds over the box, and at the goal, is left t
 def about(held: dict[str, Any]) -> dict[str, Any]:
     """Return what Coq shows of a certificate, and what is left, in words."""
     if held["kind"] == "exponential":
-        if tolerant_of(held, "") is None:
+        known = tolerant_of(held, "")
+        if known is None:
             return {"shown": [], "left": PLAIN}
         shown = [
             "matrices_sound: the inequality of theorem 5, that Ψ falls faster than at its rate, "
@@ -493,7 +606,22 @@ def about(held: dict[str, Any]) -> dict[str, Any]:
         ]
         if held["memory"] is not None:
             shown.append("late_remembers: the memory in Ψ makes up for an image that is late")
-        return {"shown": shown, "left": STEPS}
+        if not known.limits:
+            return {"shown": shown, "left": STEPS}
+        shown += [
+            "vehicle_stays: no motion from a start leaves the domain or what is between the "
+            "corners, and Ψ(t) <= Ψ(0) exp(-r t) along all of it",
+            "start_arrives: Ψ(0) is at most its level in every state of a start, and from the "
+            "settling time on what a level camera sees is within the offset",
+        ]
+        return {"shown": shown, "left": PLACES}
+    if held["kind"] == "attraction":
+        shown = [
+            "region_sound: the inequality of theorem 3, that -(m/k1) Λ' is above rate·|Y|², for "
+            "every Q with eigenvalues between 0 and the largest, all f and q3* between their ends "
+            "and every tilt up to the bound, in whatever direction"
+        ]
+        return {"shown": shown, "left": NATURAL}
     if held["kind"] != "gains":
         return {"shown": [], "left": PAPER}
     c = Gains(held, "")
@@ -516,9 +644,16 @@ def about(held: dict[str, Any]) -> dict[str, Any]:
     return {"shown": shown, "left": "; ".join(left)}
 
 
-def theorems(c: Gains | Tolerant) -> str:
+def theorems(c: Gains | Tolerant | Region) -> str:
     """Return what Coq is to decide of a certificate."""
     name, decided = re.sub(r"\W", "_", c.name), "Proof. vm_cast_no_check (eq_refl true). Qed."
+    if isinstance(c, Region):
+        lines = [
+            f"Definition natural_{name} : region :=\n  {c.literal()}.",
+            f"Theorem region_{name} : region_ok natural_{name} = true.\n{decided}",
+            f"Definition falls_{name} := region_sound natural_{name} region_{name}.",
+        ]
+        return "\n".join(lines) + "\n"
     if isinstance(c, Tolerant):
         lines = [
             f"Definition matrices_{name} : matrices :=\n  {c.literal()}.",
@@ -538,7 +673,19 @@ def theorems(c: Gains | Tolerant) -> str:
                 f"Definition setting_{name} := Setting {setting}.",
                 f"Theorem bounds_{name} : limits_ok {its} = true.\n{decided}",
                 f"Definition stays_{name} := fun vehicle => vehicle_stays vehicle {its}.",
+                f"Definition settling_{name} := Settling {' '.join(map(q, c.settling[:4]))}\n"
+                f"  [{'; '.join(map(q, c.settling[4:]))}].",
+                f"Theorem settled_{name} : settled_ok limits_{name} matrices_{name} "
+                f"settling_{name} = true.\n{decided}",
             ]
+            for number, start in enumerate(c.starts, 1):
+                term = f"start_{name}_{number}"
+                lines += [
+                    f"Definition {term} := Start {' '.join(map(q, start))}.",
+                    f"Theorem held_{name}_{number} : start_ok {its} {term} = true.\n{decided}",
+                    f"Definition arrives_{name}_{number} := fun vehicle =>\n"
+                    f"  start_arrives vehicle {its} {term} settling_{name}.",
+                ]
         return "\n".join(lines) + "\n"
     lines = [
         f"Definition cert_{name} : certificate :=\n  {c.literal()}.",
@@ -567,10 +714,13 @@ def main(arguments: list[str]) -> None:
         sys.stdout.buffer.write(json.dumps(about(held)).encode())
         return
     if arguments[:1] == ["--plain"]:
-        sys.stdout.writelines(c.plain() for c in certificates(arguments[1:], gains=True))
+        known = certificates(arguments[1:])
+        sys.stdout.writelines(c.plain() for c in known if not isinstance(c, Tolerant) or c.limits)
         return
     print("(* Written by literals.py from certificates. *)")
-    print("From Hoverproof Require Import Forms Gains Target Decay Tolerant Late Stays.")
+    print(
+        "From Hoverproof Require Import Forms Gains Target Decay Tolerant Late Stays Starts Region."
+    )
     print("Require Import QArith List.\nImport ListNotations.\n")
     for c in certificates(arguments):
         print(theorems(c))

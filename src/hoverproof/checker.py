@@ -756,7 +756,7 @@ class Tangent(NamedTuple):
     @classmethod
     def of(cls, mid: int, a: int, b: int, c: int, rest: int) -> "Tangent":
         """Return one with a slope."""
-        return cls(mid, (a, b, c), rest, abs(a) + abs(b) + abs(c) + rest)
+        return tuple.__new__(cls, (mid, (a, b, c), rest, abs(a) + abs(b) + abs(c) + rest))
 
     @classmethod
     def constant(cls, c: Fraction) -> "Tangent":
@@ -775,7 +775,8 @@ class Tangent(NamedTuple):
         (m, (p, q, r), e, g), (k, (s, t, u), f, h) = self, other
         a, b, c = m * s + k * p >> BITS, m * t + k * q >> BITS, m * u + k * r >> BITS
         rest = (abs(m) * f + abs(k) * e + g * h >> BITS) + 5
-        return Tangent(m * k >> BITS, (a, b, c), rest, abs(a) + abs(b) + abs(c) + rest)
+        far = abs(a) + abs(b) + abs(c) + rest
+        return tuple.__new__(Tangent, (m * k >> BITS, (a, b, c), rest, far))
 
     def times(self, n: int, d: int = 1) -> "Tangent":
         """Return it times n/d."""
@@ -793,17 +794,18 @@ class Tangent(NamedTuple):
         The function less its tangent line is between `least` and least + bend. The slope that is
         given may be off by one unit and by 2/mid, and so the tangent line by spread + 2 units.
         """
-        a, b, c = ((slope * x) >> BITS for x in self.slope)
-        rest = (abs(slope) * self.rest + self.far >> BITS) + bend // 2 + 10
+        _, (p, q, r), rest, far = self
+        a, b, c = slope * p >> BITS, slope * q >> BITS, slope * r >> BITS
+        rest = (abs(slope) * rest + far >> BITS) + bend // 2 + 10
         return self.of(value + least + bend // 2, a, b, c, rest)
 
     def inverse(self) -> "Tangent":
         """Return 1/x of x > 0, which is above its tangent line by at most d²/(m² (m - d))."""
         m, d = self.mid, self.far
         require(m > d, "a number is not shown to be positive")
-        value = (ONE_OF_THEM**2) // m
-        bend = d * d * ONE_OF_THEM**2 // (m * m * (m - d)) + 1
-        return self.bent(value, -(value * value >> BITS), 0, bend)
+        value = (1 << 2 * BITS) // m
+        most = (d * (value + 1) >> BITS) + 1  # at least d/m
+        return self.bent(value, -(value * value >> BITS), 0, most * most // (m - d) + 1)
 
     def root(self) -> "Tangent":
         """Return √x of x > 0, below its tangent line by at most d²/(2√m (√m + √(m - d))²)."""
@@ -827,8 +829,7 @@ def along(x: Iterable[Tangent], y: Iterable[Tangent]) -> Tangent:
         b += m * t + k * q
         c += m * u + k * r
         rest += abs(m) * f + abs(k) * e + g * h
-    a, b, c, rest = a >> BITS, b >> BITS, c >> BITS, (rest >> BITS) + 5
-    return Tangent(mid >> BITS, (a, b, c), rest, abs(a) + abs(b) + abs(c) + rest)
+    return Tangent.of(mid >> BITS, a >> BITS, b >> BITS, c >> BITS, (rest >> BITS) + 5)
 
 
 def add_up(values: Iterable[Tangent]) -> Tangent:
@@ -962,7 +963,7 @@ class Sight:
     def bent(self) -> list[Three]:
         """Enclose W R̄, (3, 3)."""
         p0, axes, rays = self.p0, range(3), self.rays
-        near = [self.weigh(ray.near * ray.w[k] for ray in rays) for k in axes]
+        near = [self.weigh(ray.thin[k] for ray in rays) for k in axes]
         w_of, bends = list(zip(*(ray.w for ray in rays), strict=True)), self.bends
         eta = self.weighed(ray.eta for ray in rays)
         half = eta.times(1, 2)
@@ -984,11 +985,10 @@ class Sight:
             twice = (g * both).times(2)
             weights[i], weights[j] = weights[i] + part, weights[j] + part
             turns[i], turns[j] = turns[i] + twice, turns[j] - twice
-        bends = [ray.bend for ray in self.rays]
-        near = [[ray.near * x for x in ray.w] for ray in self.rays]
-        thin = [t * weight for weight in weights]
-        factors = [t * along(bends, weights), *thin, *turns]
-        w_of, near_of = (list(zip(*x, strict=True)) for x in ([r.w for r in self.rays], near))
+        straight = t * along((ray.bend for ray in self.rays), weights)
+        factors = [straight, *(t * weight for weight in weights), *turns]
+        w_of = list(zip(*(ray.w for ray in self.rays), strict=True))
+        near_of = list(zip(*(ray.thin for ray in self.rays), strict=True))
         return [along(factors, (p0[k], *near_of[k], *w_of[k])) for k in axes]
 
     def fall_of_points(self, R: list[Three]) -> Three:
@@ -1008,18 +1008,18 @@ class Sight:
         self.bends = self.weigh(ray.bend for ray in self.rays)
         for ray, (e, _) in zip(self.rays, self.target.constants, strict=True):
             ray.w = [along((self.t, ray.back), (ray.v[k], p0[k])) + e[k] for k in axes]
+            ray.thin = [ray.near * x for x in ray.w]
         R = self.bent()
         falling = self.fall_of_points(R) if self.target.many else self.fall_of_pairs()
         scale = (self.whole.times(1, 2) - self.short) * self.short * self.square
         half = [x.times(1, 2) for x in falling]
-        ahead = [
-            along((scale, self.less), (self.spread * p0[k] + half[k], half[k])) for k in axes
-        ]  # h
+        ends = [(self.spread * p0[k] + half[k], half[k]) for k in axes]
+        ahead = [along((scale, self.less), x) for x in ends]  # h
         J = [[NOTHING] * 3 for _ in axes]
         for i, j in itertools.product(axes, axes):
             bent = R[i][j].scaled(self.target.share) + self.mean[i] * p0[j]
             bent = along((self.square, self.lead[i]), (bent, ahead[j]))
-            J[i][j] = self.gain * (bent + (ONE_TANGENT if i == j else NOTHING))
+            J[i][j] = self.gain * (bent + ONE_TANGENT if i == j else bent)
         return J
 
 
@@ -1041,25 +1041,25 @@ def scaled_slope(target: Target, xi: Three) -> list[Three]:
 def within_ball(J: list[Three] | None, low: Fraction, high: Fraction) -> bool:
     """Show |J - j I| < ϱ, low = j - ϱ and high = j + ϱ.
 
-    A norm is convex, so the corners of a cell suffice; the rests of J have the norm of their
-    matrix at most.
+    The rests of J have the norm of their matrix at most, and what J changes along an axis too: the
+    middle of a cell suffices if that much is left there, else its corners do, as norms are convex.
     """
     if J is None:
         return False
     j = math.floor((low + high) / 2 * ONE_OF_THEM)
     rest = math.isqrt(sum(x.rest**2 for row in J for x in row)) + 2
     room = math.floor((high - low) / 2 * ONE_OF_THEM) - rest
-    for signs in itertools.product((-1, 1), repeat=3):
-        ends = [[x.mid + sum(map(operator.mul, signs, x.slope)) for x in row] for row in J]
-        for i in range(3):
-            ends[i][i] -= j
-        columns = list(zip(*ends, strict=True))
-        left = [[-dot(x, y) for y in columns] for x in columns]
+    rows = [[(x.mid - j * (i == k), *x.slope) for k, x in enumerate(r)] for i, r in enumerate(J)]
+    lost = sum(math.isqrt(sum(x.slope[k] ** 2 for row in J for x in row)) + 1 for k in range(3))
+
+    def below(room: int, p: int = 0, q: int = 0, r: int = 0) -> bool:
+        ends = [[m + p * a + q * b + r * c for m, a, b, c in row] for row in rows]
+        left = [[-dot(x, y) for y in ends[: i + 1]] for i, x in enumerate(ends)]
         for i in range(3):
             left[i][i] += room**2
-        if room <= 0 or not definite(left):
-            return False
-    return True
+        return room > 0 and definite(left)
+
+    return below(room - lost) or all(below(room, *x) for x in itertools.product((-1, 1), repeat=3))
 
 
 def beyond_ball(target: Pattern, position: Row, x: Row, low: Fraction, high: Fraction) -> bool:

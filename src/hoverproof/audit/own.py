@@ -21,6 +21,20 @@ Array = NDArray[np.float64]
 AT_A_TIME = 100_000
 """So many rows of a column are read at once."""
 
+COLUMNS = {
+    "position": "position",
+    "velocity": "velocity",
+    "rotation": "rotation",
+    "rate": "body_rate",
+    "specific_force": "specific_force",
+    "thrust_command": "thrust_command",
+    "rotor_command": "rotor_command",
+    "rate_command": "rate_setpoint",
+    "image_age": "image_age",
+    "status": "firmware_status",
+}
+"""What a log has, by the name that it has in the file."""
+
 
 def read(path: Path, between: tuple[float, float] = EVER) -> FlightLog:
     """Read a file of ours.
@@ -83,19 +97,7 @@ def _read(file: Any, source: str, between: tuple[float, float]) -> FlightLog:
             feature=column("feature"),
             **held,
         )
-    for ours, theirs in (
-        ("position", "position"),
-        ("velocity", "velocity"),
-        ("rotation", "rotation"),
-        ("rate", "body_rate"),
-        ("specific_force", "specific_force"),
-        ("thrust_command", "thrust_command"),
-        ("rotor_command", "rotor_command"),
-        ("rate_command", "rate_setpoint"),
-        ("image_age", "image_age"),
-        ("status", "firmware_status"),
-    ):
-        held[ours] = column(theirs)
+    held |= {ours: column(theirs) for ours, theirs in COLUMNS.items()}
     held["feature"] = column("feature" if "feature" in file else "centroid_held")
     if "phase" in file:
         return _flown(held, column("phase"), column("gravity_direction"))

@@ -1,1 +1,1 @@
-"""What is proved about gains, and its certificates."""
+"""What is proved of gains, of boxes and of starts, and the certificates of it."""

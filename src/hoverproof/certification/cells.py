@@ -169,8 +169,7 @@ class View:
     def centroid(self) -> Array:
         """The q that a level camera sees in the middle of each cell, (k, 3), dimensionless."""
         shares = self.weights / np.maximum(self.distance, 1e-12)
-        q: Array = np.einsum("kn,kni->ki", shares, self.rays)
-        return q
+        return np.asarray(np.einsum("kn,kni->ki", shares, self.rays))
 
     @property
     def depths(self) -> Array:
@@ -200,7 +199,7 @@ def lengths(vectors: Array) -> Array:
     vectors : (..., 3)
     """
     x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
-    return np.sqrt(x * x + y * y + z * z)
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
 def _across(outer: Array) -> Array:

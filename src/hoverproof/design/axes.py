@@ -203,9 +203,11 @@ def two_axes(
 
     Parameters
     ----------
-    mission, of_start, cells
+    mission, of_start
         See `axis`, also for what is raised.
     x, y : Axis, or str
+    cells : int
+        Number of values along each.
     """
     x, y = (
         axis(mission, one, option=option, of_start=of_start, cells=cells)

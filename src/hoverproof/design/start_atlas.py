@@ -44,6 +44,9 @@ NOT_ASKED, NOT_PROVED, PROVED = -128, 0, 1
 FIRST, HOPELESS = 5, 0.5
 """So many programs, at most, tell whether it is worth to go on: where no more than that share of
 the rate is missing then, or what is beyond a limit in rad."""
+AGAIN, WORTH, ALIKE = 4, 0.02, 0.1
+"""So often, at most, a search goes on that makes the time shorter by that share, until it is longer
+than a neighbour's by no more than that share."""
 WORDS = {
     "settling_time": ("s", "when the start has settled, found by search, floating point"),
     "verdict": ("1", "certificate: 1 proved, 0 not proved, -128 not asked"),
@@ -170,7 +173,7 @@ def row(
                 point = _best(search, four, beside, seed)
                 if point is not None and (before is None or point.cost < before.point.cost):
                     cells[j] = before = Cell(point, search.near(point))
-            beside = None if before is None or math.isnan(before.time) else before.point.z[4:]
+            beside = None if before is None or math.isnan(before.time) else before.point
     return cells
 
 
@@ -213,16 +216,20 @@ def cell_mission(mission: Mission, x: Axis, y: Axis, i: int, j: int) -> Mission:
 
 
 def _best(
-    search: StartSearch, four: Array, beside: Array | None, seed: Array | None
+    search: StartSearch, four: Array, beside: Point | None, seed: Array | None
 ) -> Point | None:
     """Return the best point for gains; None if there is none to set out from."""
-    near = search.places(four)[:1] if beside is None else [beside]
+    near = search.places(four)[:1] if beside is None else [beside.z[4:]]
+    like = -math.inf if beside is None else beside.cost + ALIKE
     near += [] if seed is None else [seed]
     if not near:
         return None
     point = search.best_for(four, np.array(near), FIRST)
-    if point.cost < OUTSIDE + HOPELESS:
-        return min(point, search.best_for(four, point.z[None, 4:]), key=lambda p: p.cost)
+    for _ in range(AGAIN if point.cost < OUTSIDE + HOPELESS else 0):
+        before, new = point, search.best_for(four, point.z[None, 4:])
+        point = min(point, new, key=lambda point: point.cost)
+        if point.cost <= like or point.cost > before.cost - WORTH:
+            break
     return point
 
 

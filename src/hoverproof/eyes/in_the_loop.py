@@ -21,10 +21,10 @@ from hoverproof.plant import camera
 from hoverproof.plant.lens import seeing_lens
 from hoverproof.simulation.flight import SAMPLES, fly_as_built, sample_bytes
 from hoverproof.simulation.image_age import age_in_use
+from hoverproof.simulation.observed import camera_function, seen_function
 from hoverproof.simulation.plan import Plan, check_seed
 from hoverproof.simulation.record import Column, Record
 from hoverproof.simulation.timing import Timing
-from hoverproof.simulation.told import camera_function, seen_function
 
 Array = NDArray[np.float64]
 

@@ -16,9 +16,9 @@ from hoverproof.servo.layout import place
 from hoverproof.simulation import flight as simulation
 from hoverproof.simulation import kernel
 from hoverproof.simulation.inner_loop import inner_loop
+from hoverproof.simulation.observed import read_function
 from hoverproof.simulation.plan import Plan
 from hoverproof.simulation.record import Record
-from hoverproof.simulation.told import read_function
 
 Array = NDArray[np.float64]
 LONGEST_STEP = 0.1

@@ -67,14 +67,24 @@ class Mission(_Section):
 
     @model_validator(mode="after")
     def _hangs_together(self) -> Self:
-        points, weight = self.target.points, self.vehicle.weight
-        thrust = self.bounds.thrust
+        thrust, weight = self.bounds.thrust, self.vehicle.weight
         if thrust is not None and not thrust[0] <= weight <= thrust[1]:
             raise _reject(
                 f"must contain the thrust of hover, m g = {float(weight):g} N, "
                 f"not [{_shown(thrust[0])}, {_shown(thrust[1])}]",
                 key="bounds.thrust",
             )
+        self._require_a_goal_that_is_seen()
+        if self.gains.k_heading is not None and self.goal.heading is None:
+            raise _reject(
+                "turns to a heading: give goal.heading (rad), or leave it out",
+                key="gains.k_heading",
+            )
+        self._require_a_start_above()
+        return self
+
+    def _require_a_goal_that_is_seen(self) -> None:
+        points = self.target.points
         height, centroid = self.goal.height, self.goal.centroid
         if height is not None:
             if len({(x, y) for x, y, _ in points}) == 1:
@@ -117,11 +127,9 @@ class Mission(_Section):
                 "alone does not tell the heading",
                 key="goal.heading_from",
             )
-        if self.gains.k_heading is not None and self.goal.heading is None:
-            raise _reject(
-                "turns to a heading: give goal.heading (rad), or leave it out",
-                key="gains.k_heading",
-            )
+
+    def _require_a_start_above(self) -> None:
+        points = self.target.points
         start = self.start.position
         if start[2] >= min(z for _, _, z in points):
             raise _reject(
@@ -130,7 +138,6 @@ class Mission(_Section):
             )
         if on_one_line([*points, start]):
             raise _reject("is in line with the target points", key="start.position")
-        return self
 
     @model_validator(mode="after")
     def _knows_its_rotors(self) -> Self:

@@ -19,6 +19,9 @@ from hoverproof.reporting.wording import headline
 from hoverproof.simulation.numbers import near_from
 
 Line = tuple[str, str]
+NOT_COVERED, IN_A_FLIGHT = "Not covered", "In a flight"
+NOT_PROVED = NOT_COVERED, IN_A_FLIGHT
+"""Questions whose answers are no proof."""
 
 
 def rows(parts: Parts) -> list[Line]:
@@ -45,7 +48,7 @@ def rows(parts: Parts) -> list[Line]:
         found.append(("Gains", gains))
     else:
         found = [("Gains", gains), ("From its start", _unproved(start)), *found]
-    return [*found, ("Not covered", "; ".join(not_covered(region)))]
+    return [*found, (NOT_COVERED, "; ".join(not_covered(region)))]
 
 
 def _whom(region: Attraction | Exponential) -> str:
@@ -87,11 +90,11 @@ def _in_flight(region: Attraction | Exponential, flight: Flown | Missing) -> Ite
         settled = near_from(flight.whole["time"].values, far, float(region.settling.radius))
         near = f"{at_most(region.settling.radius)} m of its goal"
     if settled is None:
-        yield "In the flight below", f"not within {near} at its end (simulated)"
+        yield IN_A_FLIGHT, f"not within {near} at its end (simulated)"
         return
     words = f"within {near} from {short(settled)} s on (simulated, the vehicle as modelled)"
     longer = why_longer(region, settled) if isinstance(region, Exponential) else None
-    yield "In the flight below", words if longer is None else f"{words}; the proof takes {longer}"
+    yield IN_A_FLIGHT, words if longer is None else f"{words}; the proof takes {longer}"
 
 
 def _on_the_way(region: Attraction | Exponential) -> Iterator[str]:

@@ -21,7 +21,7 @@ from hoverproof.export.cost import STEPS
 from hoverproof.paper.judge import Verdict
 from hoverproof.reporting import mathematics, pictures, tables, wording
 from hoverproof.reporting.assets import asset, pages
-from hoverproof.reporting.glance import Line
+from hoverproof.reporting.glance import NOT_PROVED, Line
 from hoverproof.reporting.numerals import short
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts, sentence
 from hoverproof.reporting.player import player_data
@@ -118,6 +118,7 @@ def context(parts: Parts, origin: Origin, glance: Sequence[Line]) -> dict[str, A
         "js": asset("player.js"),
         "headline": wording.headline(parts),
         "glance": glance,
+        "not_proved": NOT_PROVED,
         "merits": list(wording.merits(parts)),
         "certificate": files.get("gains"),
         "region_file": files.get("region"),
@@ -291,7 +292,7 @@ def _equation(id: str) -> str:
 def _tight(words: str) -> str:
     """Keep a number and its unit on one line."""
     return re.sub(
-        rf"(?<=[\d)⁰¹²³⁴-⁹]) (?=({UNITS})\b)|(?<=kg) (?=m)|(?<=N) (?=m)|(?<=[≥≤]) ",
+        rf"(?<=[\d)⁰¹²³⁴-⁹]) (?=(?:{UNITS})\b|%)|(?<=kg) (?=m)|(?<=N) (?=m)|(?<=[≥≤]) ",
         "\N{NO-BREAK SPACE}",
         words,
     )

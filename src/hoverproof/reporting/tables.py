@@ -50,63 +50,11 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
     q_star : (3,) Fractions
         The wanted centroid, dimensionless.
     """
-    v, start = mission.vehicle, mission.start
-    height, bounds = mission.goal.height, mission.bounds
-    goal = "by its centroid" if height is None else f"{short(height)} m above the target"
-    q = ", ".join(short(c, 6) for c in q_star)
-    counts = mission.target.weights
-    points = "; ".join(place(p) for p in mission.target.points[:MOST])
-    if len(mission.target.points) > MOST:
-        points += f"; and {len(mission.target.points) - MOST} more"
-    origin = "proved over a box" if bounds.eigenvalues == "auto" else "assumed"
-    assumed = (
-        ("thrust, assumed", f"{interval(bounds.thrust)} N")
-        if bounds.thrust is not None
-        else ("level of L, assumed", short(bounds.level or 0))
-    )
-    named = flow_of(mission).named.removeprefix("the ")
-    law = "centroid/image/modelled, the paper's" if mission.law.is_papers else mission.law.name
     tables = [
-        Table(
-            "Vehicle",
-            [
-                ("mass", f"{short(v.mass)} kg"),
-                *body_rows(v),
-                ("drag torque over thrust", f"{short(v.drag_ratio)} m"),
-                ("gravity", f"{short(v.gravity)} m/s²"),
-                ("weight", f"{short(v.weight)} N"),
-            ],
-        ),
-        Table(
-            "Law and gains",
-            [
-                ("law", law),
-                *(
-                    (name, f"{short(getattr(mission.gains, name))} {unit}")
-                    for name, unit in Design.gains().items()
-                ),
-                *_heading(mission),
-            ],
-        ),
-        Table(
-            "Target, goal and start (world frame, z down)",
-            [
-                (f"{len(mission.target.points)} target points", points),
-                *([("weights", ", ".join(map(short, counts)))] if counts else []),
-                ("goal", goal),
-                ("hover there", place(hover_goal(mission).position)),
-                ("wanted centroid q*", f"({q})"),
-                ("start", place(start.position)),
-                *_moving(mission),
-            ],
-        ),
-        Table(
-            "In flight",
-            [
-                (f"{named}, {origin}", bounded(mission, eigenvalue_bounds(mission))),
-                assumed,
-            ],
-        ),
+        _vehicle_table(mission),
+        _law_table(mission),
+        _target_table(mission, q_star),
+        _bounds_table(mission),
     ]
     conditions = mission.conditions()
     if conditions:
@@ -122,6 +70,56 @@ def mission_tables(mission: Mission, q_star: Sequence[Fraction]) -> list[Table]:
             Table("Asked to be covered (looked at under region of attraction alone)", rows)
         )
     return tables
+
+
+def _vehicle_table(mission: Mission) -> Table:
+    v = mission.vehicle
+    rows = [
+        ("mass", f"{short(v.mass)} kg"),
+        *body_rows(v),
+        ("drag torque over thrust", f"{short(v.drag_ratio)} m"),
+        ("gravity", f"{short(v.gravity)} m/s²"),
+        ("weight", f"{short(v.weight)} N"),
+    ]
+    return Table("Vehicle", rows)
+
+
+def _law_table(mission: Mission) -> Table:
+    law = "centroid/image/modelled, the paper's" if mission.law.is_papers else mission.law.name
+    units = Design.gains().items()
+    gains = [(name, f"{short(getattr(mission.gains, name))} {unit}") for name, unit in units]
+    return Table("Law and gains", [("law", law), *gains, *_heading(mission)])
+
+
+def _target_table(mission: Mission, q_star: Sequence[Fraction]) -> Table:
+    target, height = mission.target, mission.goal.height
+    goal = "by its centroid" if height is None else f"{short(height)} m above the target"
+    points = "; ".join(place(p) for p in target.points[:MOST])
+    if len(target.points) > MOST:
+        points += f"; and {len(target.points) - MOST} more"
+    weights = [("weights", ", ".join(map(short, target.weights)))] if target.weights else []
+    rows = [
+        (f"{len(target.points)} target points", points),
+        *weights,
+        ("goal", goal),
+        ("hover there", place(hover_goal(mission).position)),
+        ("wanted centroid q*", f"({', '.join(short(c, 6) for c in q_star)})"),
+        ("start", place(mission.start.position)),
+        *_moving(mission),
+    ]
+    return Table("Target, goal and start (world frame, z down)", rows)
+
+
+def _bounds_table(mission: Mission) -> Table:
+    bounds, named = mission.bounds, flow_of(mission).named.removeprefix("the ")
+    origin = "proved over a box" if bounds.eigenvalues == "auto" else "assumed"
+    assumed = (
+        ("thrust, assumed", f"{interval(bounds.thrust)} N")
+        if bounds.thrust is not None
+        else ("level of L, assumed", short(bounds.level or 0))
+    )
+    eigenvalues = bounded(mission, eigenvalue_bounds(mission))
+    return Table("In flight", [(f"{named}, {origin}", eigenvalues), assumed])
 
 
 def hover_error_tables(mission: Mission) -> list[Table]:

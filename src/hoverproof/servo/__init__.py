@@ -1,1 +1,1 @@
-"""The control design: error chain, controller, Lyapunov function."""
+"""The laws, and what follows of them: controller, Lyapunov function, closed loop."""

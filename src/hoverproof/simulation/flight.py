@@ -328,8 +328,33 @@ def fly_as_built(
         end = last_good_step(fly, kept, plan.every, told)
         kept, taken = up_to(fly, kept, plan.every, end, finer)
         outcome = ending_words(code, (end if told is not None else end + 1) * plan.step)
+    flight = _record_as_built(plan, kept, taken)
+    if eyes is None:
+        words = "since the exposure of the frame that the controller uses"
+        flight.add("image_age", ["time"], image_age(plan, flight), units="s", long_name=words)
+    flight.attrs.update(
+        {
+            "outcome": outcome,
+            "settled_at": math.nan if code else float(settled_at(log_of(plan, last), plan.step)),
+            "step": plan.step,
+            "steps": int(taken[-1]),
+            "seconds": seconds,
+            "machine": machine.split(",")[0],
+            "model_sha256": plan.model_sha256,
+            "conditions": json.dumps(mission.conditions()),
+            "seed": plan.seed,
+            "frames_lost": int(lost),
+        }
+    )
+    if lost:
+        flight.attrs["left_view_at"] = float(lost_at) * plan.step
+    return flight
+
+
+def _record_as_built(plan: Plan, kept: Array, taken: NDArray[np.int64]) -> Record:
+    """Return samples, a row each, at so many steps from the start, as a record."""
     parts = {name: kept[:, place(plan.record, name)] for name in plan.record}
-    felt = parts.get("specific_force")
+    felt, mission = parts.get("specific_force"), plan.mission
     flight = flight_record(mission, plan.numbers, parts["state"], plan.step * taken, felt)
     vehicle, frame = mission.vehicle, mission.vehicle.frame
     lengths = vehicle.reach * (1 + mission.model_error.arm), vehicle.drag_ratio
@@ -354,23 +379,4 @@ def fly_as_built(
             continue
         values = parts[name] if len(dims) > 1 else parts[name].ravel()
         flight.add(name, dims, values, units=units, long_name=words)
-    if eyes is None:
-        words = "since the exposure of the frame that the controller uses"
-        flight.add("image_age", ["time"], image_age(plan, flight), units="s", long_name=words)
-    flight.attrs.update(
-        {
-            "outcome": outcome,
-            "settled_at": math.nan if code else float(settled_at(log_of(plan, last), plan.step)),
-            "step": plan.step,
-            "steps": int(taken[-1]),
-            "seconds": seconds,
-            "machine": machine.split(",")[0],
-            "model_sha256": plan.model_sha256,
-            "conditions": json.dumps(mission.conditions()),
-            "seed": plan.seed,
-            "frames_lost": int(lost),
-        }
-    )
-    if lost:
-        flight.attrs["left_view_at"] = float(lost_at) * plan.step
     return flight

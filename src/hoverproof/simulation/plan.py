@@ -21,9 +21,9 @@ from hoverproof.plant.lens import seeing_lens
 from hoverproof.servo.law import Law
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import kernel
+from hoverproof.simulation.observed import specific_force_function
 from hoverproof.simulation.realistic import realistic_loop
 from hoverproof.simulation.surroundings import Features
-from hoverproof.simulation.told import specific_force_function
 from hoverproof.version import __version__
 
 Array = NDArray[np.float64]

@@ -244,27 +244,12 @@ def flight_record(
         "delta4": (("time", "horizontal_axis"), read["delta4"], "1", "body-rate error δ4"),
         "lyapunov": (("time",), read["lyapunov"][:, 0], "1", "L = ½ Σ|δᵢ|²"),
     }
-    axes = list("xyz")
-    coordinates: dict[str, Sequence[str] | NDArray[Any]] = {
-        "time": times,
-        "axis": axes,
-        "body_axis": axes,
-        "horizontal_axis": axes[:2],
-        "image_axis": axes[:2],
-        "angle": ["roll", "pitch", "yaw"],
-        "rotor": list(mission.vehicle.frame.names),
-        "point": np.arange(1, n + 1),
-    }
-    units = {"time": {"units": "s"}}
     return Record(
         {
             name: Column(dims, values, {"units": units, "long_name": words})
             for name, (dims, values, units, words) in variables.items()
         },
-        {
-            name: Column((name,), np.asarray(values), units.get(name, {}))
-            for name, values in coordinates.items()
-        },
+        _coordinates(mission, times, n),
         attrs={
             "title": f"closed-loop flight of {mission.name}",
             "goal_position": numbers.goal,
@@ -276,6 +261,23 @@ def flight_record(
             "casadi_version": version("casadi"),
         },
     )
+
+
+def _coordinates(mission: Mission, times: NDArray[Any], n: int) -> dict[str, Column]:
+    """Return the coordinates of a flight with n target points, by name."""
+    axes = list("xyz")
+    values: dict[str, Sequence[str] | NDArray[Any]] = {
+        "time": times,
+        "axis": axes,
+        "body_axis": axes,
+        "horizontal_axis": axes[:2],
+        "image_axis": axes[:2],
+        "angle": ["roll", "pitch", "yaw"],
+        "rotor": list(mission.vehicle.frame.names),
+        "point": np.arange(1, n + 1),
+    }
+    units = {"time": {"units": "s"}}
+    return {k: Column((k,), np.asarray(v), units.get(k, {})) for k, v in values.items()}
 
 
 def _columns(

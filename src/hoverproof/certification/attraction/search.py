@@ -82,7 +82,8 @@ class Search:
     sinking : Sinking or None
         Of the starts, for a barrier, which must not be above where they sink to; None without one.
     known : dict
-        What is known of barriers, by the log of their heights: with many a force each is asked for.
+        What is known of barriers, by the log of their heights, a bare number: with many a force
+        each is asked for.
     """
 
     potential: Potential
