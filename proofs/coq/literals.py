@@ -440,10 +440,11 @@ def started(claim: Any, start: Any) -> list[Fraction]:
     """Return a set of states at first as a `Starts.start`: what the checker sees from there."""
     moved = start.speed * claim.late
     box = [(a - moved, b + moved) for a, b in start.position]
-    off, level = (up(x, FINE) for x in claim.place.start(claim.grid, claim.grid.cell(box)))
+    seen = claim.place.start(claim.grid, claim.grid.cell(box)) or [2 * claim.c.domain.offset] * 2
+    off, level = (up(x, FINE) for x in seen)
     force = start.thrust + claim.weight * start.tilt
     sine = (force + claim.m * claim.may.wind) / claim.weight
-    cosine = down(root(1 - sine**2)[0], FINE)
+    cosine = down(root(max(Fraction(0), 1 - sine**2))[0], FINE)
     lean = up(sine * root(2 / (1 + cosine))[1], FINE)
     flat = min(off, up(level + lean * off, FINE))
     turn = (claim.weight + force) * start.rate / (claim.stiffness * claim.kappa)
