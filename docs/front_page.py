@@ -44,7 +44,7 @@ DURATION = 1500.0  # s, of the paper's flight
 HERE = Path(__file__).parent
 WIDTH, HEIGHT, DPI = 12.4, 10.6, 150  # inches, and pixels per inch
 LOW = 4.7  # inches, of the second picture
-ROWS, HIGH = (0.475, 0.05), 0.28  # lower edges and height of the panels, in parts of the figure
+ROWS, HIGH = (0.452, 0.05), 0.28  # lower edges and height of the panels, in parts of the figure
 CODE = {"family": "monospace", "fontsize": 8.5, "va": "top", "linespacing": 1.13}
 OPENING, CLOSING = 10, 13  # lines of the control law that are shown
 CELLS, START_CELLS = 120, 10
@@ -257,7 +257,7 @@ def draw_path(axes: Axes, flight: xr.Dataset) -> None:
     """Draw the path in space."""
     panels.path(axes, flight)
     axes.get_legend().remove()
-    axes.set_zlabel("z (m), down", labelpad=6)
+    axes.set_zlabel("z (m), down", labelpad=12)
 
 
 def draw_tracks(axes: Axes, flight: xr.Dataset) -> None:

@@ -19,7 +19,7 @@ STUBS, TARGET = TESTS / "stubs", TESTS / "target"
 ROTOR_MAX = 0.13
 """N, of one rotor of the vehicles here."""
 
-WARNED = ("-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter")
+WARNED = ("-Wall", "-Wextra", "-Werror")
 PLAIN_C = ("-std=gnu11", "-O2", "-g")
 
 
@@ -101,7 +101,7 @@ def crazyflie(package: Package, folder: Path, *extra: object, plain: Package | N
     controller = package.folder / "adapters" / "crazyflie" / f"controller_{package.name}.c"
     sources = (TARGET / "crazyflie.c", plain.folder / "example" / "vehicle.c", *package.sources)
     run(
-        *("gcc", *PLAIN_C, "-Wall", "-Wextra", "-Werror", *numbers(package, plain)),
+        *("gcc", *PLAIN_C, *WARNED, *numbers(package, plain)),
         *(f'-DCONTROLLER="{controller}"', *extra, f"-I{STUBS / 'crazyflie'}", *plain.includes),
         *(*sources, "-lm", "-pthread", "-o", folder / "crazyflie"),
     )
@@ -129,7 +129,8 @@ def px4(package: Package, folder: Path, *extra: object, plain: Package | None = 
     sources = (plain.folder / "example" / "vehicle.c", *package.sources, *plain.sources)
     made = in_c(sources, plain, folder)
     run(
-        *("g++", "-std=gnu++14", "-O2", "-g", *WARNED, *numbers(package, plain)),
+        *("g++", "-std=gnu++14", "-O2", "-g", *WARNED, "-Wno-unused-parameter"),
+        *numbers(package, plain),
         *(f'-DMODULE="{module}"', f"-DLAW_OUT={package.name}_output_t", f"-I{STUBS / 'px4'}"),
         *(f"-I{folder}", *plain.includes, f"-I{package.folder}", TARGET / "px4.cpp"),
         *(*made, *extra, "-lm", "-o", folder / "px4"),
@@ -146,7 +147,7 @@ def ardupilot(package: Package, folder: Path, *extra: object, plain: Package | N
     sources = (plain.folder / "example" / "vehicle.c", *plain.sources)
     made = in_c(sources if plain is not package else sources[:1], plain, folder)
     run(
-        *("g++", "-std=gnu++11", "-O2", "-g", *WARNED[:-1], *numbers(package, plain)),
+        *("g++", "-std=gnu++11", "-O2", "-g", *WARNED, *numbers(package, plain)),
         *(f"-DCONTROL={control}", f'-DBACKEND="{control}.cpp"', f"-I{STUBS / 'ardupilot'}"),
         *(f"-I{folder}", f"-I{adapters}", *plain.includes, TARGET / "ardupilot.cpp", *made),
         *(*sorted(adapters.glob(f"{package.name}_*.cpp")), *extra, "-lm"),
@@ -188,15 +189,12 @@ class Mixer:
         Folders of the tree whose headers are taken as they are.
     first : sequence of str
         Headers that come first in each file.
-    macros : sequence of str
-        Options.
     """
 
     folders: Sequence[str]
     sources: Sequence[str]
     includes: Sequence[str] = ()
     first: Sequence[str] = ()
-    macros: Sequence[str] = ()
 
 
 MIXERS = {
@@ -219,13 +217,13 @@ MIXERS = {
         first=("ardupilot_mixer.h",),
     ),
 }
-"""Of the trees in C++. A library's folder that is among `folders` is taken as it is too."""
+"""Of the trees in C++."""
 
 
 def tree_mixer(autopilot: str, tree: Path, macros: Sequence[str], folder: Path) -> Path:
     """Compile the mixer of a tree, its own files, as a library that has `tree_mixer` alone.
 
-    A header that is not the mixer's own leads to the stand-in.
+    A header that none of these folders holds leads to the stand-in.
     """
     mixer, lent = MIXERS[autopilot], folder / "lent"
     lent.mkdir()

@@ -129,7 +129,9 @@ def test_the_front_page_tells_the_time_and_the_region_of_the_shipped_certificate
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["front-page.png", "paper-vehicle.png"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("front-page.png", marks=pytest.mark.whole), "paper-vehicle.png"]
+)
 def test_the_pictures_of_the_front_page_can_be_drawn_anew(name, tmp_path):
     subprocess.run([sys.executable, ROOT / "docs" / "front_page.py", tmp_path, name], check=True)
     with Image.open(tmp_path / name) as new, Image.open(ROOT / "docs" / name) as kept:

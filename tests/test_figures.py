@@ -266,3 +266,17 @@ def test_the_colours_of_a_figure_differ_for_the_colour_blind(lost):
     for i, a in enumerate(colours):
         for b in colours[:i]:
             assert np.linalg.norm(a - b) > 0.08
+
+
+def test_the_powers_of_ten_of_an_axis_are_written_in_letters():
+    """As a formula they would be set by a language of their own, which takes long to start."""
+    figure = Figure()
+    axes = figure.subplots()
+    axes.loglog([1e-3, 20], [0.2, 0.9])
+    for axis in (axes.xaxis, axes.yaxis):
+        style.plain_powers(axis)
+    figure.canvas.draw()
+    across = [label.get_text() for label in axes.get_xticklabels()]
+    between = [label.get_text() for label in axes.get_yticklabels(minor=True)]
+    assert {"10⁻³", "10⁰", "10¹"} <= set(across)
+    assert {"2×10⁻¹", "6×10⁻¹"} <= set(between)

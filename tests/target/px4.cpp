@@ -124,6 +124,7 @@ static void start()
   tick();
   const auto config = last<vehicle_control_mode_s>(config_control_setpoints_metadata);
   CHECK((config.source_id == MODE) && config.flag_control_allocation_enabled && !config.flag_control_rates_enabled);
+  CHECK(!config.flag_control_climb_rate_enabled); /* else mc_pos_control runs beside, and winds up */
 }
 
 static void enter()

@@ -209,15 +209,8 @@ class Bag:
             times, values = zip(*rows, strict=True)
             self.tracks.add(name, np.array(times), np.array(values, np.float64))
 
-    def imu(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield what a message of the inertial sensors tells.
-
-        Parameters
-        ----------
-        message : object
-        at : float
-            When it came into the bag, s.
-        """
+    def _imu(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
+        """Yield what a message of the inertial sensors tells, which came in at a time, s."""
         time, turn = _stamp(message), _turn(message)
         if len(self._off) < AT_ONCE:
             self._off.append(at - time)
@@ -226,14 +219,8 @@ class Bag:
         if message.orientation_covariance[0] != -1:
             yield "imu attitude", (time, _quaternion(message.orientation, turn))
 
-    def odometry(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield what a message of the odometry tells.
-
-        Parameters
-        ----------
-        message, at
-            See `imu`; the time in s.
-        """
+    def _odometry(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
+        """Yield what a message of the odometry tells."""
         time, turn = _stamp(message), _turn(message)
         pose, frame = message.pose.pose, message.header.frame_id
         yield "attitude", (time, _quaternion(pose.orientation, turn))
@@ -241,46 +228,22 @@ class Bag:
         if frame == TARGET:
             yield "odometry position", (time, turn(pose.position))
 
-    def pose(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield what a message of the pose from the target tells.
-
-        Parameters
-        ----------
-        message, at
-            See `imu`; the time in s.
-        """
+    def _pose(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
+        """Yield what a message of the pose from the target tells."""
         time, turn = _stamp(message), _turn(message)
         yield "position", (time, turn(message.pose.position))
         yield "pose attitude", (time, _quaternion(message.pose.orientation, turn))
 
-    def feature(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield the feature that came in; its stamp is that of the exposure.
-
-        Parameters
-        ----------
-        message, at
-            See `imu`; the time in s.
-        """
+    def _feature(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
+        """Yield the feature that came in; its stamp is that of the exposure."""
         yield "feature", (at, (_stamp(message), *_turn(message)(message.vector)))
 
-    def sightings(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield whether there was something in an image.
-
-        Parameters
-        ----------
-        message, at
-            See `imu`; the time in s.
-        """
+    def _sightings(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
+        """Yield whether there was something in an image."""
         yield "frames", (_stamp(message), (float(len(message.detections) > 0),))
 
-    def rates(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield the rates that were asked for.
-
-        Parameters
-        ----------
-        message, at
-            See `imu`; the time in s.
-        """
+    def _rates(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
+        """Yield the rates that were asked for."""
         time, turn = _stamp(message), _turn(message)
         if hasattr(message, "body_rate"):
             yield "rate_command", (time, turn(message.body_rate))
@@ -288,24 +251,12 @@ class Bag:
         else:
             yield "rate_command", (time, turn(message.twist.angular))
 
-    def thrust(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield the thrust that was asked for, N.
-
-        Parameters
-        ----------
-        message, at
-            See `imu`; the time in s.
-        """
+    def _thrust(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
+        """Yield the thrust that was asked for, N."""
         yield "thrust_command", (_stamp(message), (-_turn(message)(message.wrench.force)[2],))
 
-    def rotors(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
-        """Yield the thrust that was asked of each rotor, N.
-
-        Parameters
-        ----------
-        message, at
-            See `imu`; the time in s.
-        """
+    def _rotors(self, message: Any, at: float) -> Iterator[tuple[str, Row]]:
+        """Yield the thrust that was asked of each rotor, N."""
         if len(message.effort):
             yield "rotor_command", (_stamp(message), tuple(map(float, message.effort)))
 
@@ -334,14 +285,14 @@ class Bag:
 
 
 READERS: dict[str, Callable[[Bag, Any, float], Iterator[tuple[str, Row]]]] = {
-    "imu": Bag.imu,
-    "odometry": Bag.odometry,
-    "pose": Bag.pose,
-    "feature": Bag.feature,
-    "sightings": Bag.sightings,
-    "rates": Bag.rates,
-    "thrust": Bag.thrust,
-    "rotors": Bag.rotors,
+    "imu": Bag._imu,
+    "odometry": Bag._odometry,
+    "pose": Bag._pose,
+    "feature": Bag._feature,
+    "sightings": Bag._sightings,
+    "rates": Bag._rates,
+    "thrust": Bag._thrust,
+    "rotors": Bag._rotors,
 }
 STAND_IN = {"attitude": ("pose attitude", "imu attitude"), "position": ("odometry position",)}
 MADE_OF = {

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.audit.log import FlightLog
-from hoverproof.audit.tracks import EVER, Tracks, log_of
+from hoverproof.audit.tracks import EVER, Tracks, doubles, log_of
 from hoverproof.errors import InputError, needing
 
 Array = NDArray[np.float64]
@@ -50,7 +50,7 @@ class Format:
     ----------
     name : str
     length : int
-        A number of bytes, with its header of three.
+        Bytes with its header of three, a bare number.
     layout : dtype
     factors : dict of float
         What the numbers of a column are times what is stored.
@@ -73,9 +73,7 @@ class Format:
                 rows = rows[rows[column] == 0]
         wanted = ("TimeUS", *COLUMNS[self.name], "AOut")
         return {
-            c: np.asarray(rows[c], np.float64) * self.factors[c]
-            for c in wanted
-            if c in (self.layout.names or ())
+            c: doubles(rows[c]) * self.factors[c] for c in wanted if c in (self.layout.names or ())
         }
 
 

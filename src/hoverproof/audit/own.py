@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -101,13 +102,23 @@ def _read(file: Any, source: str, between: tuple[float, float]) -> FlightLog:
     held["feature"] = column("feature" if "feature" in file else "centroid_held")
     if "phase" in file:
         return _flown(held, column("phase"), column("gravity_direction"))
-    held["step"] = float(np.ravel(attrs["step"])[0])
+    return _simulated(held, file, column, between)
+
+
+def _simulated(
+    held: dict[str, Any],
+    file: Any,
+    column: Callable[[str], Array | None],
+    between: tuple[float, float],
+) -> FlightLog:
+    """Return the log of a flight by simulate, of which some is held."""
+    held["step"] = float(np.ravel(file.attrs["step"])[0])
     held["ahead"] = 1
     if held["feature"] is not None and not held["feature"][0].any():
         held["feature"][0] = held["feature"][1]  # the first image is in use from the start on
     if "thrust_command" not in file:  # what is asked for is made, at once
         held |= {"thrust_command": column("thrust"), "rotor_command": column("rotor_thrust")}
-        held |= {"feature": column("centroid"), "image_age": np.zeros(len(times))}
+        held |= {"feature": column("centroid"), "image_age": 0 * held["times"]}
         held |= {"ahead": 0, "continuous": True}
     if "frame" in file:
         begin, end = _places(file["frame"], between)

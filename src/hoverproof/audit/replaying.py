@@ -15,6 +15,7 @@ from hoverproof.errors import InputError
 from hoverproof.export.binding import Firmware
 from hoverproof.firmware.as_built import FAULTS
 from hoverproof.mission.sections import Mission
+from hoverproof.servo.law import Law
 from hoverproof.servo.laws.heading import flown_law
 from hoverproof.simulation.record import Column, Record
 from hoverproof.version import __version__
@@ -167,15 +168,9 @@ def replayed(log: FlightLog, mission: Mission, firmware: Firmware) -> Replay:
     missing = [name.replace("_", " ") for name in names if not log.has(name)]
     if missing:
         raise InputError(log.source, "", f"holds no {', no '.join(missing)}: nothing to replay")
-    assert log.rotation is not None and log.feature is not None
-    given = {"velocity": log.velocity, "rate": log.rate, "gravity_direction": log.rotation[:, 2]}
-    if law.force.sensed is not None:
-        given["specific_force"] = log.specific_force
-    if law.heading is not None:
-        north = log.rotation[:, :2, 0]
-        given["heading"] = north / np.linalg.norm(north, axis=1, keepdims=True)
-    columns = {name: np.asarray(values) for name, values in given.items()}
-    whole = np.isfinite(np.hstack([*columns.values()])).all(axis=1)
+    assert log.feature is not None
+    columns = _given(log, law)
+    whole = np.asarray(np.isfinite(np.hstack([*columns.values()])).all(axis=1))
     rows, outs, seconds = np.flatnonzero(whole), [], []
     if len(rows) < 2:
         raise InputError(log.source, "", "never tells all that is needed at two times: no replay")
@@ -206,6 +201,18 @@ def replayed(log: FlightLog, mission: Mission, firmware: Firmware) -> Replay:
         np.array([o.status for o in outs], np.int64),
         np.array(seconds),
     )
+
+
+def _given(log: FlightLog, law: Law) -> dict[str, Array]:
+    """Return what a step of the firmware of a law takes beside the feature, a row each sample."""
+    assert log.rotation is not None
+    given = {"velocity": log.velocity, "rate": log.rate, "gravity_direction": log.rotation[:, 2]}
+    if law.force.sensed is not None:
+        given["specific_force"] = log.specific_force
+    if law.heading is not None:
+        north = log.rotation[:, :2, 0]
+        given["heading"] = north / np.linalg.norm(north, axis=1, keepdims=True)
+    return {name: np.asarray(values) for name, values in given.items()}
 
 
 def _first_thrust(log: FlightLog, row: int) -> float | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -88,7 +88,7 @@ class Tracks:
     origin : float
         What is taken from all times, s, where these are dates.
     damaged : dict of int
-        By quantity, the number of rows that were left out since their times or values cannot be.
+        By quantity, the bare number of rows left out since their times or values cannot be.
     """
 
     between: tuple[float, float] = EVER
@@ -153,6 +153,18 @@ class Tracks:
         full = [t for name, t in self.held.items() if name in EACH and t.count > t.most]
         ends = [float(track.rows()[0][-1]) - (self.origin or 0.0) for track in full]
         return min(ends, default=None)
+
+
+def doubles(column: NDArray[Any]) -> Array:
+    """Return numbers in double precision, whatever damage made of them.
+
+    Parameters
+    ----------
+    column : (n,)
+        Any unit.
+    """
+    with np.errstate(invalid="ignore"):  # a number that is none is of one of two kinds
+        return column.astype(np.float64)
 
 
 def _usual(times: Array) -> NDArray[np.bool_]:
@@ -248,7 +260,7 @@ def log_of(
     wanted : mapping, optional
         By quantity, where it was looked for and what it would tell.
     active : mapping, optional
-        Names of modes in which the law may fly, by their numbers: if it was in any, the log is of
+        Names of modes by bare number, in which the law may fly: if it was in any, the log is of
         these times.
     notes : tuple of str
 
@@ -261,19 +273,14 @@ def log_of(
     if found is None:
         while_ = "" if tracks.between == EVER else " between these times"
         raise InputError(source, "", f"holds no flight{while_}: no {rates} in it")
-    if tracks.origin:
-        notes = (*notes, f"times are from {tracks.origin:.0f} s on, as the log has them")
     times, rate = found
-    track = tracks.held["rate"]
-    if track.stride > 1:
-        notes = (*notes, f"every {track.stride} rows of {track.count} are looked at")
+    notes += tuple(_noted(tracks))
     held = _held(tracks, times)
     left_out = sum(tracks.damaged.values())
     why = [*partial, f"{left_out} rows cannot be and are left out" * bool(left_out)]
     until = tracks.short_of_images
     if until is not None:
         why.append(f"it has too many images: those after {until:.6g} s are not looked at")
-    lacks = [words for name, words in (wanted or {}).items() if tracks.rows(name) is None]
     log = FlightLog(
         source=source,
         kind=kind,
@@ -281,13 +288,28 @@ def log_of(
         rate=rate,
         partial="; ".join(filter(None, why)),
         notes=notes,
-        lacks=tuple(lacks),
+        lacks=tuple(w for n, w in (wanted or {}).items() if tracks.rows(n) is None),
         ahead=1,
         **held,
     )
     if until is not None:
         log = log.rows(times <= until)
-    modes = tracks.rows("mode")
+    return _in_mode(log, tracks.rows("mode"), active or {})
+
+
+def _noted(tracks: Tracks) -> Iterator[str]:
+    """Yield what is to be known of the times."""
+    if tracks.origin:
+        yield f"times are from {tracks.origin:.0f} s on, as the log has them"
+    track = tracks.held["rate"]
+    if track.stride > 1:
+        yield f"every {track.stride} rows of {track.count} are looked at"
+
+
+def _in_mode(
+    log: FlightLog, modes: tuple[Array, Array] | None, active: Mapping[int, str]
+) -> FlightLog:
+    """Return the part in which the vehicle was in one of some modes, if it ever was."""
     if modes is None or not active:
         return log
     flying = np.isin(_last(log.times, *modes)[:, 0], [*active])

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.audit.log import FlightLog
-from hoverproof.audit.tracks import EVER, Tracks, log_of
+from hoverproof.audit.tracks import EVER, Tracks, doubles, log_of
 from hoverproof.errors import InputError, needing
 
 Array = NDArray[np.float64]
@@ -102,8 +102,8 @@ def _add(tracks: Tracks, topic: str, data: dict[str, Any]) -> None:
     """Add what a topic tells, if it has the fields."""
     for name, fields in TOPICS[topic].items():
         if {"timestamp", *fields} <= data.keys():
-            values = np.stack([np.asarray(data[key], np.float64) for key in fields], axis=1)
-            times = np.asarray(data["timestamp"], np.float64) / 1e6
+            values = np.stack([doubles(data[key]) for key in fields], axis=1)
+            times = doubles(data["timestamp"]) / 1e6
             tracks.add(name, times, -values if name == "throttle" else values)
 
 
@@ -114,7 +114,7 @@ class Pieces:
     ----------
     file : binary file
     size : int
-        A number of bytes.
+        Bytes, a bare number.
     """
 
     def __init__(self, file: BinaryIO, size: int) -> None:

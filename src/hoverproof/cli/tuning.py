@@ -22,7 +22,7 @@ from hoverproof.cli.console import (
     progress,
     warn,
 )
-from hoverproof.cli.reading import certificate_beside, mission_name, parse_weights, picture_path
+from hoverproof.cli.reading import mission_name, parse_weights, picture_path
 from hoverproof.errors import InputError
 from hoverproof.files import require_folder
 
@@ -183,7 +183,7 @@ def _write(found: Tuned | RegionTuned | StartTuned, out: Path) -> Path | None:
     from hoverproof.files import write_text
     from hoverproof.mission.writing import mission_text
 
-    beside = certificate_beside(out)
+    beside = out.with_suffix(ENDING)
     certificate: Path | None = beside
     if isinstance(found, RegionTuned):
         proved = f"certified hovers about the goal: {reach_text(found.region)}"

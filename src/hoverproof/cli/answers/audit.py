@@ -46,10 +46,10 @@ class AuditAnswer(Answer):
         found, total = self.found, len(self.found.findings)
         told = total - len(found.untold)
         if found.broken:
-            return f"{len(found.broken)} of {told} broken"
+            return f"{len(found.broken)} of {told} assumptions broken"
         if not told:
             return "nothing told"
-        return f"all {told} that are told held" if told < total else f"all {told} held"
+        return f"all {told} assumptions {'that are told ' * (told < total)}held"
 
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""

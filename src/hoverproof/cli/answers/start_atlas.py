@@ -12,6 +12,7 @@ from hoverproof.cli.answers.words import number, wrapped
 from hoverproof.design.atlas import Axis
 from hoverproof.design.atlas_summary import StartSummary
 from hoverproof.mission.sections import Mission
+from hoverproof.mission.uncertainty import Uncertainty
 
 
 @dataclass(frozen=True)
@@ -31,12 +32,23 @@ class StartAtlasAnswer(Answer):
         seen = camera.beside() if camera.half_angle is None else camera.covers()
         return [*self.mission.uncertainty.covers(), *seen]
 
+    @property
+    def covers(self) -> list[str]:
+        """What every cell covers: of a tolerance that varies it covers what its axis says."""
+        own = self.mission.uncertainty
+        varied = {
+            one.name: getattr(own, one.name)
+            for one in self.axes
+            if one.quantity.key.startswith("uncertainty")
+        }
+        told = Uncertainty(**varied).covers()
+        return [words for words in self.considered if words not in told]
+
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""
         found = self.found
         yield f"{self.mission.name}: a map of when its start has settled (theorem 5)"
-        covers = ", ".join(self.considered) or "just as modelled"
-        yield from wrapped("for every vehicle", covers)
+        yield from wrapped("for every vehicle", ", ".join(self.covers) or "just as modelled")
         for one in self.axes:
             unit = "" if one.quantity.unit == "1" else f" {one.quantity.unit}"
             ends = f"{number(one.values[0])} to {number(one.values[-1])}{unit}"
@@ -70,7 +82,7 @@ class StartAtlasAnswer(Answer):
         return {
             "mission": self.mission.name,
             "theorem": "start",
-            "covers": self.considered,
+            "covers": self.covers,
             "x": x.name,
             "y": y.name,
             "cells": found.cells,
