@@ -1,8 +1,8 @@
 (** Theorem 5 along a motion: the Lyapunov function of a vehicle within tolerances, with the memory of an image
     that is late (Krasovskii), falls at its rate along every solution of the error equations.
 
-    That its parameters and bounds are as the certificate says is what is supposed here; that it obeys these
-    equations is proved in [Vehicle]. *)
+    That its parameters and bounds are as the certificate says is what is supposed here, and proved in [Stays];
+    that it obeys these equations is proved in [Vehicle]. *)
 
 Require Import QArith Qreals Reals List Bool Lra.
 From Hoverproof Require Import Forms Space Calculus Loop Gains Tolerant.

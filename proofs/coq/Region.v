@@ -189,9 +189,6 @@ End Corner.
 
 (** * All between *)
 
-Lemma weighed : forall a b lo hi s, lo <= s <= hi -> 0 < a + b * lo -> 0 < a + b * hi -> 0 < a + b * s.
-Proof. exact affine_between. Qed.
-
 Lemma affine_f : forall g grav a q3 th J x, exists y z, forall f, dissipation g grav a f q3 th J x = y + z * f.
 Proof.
   intros. exists (dissipation g grav a 0 q3 th J x), (na2 a * (q3 * (d2 x · flat (d4 x - d3 x)%vec))).
@@ -308,7 +305,7 @@ Proof.
       ltac:(transitivity (n · n); [number|exact N1])) as C2.
     replace (t * (-1 * n))%vec with ((- t) * n)%vec in C2 by vector.
     rewrite E in C1, C2 |- *. assert (0 < (y - ep) + z * s); [|lra].
-    apply (weighed _ _ (- t) t); lra. }
+    apply (affine_between _ _ (- t) t); lra. }
   assert (Height : forall f', In f' [fst (r_f c); snd (r_f c)] -> ep < d (Q2R f') q3 (s * n)%vec J x).
   { intros f' If. destruct (affine_q3 (loop_in c) (Q2R (r_grav c)) (natural_in c) (Q2R f') (s * n)%vec J x Lin)
       as [y [z E]]. fold d in E.
@@ -319,5 +316,5 @@ Proof.
   destruct (affine_f (loop_in c) (Q2R (r_grav c)) (natural_in c) q3 (s * n)%vec J x) as [y [z E]]. fold d in E.
   pose proof (Height (fst (r_f c)) ltac:(cbn; tauto)) as C1. pose proof (Height (snd (r_f c)) ltac:(cbn; tauto)) as C2.
   rewrite E in C1, C2 |- *. assert (0 < (y - ep) + z * f); [|lra].
-  apply (weighed _ _ (Q2R (fst (r_f c))) (Q2R (snd (r_f c)))); [exact Wf|lra|lra].
+  apply (affine_between _ _ (Q2R (fst (r_f c))) (Q2R (snd (r_f c)))); [exact Wf|lra|lra].
 Qed.

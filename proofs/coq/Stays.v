@@ -561,7 +561,6 @@ Proof.
   eapply Rle_trans; [apply (h_dot _ _ (blown_within t T))|].
   apply Rle_trans with (cross_most b * lever_least b); [|apply Rmult_le_compat_l; assumption].
   eapply Rle_trans; [|apply (cross_is _ _ _ _ F)].
-  replace (quick b * (mass g * windy b) * len z) with (quick b * (mass g * windy b) * len z) by ring.
   replace (quick b * turn_most b * (mass g * windy b)) with (quick b * (mass g * windy b) * turn_most b) by ring.
   apply Rmult_le_compat_l; [|apply (turn_within t (proj1 good_now))].
   destruct mass_is, (sizes _ _ _ _ F) as [_ [_ [_ [? _]]]]. apply Rmult_le_pos; [exact Q0|]. apply Rmult_le_pos; lra.
@@ -843,9 +842,6 @@ Proof.
   - intros s S. apply flown_grows; lra.
 Qed.
 
-Lemma moving_is : forall t, 0 <= t < until -> moving (x t) = flow_of v t.
-Proof. reflexivity. Qed.
-
 (** As long as all is good, Ψ falls. *)
 Lemma falls_on : forall t, 0 <= t < until -> (forall s, 0 <= s <= t -> good s) ->
   psi v b c flown again t <= psi v b c flown again 0 * exp (- pace K * t).
@@ -1073,12 +1069,6 @@ Lemma ordered : forall (l : list (Q * Q)) a e, forallb (fun e => Qle_bool (fst e
   Q2R a <= Q2R e.
 Proof. intros l a e H I. rewrite forallb_forall in H. apply Qle_Rle, Qle_bool_iff, (H (a, e) I). Qed.
 
-Ltac real := unfold stiffQ, kapQ, k12Q, push, twice, more, Qdiv in *;
-  repeat match goal with
-  | H : context [Q2R (_ + _)] |- _ => rewrite Q2R_plus in H | H : context [Q2R (_ * _)] |- _ => rewrite Q2R_mult in H
-  | H : context [Q2R (_ - _)] |- _ => rewrite Q2R_minus in H
-  end.
-
 Theorem limits_follow : limits_ok = true -> follows (gains_in n) (Q2R (g_of n)) (real_limits b) c.
 Proof.
   intros O. unfold limits_ok in O. do 5 (apply andb_prop in O; let H := fresh "O" in destruct O as [O H]).
@@ -1101,8 +1091,6 @@ Proof.
   { intros q Pq. apply Q2R_inv. intro X. apply Qeq_eqR in X. rewrite Q2R_zero in X. lra. }
   pose proof (NZ _ Pm) as I1. pose proof (NZ _ P2) as I2. pose proof (NZ _ P3) as I3. pose proof (NZ _ P4) as I4.
   assert (One : Q2R (/ 1) = / 1) by (unfold Q2R; simpl; field).
-  assert (S : forall q, Q2R (k1_of n * k1_of n * k2_of n / m * q) = Vehicle.c (gains_in n) * Q2R q).
-  { intros q. unfold Qdiv. rewrite !Q2R_mult, I1. reflexivity. }
   assert (KQ : Q2R kapQ = kappa_ (gains_in n)).
   { unfold kapQ, Qdiv. rewrite Q2R_mult, Q2R_plus, Q2R_mult, I1. reflexivity. }
   assert (K12 : Q2R k12Q = k12_ (gains_in n)).
