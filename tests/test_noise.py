@@ -228,7 +228,7 @@ def test_nowhere_on_the_set_does_noise_make_it_rise_by_more_than_is_claimed(prov
     case, rng = known.case, np.random.default_rng(22)
     nature = Nature(case, rng, 4000, LONGEST_STEP, 0)
     nature.doubt.yaw = case.yaw_rate * rng.choice([-1.0, 1.0], 4000)
-    for near in (1, 1e-2):
+    for near in (1, 1e-2, 1e-4):
         part = copy.copy(case)
         part.level, part.offset = case.level * near, case.offset * near**0.5
         view = View(case, anywhere(part, rng, nature.doubt), nature.doubt)
