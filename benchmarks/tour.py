@@ -18,8 +18,11 @@ import hoverproof
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
-TIMED = re.compile(r"(?m)^(hoverproof .*?|python -I .*?)(\s+#) (?:<?[\d.]+ s: )?(.*)$")
-"""A command, the sign before its comment, and the comment without its time."""
+TIMED = re.compile(
+    r"(?m)^((?:hoverproof|python -I) [^#\n]*?)"  # a command
+    r"(\s+#|$)"  # the sign before its comment, if it has one
+    r"(?: (?:<?\d+ s)?(?:: )?(.*))?$"  # the comment, without its time
+)
 
 
 def seconds(command: str, folder: Path) -> float:
@@ -43,7 +46,8 @@ def main() -> None:
         def timed(match: re.Match[str]) -> str:
             command, sign, comment = match.groups()
             whole = round(seconds(command, folder))
-            line = f"{command}{sign} {whole if whole else '<1'} s: {comment}"
+            took = f"{command}{sign or '  #'} {whole if whole else '<1'} s"
+            line = f"{took}: {comment}" if comment else took
             print(line, flush=True)
             return line
 

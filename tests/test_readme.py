@@ -48,6 +48,14 @@ def test_the_commands_run_as_written(whole):
     assert "proved: tuned for its start, and proved" in said
 
 
+def test_each_command_says_how_long_it_took():
+    lines = [line for block in blocks("sh") for line in block.splitlines()]
+    commands = [line for line in lines if line.startswith(("hoverproof ", "python "))]
+    assert len(commands) > 20
+    for line in commands:
+        assert re.search(r"  # <?\d+ s(: |$)", line) or re.search(r" # <?\d+ s: ", line), line
+
+
 @pytest.mark.slow
 def test_the_python_example_runs_as_written():
     (example,) = blocks("python")
