@@ -273,6 +273,15 @@ def test_a_flight_file_that_is_cut_short_gets_one_line(good, share, tmp_path):
         read_log(path)
 
 
+def test_a_netcdf_with_phases_that_fly_did_not_write_gets_one_line(tmp_path):
+    path = tmp_path / "phases.nc"
+    with h5py.File(path, "w") as file:
+        file.attrs["title"] = "phases of the moon"
+        file["time"], file["phase"] = [0.0, 1.0, 2.0], [2.0, 2.0, 2.0]
+    with pytest.raises(InputError, match="is no log of fly: it holds no gravity_direction"):
+        read_log(path)
+
+
 def test_a_certificate_of_another_mission_is_refused(good, capsys):
     status, _, err = run(
         capsys,
