@@ -398,6 +398,7 @@ def test_a_flight_beyond_tolerances_is_covered_by_a_proof_on_request(tmp_path, c
     assert (status, anew["proved"], anew["tuned"]) == (1, True, False)
     assert "latency" in Path("late.audit.html").read_text(encoding="utf-8")
     certificate = anew["certificate"]
+    assert certificate == "wider.audit.cert.json"  # `attraction` writes another
     assert run(capsys, "check", certificate, "--mission", "wider.toml")[0] == 0
     words = ("audit", "late.nc", "--mission", "wider.toml", "--certificate", certificate)
     status, out, _ = run(capsys, *words, "--certify", "other.toml", "--no-page")
