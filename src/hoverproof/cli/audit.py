@@ -70,7 +70,7 @@ def audit(
         Path | None,
         Parameter(
             help="Mission file to write, with the tolerances that would cover the flight, proved "
-            "with its gains or else with tuned ones; its certificate beside it.",
+            "with its gains or else with tuned ones; its certificate to FILE.audit.cert.json.",
             validator=NO_FOLDER,
         ),
     ] = None,
