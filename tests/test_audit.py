@@ -299,3 +299,13 @@ def test_a_certificate_of_another_mission_is_refused(good, capsys):
     )
     assert status == 2
     assert "is about another mission: gains.k4 is 18" in err
+
+
+@pytest.mark.parametrize(("duration", "rows"), [(400, "0.2"), (1500, "0.75")])
+def test_rows_that_are_far_apart_tell_no_fault_of_a_vehicle_as_modelled(duration, rows):
+    mission = load("x4-flyer")
+    save(flown(mission, Timing(duration, None, None)), "far.nc")
+    found = audit(read_log("far.nc"), mission, None)
+    assert found.broken == []
+    asked = {f.name: f.words for f in found.untold}
+    assert "few rows" in asked["every rotor answers"] or f"{rows} s apart" in asked["thrust gain"]
