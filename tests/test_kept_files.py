@@ -76,3 +76,13 @@ def test_a_folder_that_is_not_there_is_refused_first(capsys, tmp_path, monkeypat
     for command in ("audit", "replay"):
         words = (command, "none.nc", "--mission", "x4-flyer", "--out", "none/out.html")
         assert "its folder is not there" in refusal(capsys, *words)
+
+
+def test_new_names_the_file_that_was_asked_for(capsys, tmp_path):
+    path = tmp_path / "tiny.toml"
+    status, _, said = run(capsys, "new", path, "--yes", "--mass", "1e-12")
+    assert status == 2
+    assert f"hoverproof: {path}: vehicle.inertia" in said
+    assert list(tmp_path.iterdir()) == []
+    line = refusal(capsys, "new", path, "--yes", "--thrust", "20%")
+    assert "must be a number (a share: 0.2 is 20 %), not '20%'" in line
