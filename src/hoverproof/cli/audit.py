@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,7 +11,8 @@ from cyclopts import Parameter
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import mission_names
 from hoverproof.cli.console import NO_FOLDER, Json, Set, at_work, load_mission
-from hoverproof.cli.reading import certificate_beside, mission_name, stretch
+from hoverproof.cli.reading import mission_name, stretch
+from hoverproof.cli.written import certificate_beside, write_mission
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from hoverproof.audit.recertifying import Recertified
     from hoverproof.mission.sections import Mission
 
+MAKER = "audit"
+"""In the name of the certificate beside a mission that is written."""
 LONG = 50_000_000
 """Bytes: it is said that a longer file is being read."""
 
@@ -68,7 +70,7 @@ def audit(
         Path | None,
         Parameter(
             help="Mission file to write, with the tolerances that would cover the flight, proved "
-            "with its gains or else with tuned ones; its certificate beside it.",
+            "with its gains or else with tuned ones; its certificate to FILE.audit.cert.json.",
             validator=NO_FOLDER,
         ),
     ] = None,
@@ -114,7 +116,7 @@ def audit(
     anew = _anew(mission, [*(set_ or []), *asked], certify) if certify and asked else None
     command = shlex.join(words) if tolerances and anew is None else None
     answer = AuditAnswer(
-        found, reason, command, path, certify, certify and certificate_beside(certify), anew
+        found, reason, command, path, certify, certify and certificate_beside(certify, MAKER), anew
     )
     if path is not None:
         from hoverproof.reporting.audit_page import write_page
@@ -128,18 +130,15 @@ def audit(
 def _anew(mission: str, settings: list[str], out: Path) -> Recertified:
     """Prove a mission with wider tolerances, and write it with its certificate."""
     from hoverproof.audit.recertifying import recertified
-    from hoverproof.cli.answers.audit import settled
-    from hoverproof.files import write_text
-    from hoverproof.mission.writing import mission_text
+    from hoverproof.cli.answers.exponential import settled_text
 
     loaded = load_mission(mission, settings)
     wider = loaded.model_copy(update={"name": mission_name(out)})  # whom the certificate is about
     with at_work() as doing:
         found = recertified(wider, doing)
     if found.verdict is not None:
-        found.verdict.certificate.save(certificate_beside(out))
-        note = f"{shlex.join(['hoverproof', *sys.argv[1:]])}\n{settled(found.verdict)}, proved"
-        write_text(out, mission_text(found.mission, name=mission_name(out), note=note))
+        proved = f"settled from the start, proved: {settled_text(found.verdict)}"
+        write_mission(out, found.mission, proved, found.verdict.certificate, MAKER)
     return found
 
 

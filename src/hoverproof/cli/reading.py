@@ -114,11 +114,6 @@ def mission_name(path: Path) -> str:
     return re.sub(r"[^A-Za-z0-9._-]", "-", path.stem).lstrip("._-")[:64] or "mission"
 
 
-def certificate_beside(mission: Path) -> Path:
-    """Return where the certificate of a mission file is written."""
-    return mission.with_suffix(".attraction.cert.json")
-
-
 def certificate_stem(mission: Mission, source: str, settings: list[str] | None) -> str:
     """Return how the names of certificates begin: with the mission's name.
 

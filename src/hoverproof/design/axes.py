@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from importlib.metadata import version
 from typing import Any, Literal
 
 import numpy as np
@@ -17,7 +20,7 @@ from hoverproof.mission.task import Bounds, Gains
 from hoverproof.mission.tolerances import UNITS
 from hoverproof.mission.uncertainty import LARGEST_SHARE
 from hoverproof.servo.variables import Design
-from hoverproof.simulation.record import Column
+from hoverproof.simulation.record import Column, Record
 
 Array = NDArray[np.float64]
 Scale = Literal["log", "linear"]
@@ -93,6 +96,8 @@ OF_START = GAINS | {
     if "." not in name
 }
 """What the theorem of a start is mapped over."""
+NOT_ASKED = -128
+"""In the verdicts of a map, of a cell that was not decided exactly."""
 FACTOR, OF_START_FACTOR = 10, 3
 """By which a gain is divided and multiplied, for the ends of its range."""
 
@@ -258,17 +263,64 @@ def with_value(mission: Mission, one: Axis, place: int) -> Mission:
     return mission.model_copy(update={section: changed})
 
 
-def coordinates(mission: Mission, x: Axis, y: Axis) -> dict[str, Column]:
-    """Return the columns that say where the cells of a map are.
+def cell_mission(mission: Mission, x: Axis, y: Axis, i: int, j: int) -> Mission:
+    """Return the mission of cell (i, j), with the short decimals of the axes, exactly.
 
     Parameters
     ----------
     mission : Mission
     x, y : Axis
+    i, j : int
+        Numbers of the cell along y and along x.
+
+    Raises
+    ------
+    InputError
+        If a mission cannot have its tolerances.
     """
-    return {
-        a.name: Column(
-            (a.name,), a.values, {"units": a.quantity.unit, "long_name": a.quantity.told(mission)}
-        )
-        for a in (x, y)
-    }
+    return with_value(with_value(mission, x, j), y, i)
+
+
+def map_record(
+    mission: Mission,
+    x: Axis,
+    y: Axis,
+    values: Mapping[str, NDArray[Any]],
+    words: Mapping[str, tuple[str, str]],
+    attrs: Mapping[str, Any],
+) -> Record:
+    """Return a map with names, units and axes.
+
+    Parameters
+    ----------
+    mission : Mission
+    x, y : Axis
+    values : mapping of (m, n)
+        By name, over (y, x), in the units of `words`.
+    words : mapping
+        By name, the unit and what it is.
+    attrs : mapping
+        What is true of this kind of map alone: title, the fingerprint of its model, and others.
+    """
+    dims = (y.name, x.name)
+    return Record(
+        {
+            name: Column(dims, v, {"units": words[name][0], "long_name": words[name][1]})
+            for name, v in values.items()
+        },
+        {
+            one.name: Column(
+                (one.name,),
+                one.values,
+                {"units": one.quantity.unit, "long_name": one.quantity.told(mission)},
+            )
+            for one in (x, y)
+        },
+        {
+            "mission": json.dumps(mission.exact()),
+            "law": mission.law.name,
+            "scales": [x.scale, y.scale],
+            **attrs,
+            **{f"{name}_version": version(name) for name in ("hoverproof", "casadi", "numpy")},
+        },
+    )
