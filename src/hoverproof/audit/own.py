@@ -82,7 +82,7 @@ def _read(file: Any, source: str, between: tuple[float, float]) -> FlightLog:
 
     notes = (thinned(step, count),) if step > 1 else ()
     times = column("time")
-    if times is None:
+    if times is None or (len(times) < 2 and between != EVER):
         raise InputError(source, "", "holds no flight between these times")
     held: dict[str, Any] = {"source": source, "times": times, "notes": notes}
     if "mission" in attrs:

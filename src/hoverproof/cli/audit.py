@@ -103,8 +103,8 @@ def audit(
     from hoverproof.files import require_folder
 
     loaded = load_mission(mission, set_)
-    if certify is not None:
-        require_folder(certify)
+    for file in filter(None, (out, certify)):
+        require_folder(file)
     flight = _log(log, topic, between)
     claim, reason = _claim(loaded, certificate)
     found = hold(flight, loaded, claim)
@@ -176,14 +176,15 @@ def replay(
     from hoverproof.audit.replaying import replayed
     from hoverproof.cli.answers.replay import ReplayAnswer
     from hoverproof.export.binding import Firmware
-    from hoverproof.files import write_bytes
+    from hoverproof.files import require_folder, write_bytes
     from hoverproof.firmware.exporting import exported
 
     loaded = load_mission(mission, set_)
+    path = out or Path(f"{log.stem}.replay.nc")
+    require_folder(path)
     flight = _log(log, topic, between)
     firmware = exported(loaded, camera=True) if package is None else Firmware(package)
     found = replayed(flight, loaded, firmware)
-    path = out or Path(f"{log.stem}.replay.nc")
     write_bytes(path, found.record().netcdf())
     picture = path.with_suffix(".png") if figure else None
     if picture is not None:

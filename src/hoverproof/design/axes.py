@@ -18,6 +18,7 @@ from hoverproof.mission.reading import with_tolerance
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.task import Bounds, Gains
 from hoverproof.mission.tolerances import UNITS
+from hoverproof.mission.uncertainty import LARGEST_SHARE
 from hoverproof.servo.variables import Design
 from hoverproof.simulation.record import Column, Record
 
@@ -159,6 +160,8 @@ def axis(
     InputError
         If there is no such quantity, or its range cannot be used.
     """
+    if not isinstance(name, str):
+        raise TypeError(f"an axis is the name of a quantity, as 'k1', not {type(name).__name__}")
     name, known = name.removeprefix("gains."), OF_START if of_start else QUANTITIES
     name = name.removeprefix("uncertainty.") if of_start else name
     if name not in known:
@@ -186,7 +189,13 @@ def axis(
         raise InputError(f"{option}-range", "", f"must be {what}, not {low:g},{high:g}")
     line = np.geomspace(low, high, cells) if scale == "log" else np.linspace(low, high, cells)
     digits = DIGITS + max(0, math.ceil(math.log10(cells * high / (high - low))) - 3)
-    return Axis(name, np.array([float(f"{v:.{digits}g}") for v in line]), scale)
+    made = Axis(name, np.array([float(f"{v:.{digits}g}") for v in line]), scale)
+    if quantity.key.startswith("uncertainty"):
+        try:
+            with_value(mission, made, cells - 1)
+        except InputError as error:
+            raise InputError(f"{option}-range", name, error.reason) from None
+    return made
 
 
 def _ends(mission: Mission, name: str, held: float, factor: float) -> tuple[float, float]:
@@ -197,7 +206,8 @@ def _ends(mission: Mission, name: str, held: float, factor: float) -> tuple[floa
         "highest_thrust": (weight, 3 * weight / 2),
     }
     if name in OF_START and name not in GAINS:
-        return 0.0, 2 * held
+        share = OF_START[name].unit == "1"
+        return 0.0, min(2 * held, float(LARGEST_SHARE)) if share else 2 * held
     return special.get(name, (held / factor, held * factor))
 
 
@@ -215,9 +225,9 @@ def two_axes(
         Number of values along each.
     """
     x, y = (
-        axis(mission, one, option=option, of_start=of_start, cells=cells)
-        if isinstance(one, str)
-        else one
+        one
+        if isinstance(one, Axis)
+        else axis(mission, one, option=option, of_start=of_start, cells=cells)
         for one, option in ((x, "--x"), (y, "--y"))
     )
     if x.name == y.name:
