@@ -14,6 +14,7 @@ from command_line import run
 from hoverproof import checker, cli
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.cells import most_cells
+from hoverproof.certification.exponential.closeness import is_shown
 from hoverproof.certification.exponential.domain import COST_BESIDE, Domain
 from hoverproof.certification.exponential.inequality import Ball, falls
 from hoverproof.certification.exponential.positions import Scene
@@ -26,7 +27,7 @@ from hoverproof.design import start_trade
 from hoverproof.design.limits import Limits
 from hoverproof.design.start_guesses import guesses
 from hoverproof.design.start_search import StartSearch
-from hoverproof.design.start_tuning import Failed, ill_conditioned, is_shown, why_not
+from hoverproof.design.start_tuning import Failed, ill_conditioned, why_not
 from hoverproof.design.tuning import Wish, pareto, tune
 from hoverproof.errors import InputError
 from hoverproof.mission.conditions import Rotors
@@ -300,8 +301,8 @@ def test_a_camera_beside_the_centre_leaves_fewer_cells(position, shown, small, m
     mission = small(changes=LATE | {"camera.position": position})
     question = Question.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),))
     most = most_cells(len(question.scene.points), COST_BESIDE)
-    monkeypatch.setattr(Domain, "tree", lambda *_: "0" * most)
-    assert is_shown(mission, question, 0.1) == shown
+    monkeypatch.setattr(Domain, "tree", lambda *_, **__: "0" * most)
+    assert is_shown(question, mission.target, 0.1) == shown
 
 
 @pytest.mark.whole

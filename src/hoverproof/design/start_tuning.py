@@ -15,10 +15,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hoverproof.certification.attraction.starts import Start
-from hoverproof.certification.exponential.domain import Domain
+from hoverproof.certification.exponential.closeness import closest, is_shown
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import converge, require_question
-from hoverproof.certification.exponential.question import SETTLED, Question
+from hoverproof.certification.exponential.question import SETTLED
 from hoverproof.certification.exponential.search import FAILED, OUTSIDE
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.design.limits import BINDS, Limits, Use, designed_gains, uses
@@ -32,10 +32,10 @@ from hoverproof.simulation.flight import flown
 from hoverproof.simulation.timing import Timing
 
 Progress = Callable[[str], None]
-OF_CELLS = 1.0
-"""Of the cells that are checked, the part that bounds of J may take."""
 NARROWED, PARTS, SPARE = 3, (0.85, 0.7, 0.55, 0.4), 1e-6
 """How often a smaller d is looked for, and which parts of the way from the least d to the last."""
+CLOSER = 30
+"""So many programs, at most, where the ball of J is made closer."""
 PROOFS = 2
 """So many sets of gains, each with more digits than the last, are tried to be proved."""
 
@@ -115,7 +115,7 @@ def attempt(mission: Mission, limits: Limits, tell: Progress) -> StartTuned | Fa
     reason = why_not(search, point) if point is None or point.cost >= OUTSIDE else ""
     for _ in range(NARROWED if not reason else 0):
         assert point is not None
-        found = _proved(search, point, tell)
+        found = _closely_proved(search, point, tell)
         if isinstance(found, StartTuned):
             return found
         reason = f"the best gains found are not proved: {found}"
@@ -137,7 +137,7 @@ def _narrower(search: StartSearch, point: Point) -> tuple[StartSearch, Point] | 
             whole = replace(
                 search.whole, wider=wider, beyond=beyond, highest=d * (1 + SPARE) / scene.wanted
             )
-            if is_shown(search.mission, whole, d):
+            if is_shown(whole, search.mission.target, d):
                 new = replace(search, whole=whole)
                 z = np.minimum(point.z, new.highest)
                 at = new.value(z)
@@ -148,22 +148,23 @@ def _narrower(search: StartSearch, point: Point) -> tuple[StartSearch, Point] | 
     return None
 
 
-def is_shown(mission: Mission, whole: Question, d: float) -> bool:
-    """Tell whether bounds of J are shown over the domain of a d with few enough cells.
+def _closely_proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | str:
+    """Prove gains with as close a ball of J as few cells show, or else with the ball as it is."""
+    tell("searching for gains with a closer ball of J")
+    closer = _closer(search, point)
+    found = "" if closer is None else _proved(*closer, tell)
+    return found if isinstance(found, StartTuned) else _proved(search, point, tell)
 
-    Parameters
-    ----------
-    mission : Mission
-    whole : Question
-    d : float
-        A bare number, dimensionless.
-    """
-    ball = whole.ball(d)
-    if ball is None:
-        return False
-    domain = Domain.of(whole.scene, mission.target, d, ball)
-    tree = domain.tree()
-    return tree is not None and tree.count("0") < OF_CELLS * domain.most_cells
+
+def _closer(search: StartSearch, point: Point) -> tuple[StartSearch, Point] | None:
+    """Search on with the closest ball of J that few cells show; None if nothing is sooner."""
+    whole = closest(search.whole, search.mission.target, math.exp(point.z[4]))
+    new = None if whole is None else replace(search, whole=whole)
+    at = None if new is None else new.value(point.z)
+    if new is None or at is None:
+        return None
+    found = new.descend(point.z, at, CLOSER)
+    return (new, found) if found.cost < point.cost else None
 
 
 def _proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | str:

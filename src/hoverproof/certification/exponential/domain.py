@@ -182,13 +182,15 @@ class Domain:
         """What sides count for when the longest is halved."""
         return 1.0, 1.0, 0.4 / float(self.wedge[2][0] * self.wedge[2][1]) ** 0.5
 
-    def tree(self, cosine: float | None = None) -> str | None:
+    def tree(self, cosine: float | None = None, part: float = 1.0) -> str | None:
         """Halve the wedge until each cell is beyond the domain, or J is in its bounds over it.
 
         Parameters
         ----------
         cosine : float or None
             Dimensionless, of the angle to the vertical in which all target points are to be.
+        part : float
+            Of the cells that are checked, the part that it may take, dimensionless.
         """
         whole = self._sides
 
@@ -205,7 +207,7 @@ class Domain:
             told |= inner
             return told
 
-        return grow_tree(whole, hold, self.most_cells, self._scale)
+        return grow_tree(whole, hold, int(part * self.most_cells), self._scale)
 
     @property
     def most_cells(self) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -19,6 +19,7 @@ from hoverproof.certification.attraction.potential import off_the_vertical
 from hoverproof.certification.attraction.starts import Start, require_starts
 from hoverproof.certification.certificate import Certificate, rejection, seal
 from hoverproof.certification.exponential.candidate import Candidate, Near
+from hoverproof.certification.exponential.closeness import closest
 from hoverproof.certification.exponential.draft import Parts, draft
 from hoverproof.certification.exponential.form import derive_form
 from hoverproof.certification.exponential.positions import Scene
@@ -35,9 +36,11 @@ from hoverproof.servo.law import Law
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
+WORTH_CLOSER = 0.02
+"""See `soonest`: where the ball of J is closer than it was, what is near by is soon found."""
 ROOMS = (0.35, 0.838), (0.6, 0.835), (0.6, 0.7), (1.0, 0.55)
 """By which share the ball of J is widened for the proof, and the share of s3* that d is at most,
-one after the other: the trees are shorter."""
+one after the other: the trees are shorter. The ball of what is found is then made closer."""
 
 
 def converge(
@@ -78,22 +81,41 @@ def converge(
         if isinstance(found, str):
             reason = reason or found
             break
-        tell("proving")
-        try:
-            parts = draft(mission, question, found)
-        except NotShown as error:
-            reason = str(error)
-            continue
-        model = model_fingerprint(vehicles.law)
-        try:
-            certificate = seal(mission, "exponential", parts.content, model)
-        except InputError as error:
-            reason = str(error)
-            continue
-        reason = rejection(certificate)
-        if not reason:
-            return _verdict(mission, certificate, parts, wanted)
+        closer = () if near is not None else _closer(mission, question, found)
+        for each, at in (*closer, (question, found)):
+            tell("proving")
+            verdict = _proved(mission, each, at)
+            if isinstance(verdict, Exponential):
+                return verdict
+            reason = verdict
     return Undecided(mission=mission, reason=reason, advice=_advice(mission))
+
+
+def _closer(
+    mission: Mission, question: Question, found: Candidate
+) -> Iterator[tuple[Question, Candidate]]:
+    """Yield a question with a closer ball of J, and what is found there sooner."""
+    closer = closest(question, mission.target, found.offset)
+    if closer is None:
+        return
+    terms, offset = closer.terms(), closer.settled_offset
+    first = closer.at(found.x, found.rate, terms, found.solution.tight)
+    if first is None or first.solution.fill > 1 - ROOM / 2 or not closer.sees(first):
+        return
+    best = quietest(closer, soonest(closer, first, terms, offset, WORTH_CLOSER), terms)
+    if best.time(offset) < found.time(offset):
+        yield closer, best
+
+
+def _proved(mission: Mission, question: Question, found: Candidate) -> Exponential | str:
+    """Write a certificate that the checker accepts; return why not if it does not."""
+    try:
+        parts = draft(mission, question, found)
+        model = model_fingerprint(question.vehicles.law)
+        certificate = seal(mission, "exponential", parts.content, model)
+    except (NotShown, InputError) as error:
+        return str(error)
+    return rejection(certificate) or _verdict(mission, certificate, parts, question.starts)
 
 
 def candidate(mission: Mission, starts: Sequence[Start], near: Array | None) -> Candidate | None:

@@ -86,7 +86,9 @@ def cost_of(question: Question, found: Candidate | None, offset: float) -> float
     return float(np.log(max(found.time(offset), SHORT)))
 
 
-def soonest(question: Question, first: Candidate, starts: Array, offset: float) -> Candidate:
+def soonest(
+    question: Question, first: Candidate, starts: Array, offset: float, worth: float = WORTH
+) -> Candidate:
     """Make the time short in which |σ - σ*| is surely below an offset, from a candidate.
 
     One descent may end early, at the edge of what holds the starts; it is begun anew there.
@@ -99,11 +101,13 @@ def soonest(question: Question, first: Candidate, starts: Array, offset: float) 
         See `Question.terms`.
     offset : float
         A bare number, dimensionless.
+    worth : float
+        Share of the time that a descent takes away if another is begun, dimensionless.
     """
     best = first
     for _ in range(1 + MOST_AGAIN):
         before, best = best, _sooner(question, best, starts, offset)
-        if cost_of(question, best, offset) > cost_of(question, before, offset) + np.log(1 - WORTH):
+        if cost_of(question, best, offset) > cost_of(question, before, offset) + np.log(1 - worth):
             break
     return best
 
