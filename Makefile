@@ -42,7 +42,8 @@ notebooks: .venv/installed-compare
 
 # Build the documentation, warnings as errors: docs/_build/html/index.html.
 docs: .venv/installed-docs
-	$(BIN)/python -m sphinx -b html -W --keep-going -q docs docs/_build/html
+	@echo "Building the documentation; its pages run the commands that they show: about two minutes."
+	$(BIN)/python -m sphinx -b html -d docs/_build/doctrees -W --keep-going -q docs docs/_build/html
 	@echo "The documentation: docs/_build/html/index.html"
 
 # The theorems behind certificates, and these certificates, by the proof assistant Coq.

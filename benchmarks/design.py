@@ -16,7 +16,8 @@ from scipy.optimize import minimize
 from hoverproof.certification.gains import certify
 from hoverproof.certification.problem import gain_inequality, gain_problem
 from hoverproof.certification.robust import Inequality, optimise
-from hoverproof.design.atlas import atlas, axis, cell_mission
+from hoverproof.design.atlas import atlas, axis
+from hoverproof.design.axes import cell_mission
 from hoverproof.design.margins import Questions, factor_of
 from hoverproof.design.tuning import tune
 from hoverproof.mission.reading import load

@@ -13,15 +13,14 @@ import xarray as xr
 from command_line import run
 from hoverproof.certification.gains import certify
 from hoverproof.design.atlas import (
-    NOT_ASKED,
     QUANTITIES,
     VERDICTS,
     atlas,
     axis,
-    cell_mission,
     cell_values,
     on_boundary,
 )
+from hoverproof.design.axes import NOT_ASKED, cell_mission
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.paper.conditions import printed_demands, where_met

@@ -16,6 +16,7 @@ from rich.cells import cell_len
 from command_line import run
 from hoverproof import cli
 from hoverproof.audit.claim import Claim, Poses
+from hoverproof.audit.finding import Finding
 from hoverproof.audit.reading import read_log
 from hoverproof.audit.vehicle import Vehicle
 from hoverproof.audit.verdict import audit
@@ -24,6 +25,7 @@ from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.plant import camera
 from hoverproof.servo.loop import LoopNumbers
+from hoverproof.show.audit import finding_figure
 from hoverproof.simulation.flight import flown, save
 from hoverproof.simulation.timing import Timing
 
@@ -273,6 +275,22 @@ def test_a_flight_file_that_is_cut_short_gets_one_line(good, share, tmp_path):
         read_log(path)
 
 
+def test_what_breaks_at_the_very_end_of_a_long_log_is_in_its_picture():
+    values = np.zeros(1999)
+    values[-1] = 5
+    figure = finding_figure(Finding("gusts", times=np.arange(1999.0), values=values, bound=1.0))
+    assert max(figure.axes[0].lines[0].get_ydata()) == 5
+
+
+def test_a_netcdf_with_phases_that_fly_did_not_write_gets_one_line(tmp_path):
+    path = tmp_path / "phases.nc"
+    with h5py.File(path, "w") as file:
+        file.attrs["title"] = "phases of the moon"
+        file["time"], file["phase"] = [0.0, 1.0, 2.0], [2.0, 2.0, 2.0]
+    with pytest.raises(InputError, match="is no log of fly: it holds no gravity_direction"):
+        read_log(path)
+
+
 def test_a_certificate_of_another_mission_is_refused(good, capsys):
     status, _, err = run(
         capsys,
@@ -281,3 +299,13 @@ def test_a_certificate_of_another_mission_is_refused(good, capsys):
     )
     assert status == 2
     assert "is about another mission: gains.k4 is 18" in err
+
+
+@pytest.mark.parametrize(("duration", "rows"), [(400, "0.2"), (1500, "0.75")])
+def test_rows_that_are_far_apart_tell_no_fault_of_a_vehicle_as_modelled(duration, rows):
+    mission = load("x4-flyer")
+    save(flown(mission, Timing(duration, None, None)), "far.nc")
+    found = audit(read_log("far.nc"), mission, None)
+    assert found.broken == []
+    asked = {f.name: f.words for f in found.untold}
+    assert "few rows" in asked["every rotor answers"] or f"{rows} s apart" in asked["thrust gain"]

@@ -151,6 +151,7 @@ def test_a_flight_does_not_begin_without_a_tag_in_its_first_image(mission, capsy
         (("--jitter", 0.1), "--jitter: is for --pixels"),
         (("--pixels", "--runs", 3), "is for a single flight"),
         (("--pixels", "--light", 3), "--light: must be from 0 to 1.15, not 3"),
+        (("--pixels", "--exposure", 3), "--exposure: must be from 0 to 1 s, not 3"),
         (("--pixels", "--film", "f.txt"), "f.txt: must end in .avi or .mkv or .mp4"),
         (("--pixels", "--tag", "36h11:0:0.2"), "have sides of 0.3 m, the tag 0.2 m"),
         (("--pixels", "--family", "36h11"), "--family: goes with --target"),

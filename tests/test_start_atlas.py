@@ -14,11 +14,9 @@ import hoverproof as hp
 from command_line import refusal, run
 from hoverproof.certification.exponential.proof import converge
 from hoverproof.design.atlas_summary import start_summary
-from hoverproof.design.axes import axis
+from hoverproof.design.axes import NOT_ASKED, axis, cell_mission
 from hoverproof.design.start_atlas import (
-    NOT_ASKED,
     PROVED,
-    cell_mission,
     prove_cell,
     row,
     start_chart,

@@ -87,3 +87,15 @@ def suggestion(word: str, known: Sequence[str], title: str, *, shown: Sequence[s
     return (
         f"did you mean {by_lower[near[0]]!r}?" if near else f"{title}: {', '.join(shown or known)}"
     )
+
+
+def in_short(error: BaseException, most: int = 80) -> str:
+    """Return what a library says that an error is, in one line; its type if it says nothing.
+
+    Parameters
+    ----------
+    error : BaseException
+    most : int
+        Number of letters that are kept.
+    """
+    return " ".join(str(error).split())[:most].rstrip(".") or type(error).__name__

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hoverproof.audit.log import FlightLog
 from hoverproof.audit.tracks import EVER, Tracks, log_of
-from hoverproof.errors import InputError, needing, suggestion
+from hoverproof.errors import InputError, in_short, needing, suggestion
 
 Array = NDArray[np.float64]
 Row = tuple[float, tuple[float, ...]]
@@ -106,17 +106,13 @@ def read(path: Path, topics: Mapping[str, str], between: tuple[float, float] = E
         reader = AnyReader([path], default_typestore=get_typestore(Stores.LATEST))
         reader.open()
     except Exception as error:  # rosbags raises what struct, sqlite and its own parsers do
-        raise InputError(str(path), "", f"is damaged or cut short: {_reason(error)}") from None
+        raise InputError(str(path), "", f"is damaged or cut short: {in_short(error)}") from None
     try:
         connections = bag.chosen(reader.connections, topics)
         bag.take(reader, connections)
     finally:
         reader.close()
     return bag.log()
-
-
-def _reason(error: BaseException) -> str:
-    return " ".join(str(error).split()).rstrip(".")[:80] or type(error).__name__
 
 
 @dataclass
@@ -191,7 +187,7 @@ class Bag:
                 for name, row in READERS[parts[connection.topic]](self, message, at / 1e9):
                     self._put(name, row)
         except Exception as error:  # rosbags raises what struct, sqlite and its own parsers do
-            self.partial.append(f"it is damaged or cut short: {_reason(error)}")
+            self.partial.append(f"it is damaged or cut short: {in_short(error)}")
         for name in self._rows:
             self._flush(name)
 
@@ -265,8 +261,7 @@ class Bag:
         held = self.tracks.held
         for name, others in STAND_IN.items():
             for other in others:
-                if other in held:
-                    held.setdefault(name, held[other])
+                self.tracks.stand_in(name, other)
         if self._off and abs(float(np.median(self._off))) > CLOCKS and "feature" in held:
             held.pop("feature")
             self.notes.append("its stamps are of another clock than its times: no ages of images")

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.audit.log import FlightLog
-from hoverproof.audit.tracks import EVER, Tracks, doubles, log_of
+from hoverproof.audit.tracks import EVER, OWN_ORIGIN, Tracks, doubles, log_of
 from hoverproof.errors import InputError, needing
 
 Array = NDArray[np.float64]
@@ -109,7 +109,7 @@ def read(path: Path, between: tuple[float, float] = EVER) -> FlightLog:
         partial=messages.partial,
         wanted=WANTED,
         active=GUIDED,
-        notes=("positions are about the autopilot's own origin: not told from the target",),
+        notes=(OWN_ORIGIN,),
     )
 
 

@@ -110,11 +110,9 @@ class FlightLog:
         ----------
         kept : (n,) bool
         """
-        count = len(self.times)
         cut: dict[str, Any] = {}
         for each in fields(self):
             value = getattr(self, each.name)
             if isinstance(value, np.ndarray) and not each.name.startswith("frames"):
-                assert len(value) == count, each.name
                 cut[each.name] = value[kept]
         return replace(self, **cut)

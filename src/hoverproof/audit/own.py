@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.audit.log import MOST_ROWS, FlightLog
-from hoverproof.audit.tracks import EVER
+from hoverproof.audit.tracks import EVER, thinned
 from hoverproof.errors import InputError
 from hoverproof.plant.rigid_body import rotation_rows
 
@@ -80,9 +80,9 @@ def _read(file: Any, source: str, between: tuple[float, float]) -> FlightLog:
         ]
         return np.concatenate([np.asarray(p, np.float64) for p in parts]) if parts else None
 
-    notes = (f"every {step} rows of {count} are looked at",) if step > 1 else ()
+    notes = (thinned(step, count),) if step > 1 else ()
     times = column("time")
-    if times is None:
+    if times is None or (len(times) < 2 and between != EVER):
         raise InputError(source, "", "holds no flight between these times")
     held: dict[str, Any] = {"source": source, "times": times, "notes": notes}
     if "mission" in attrs:
@@ -101,7 +101,7 @@ def _read(file: Any, source: str, between: tuple[float, float]) -> FlightLog:
     held |= {ours: column(theirs) for ours, theirs in COLUMNS.items()}
     held["feature"] = column("feature" if "feature" in file else "centroid_held")
     if "phase" in file:
-        return _flown(held, column("phase"), column("gravity_direction"))
+        return _flown(held, column)
     return _simulated(held, file, column, between)
 
 
@@ -153,9 +153,11 @@ def _felt(held: dict[str, Any]) -> Array:
     return np.asarray(change + np.cross(held["rate"], velocity) - gravity * down)
 
 
-def _flown(held: dict[str, Any], phase: Array | None, down: Array | None) -> FlightLog:
+def _flown(held: dict[str, Any], column: Callable[[str], Array | None]) -> FlightLog:
     """Return the part of a log of `fly` in which the law flies; its heading is not in it."""
-    assert phase is not None and down is not None
+    phase, down = column("phase"), column("gravity_direction")
+    if phase is None or down is None:
+        raise InputError(held["source"], "", "is no log of fly: it holds no gravity_direction")
     roll, pitch = np.arctan2(down[:, 1], down[:, 2]), -np.arcsin(np.clip(down[:, 0], -1, 1))
     angles = [roll, pitch, np.zeros(len(roll))]
     rows = rotation_rows([np.cos(a) for a in angles], [np.sin(a) for a in angles])

@@ -25,6 +25,8 @@ MOST = {"rate": 200.0, "specific_force": 2000.0, "attitude": 2.0, "frames": 1.0}
 """What no sensor of a flying vehicle tells: rad/s, m/s², components of a quaternion, 0 or 1."""
 MOST_OF_OTHERS = 1e6
 EVER = -math.inf, math.inf
+OWN_ORIGIN = "positions are about the autopilot's own origin: not told from the target"
+"""What is to be known of the logs of autopilots."""
 EACH = frozenset({"frames", "feature"})
 """Of which none may be left out. A row of a feature is the exposure, s, and the three numbers."""
 
@@ -147,12 +149,35 @@ class Tracks:
         rising = np.r_[True, times[1:] > np.maximum.accumulate(times)[:-1]]
         return (times[rising], values[rising]) if rising.sum() > 1 else None
 
+    def stand_in(self, name: str, other: str) -> None:
+        """Let another quantity stand in for one that is not there.
+
+        Parameters
+        ----------
+        name, other : str
+        """
+        if other in self.held:
+            self.held.setdefault(name, self.held[other])
+
     @property
     def short_of_images(self) -> float | None:
         """Until when there are images, s, if there were too many to keep."""
         full = [t for name, t in self.held.items() if name in EACH and t.count > t.most]
         ends = [float(track.rows()[0][-1]) - (self.origin or 0.0) for track in full]
         return min(ends, default=None)
+
+
+def thinned(stride: int, count: int) -> str:
+    """Say that of a long log not all rows are kept.
+
+    Parameters
+    ----------
+    stride : int
+        One row of so many is kept, a bare number.
+    count : int
+        Rows in the log, a bare number.
+    """
+    return f"one row in {stride} is looked at, of {count} rows of the log"
 
 
 def doubles(column: NDArray[Any]) -> Array:
@@ -277,7 +302,9 @@ def log_of(
     notes += tuple(_noted(tracks))
     held = _held(tracks, times)
     left_out = sum(tracks.damaged.values())
-    why = [*partial, f"{left_out} rows cannot be and are left out" * bool(left_out)]
+    why = [*partial]
+    if left_out:
+        why.append(f"rows with impossible times or values, left out: {left_out}")
     until = tracks.short_of_images
     if until is not None:
         why.append(f"it has too many images: those after {until:.6g} s are not looked at")
@@ -303,7 +330,7 @@ def _noted(tracks: Tracks) -> Iterator[str]:
         yield f"times are from {tracks.origin:.0f} s on, as the log has them"
     track = tracks.held["rate"]
     if track.stride > 1:
-        yield f"every {track.stride} rows of {track.count} are looked at"
+        yield thinned(track.stride, track.count)
 
 
 def _in_mode(

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.audit.log import FlightLog
-from hoverproof.audit.tracks import EVER, Tracks, doubles, log_of
-from hoverproof.errors import InputError, needing
+from hoverproof.audit.tracks import EVER, OWN_ORIGIN, Tracks, doubles, log_of
+from hoverproof.errors import InputError, in_short, needing
 
 Array = NDArray[np.float64]
 
@@ -77,14 +77,12 @@ def read(path: Path, between: tuple[float, float] = EVER) -> FlightLog:
                 with contextlib.redirect_stdout(io.StringIO()):  # it prints what is damaged
                     read = ULog(io.BytesIO(piece), [*TOPICS])
             except Exception as error:  # pyulog raises what struct, numpy and its own parser do
-                reason = f"is damaged: {' '.join(str(error).split())[:80] or type(error).__name__}"
-                raise InputError(str(path), "", reason) from None
+                raise InputError(str(path), "", f"is damaged: {in_short(error)}") from None
             damaged |= read.file_corruption
             for topic in read.data_list:
                 _add(tracks, topic.name, topic.data)
     for name, older in OLDER.items():
-        if older in tracks.held and name not in tracks.held:
-            tracks.held[name] = tracks.held[older]
+        tracks.stand_in(name, older)
     partial = ["parts of it are damaged" if damaged or pieces.damaged else "", pieces.cut]
     return log_of(
         tracks,
@@ -94,7 +92,7 @@ def read(path: Path, between: tuple[float, float] = EVER) -> FlightLog:
         partial=partial,
         wanted=WANTED,
         active=OFFBOARD,
-        notes=("positions are about the autopilot's own origin: not told from the target",),
+        notes=(OWN_ORIGIN,),
     )
 
 

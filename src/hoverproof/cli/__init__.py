@@ -13,6 +13,7 @@ import os
 import signal
 import sys
 import time
+from functools import partial
 from typing import NoReturn
 
 # Next to nothing that a command imports is ever garbage; to look through it as often as Python
@@ -24,6 +25,7 @@ try:
 
     from hoverproof.cli.console import app, fail, plain_console, usage
     from hoverproof.cli.interruption import STATUS, heard, interruption
+    from hoverproof.cli.reading import keep_what_is_read
     from hoverproof.errors import InputError
 except KeyboardInterrupt:  # in the fraction of a second before a command begins
     os.write(2, b"hoverproof: interrupted\n")
@@ -42,7 +44,8 @@ COMMANDS = (
 """Module and function of each command; imported when it is run, or when help tells of it."""
 
 for command in COMMANDS:
-    app.command(f"{__name__}.{command}")
+    keep = partial(keep_what_is_read, command.partition(":")[2])
+    app.command(f"{__name__}.{command}", validator=keep)
 
 
 def main(arguments: list[str] | None = None) -> NoReturn:
@@ -79,6 +82,8 @@ def run(arguments: list[str] | None) -> object:
         if sys.stdout is not None:
             sys.stdout.flush()
     except CycloptsError as error:
+        if isinstance(error.__cause__, InputError):
+            fail(error.__cause__.line)
         fail(usage(error))
     except InputError as error:
         fail(error.line)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,7 +11,8 @@ from cyclopts import Parameter
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import mission_names
 from hoverproof.cli.console import NO_FOLDER, Json, Set, at_work, load_mission
-from hoverproof.cli.reading import certificate_beside, mission_name, stretch
+from hoverproof.cli.reading import mission_name, stretch
+from hoverproof.cli.written import certificate_beside, write_mission
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from hoverproof.audit.recertifying import Recertified
     from hoverproof.mission.sections import Mission
 
+MAKER = "audit"
+"""In the name of the certificate beside a mission that is written."""
 LONG = 50_000_000
 """Bytes: it is said that a longer file is being read."""
 
@@ -68,7 +70,7 @@ def audit(
         Path | None,
         Parameter(
             help="Mission file to write, with the tolerances that would cover the flight, proved "
-            "with its gains or else with tuned ones; its certificate beside it.",
+            "with its gains or else with tuned ones; its certificate to FILE.audit.cert.json.",
             validator=NO_FOLDER,
         ),
     ] = None,
@@ -101,8 +103,8 @@ def audit(
     from hoverproof.files import require_folder
 
     loaded = load_mission(mission, set_)
-    if certify is not None:
-        require_folder(certify)
+    for file in filter(None, (out, certify)):
+        require_folder(file)
     flight = _log(log, topic, between)
     claim, reason = _claim(loaded, certificate)
     found = hold(flight, loaded, claim)
@@ -114,7 +116,7 @@ def audit(
     anew = _anew(mission, [*(set_ or []), *asked], certify) if certify and asked else None
     command = shlex.join(words) if tolerances and anew is None else None
     answer = AuditAnswer(
-        found, reason, command, path, certify, certify and certificate_beside(certify), anew
+        found, reason, command, path, certify, certify and certificate_beside(certify, MAKER), anew
     )
     if path is not None:
         from hoverproof.reporting.audit_page import write_page
@@ -128,18 +130,15 @@ def audit(
 def _anew(mission: str, settings: list[str], out: Path) -> Recertified:
     """Prove a mission with wider tolerances, and write it with its certificate."""
     from hoverproof.audit.recertifying import recertified
-    from hoverproof.cli.answers.audit import settled
-    from hoverproof.files import write_text
-    from hoverproof.mission.writing import mission_text
+    from hoverproof.cli.answers.exponential import settled_text
 
     loaded = load_mission(mission, settings)
     wider = loaded.model_copy(update={"name": mission_name(out)})  # whom the certificate is about
     with at_work() as doing:
         found = recertified(wider, doing)
     if found.verdict is not None:
-        found.verdict.certificate.save(certificate_beside(out))
-        note = f"{shlex.join(['hoverproof', *sys.argv[1:]])}\n{settled(found.verdict)}, proved"
-        write_text(out, mission_text(found.mission, name=mission_name(out), note=note))
+        proved = f"settled from the start, proved: {settled_text(found.verdict)}"
+        write_mission(out, found.mission, proved, found.verdict.certificate, MAKER)
     return found
 
 
@@ -177,14 +176,15 @@ def replay(
     from hoverproof.audit.replaying import replayed
     from hoverproof.cli.answers.replay import ReplayAnswer
     from hoverproof.export.binding import Firmware
-    from hoverproof.files import write_bytes
+    from hoverproof.files import require_folder, write_bytes
     from hoverproof.firmware.exporting import exported
 
     loaded = load_mission(mission, set_)
+    path = out or Path(f"{log.stem}.replay.nc")
+    require_folder(path)
     flight = _log(log, topic, between)
     firmware = exported(loaded, camera=True) if package is None else Firmware(package)
     found = replayed(flight, loaded, firmware)
-    path = out or Path(f"{log.stem}.replay.nc")
     write_bytes(path, found.record().netcdf())
     picture = path.with_suffix(".png") if figure else None
     if picture is not None:

@@ -81,7 +81,8 @@ def fly(
     when the pilot changes the mode, and on Ctrl-C it sends nothing more: the autopilot then does
     what it is set to do. Exit status 1 after a fault.
 
-    Example: `hoverproof fly crazyflie-2.1 --rehearse px4 --duration 20`
+    Example: `hoverproof fly crazyflie-2.1 --set interface.rate_bandwidth=25 --rehearse px4
+    --duration 20`
 
     Example: `hoverproof fly my.toml --mavlink udp:127.0.0.1:14550 --log flight.nc`
     """
@@ -164,7 +165,9 @@ def _rehearsed(
     from hoverproof.mavlink.flying import flight_of
     from hoverproof.mavlink.rehearsal import Rehearsal, patient_pilot
     from hoverproof.mavlink.stand_in import Habits, StandIn
+    from hoverproof.simulation.plan import check_seed
 
+    check_seed(seed)
     habits = Habits(PX4 if autopilot == "px4" else ARDUPILOT)
     flights: list[Flight] = []
     pilot = patient_pilot(lambda: flights[0].phase == "ready")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -131,7 +133,7 @@ def new(
     name = mission_name(path)
     found = None if target is None else read_target(target, target_name)
     asks = not (yes or json_ or preset) and sys.stdin.isatty() and sys.stdout.isatty()
-    with replacing(path) as beside:
+    with replacing(path) as beside, _told_of(path, beside):
         own = beside, name, answers, asks, found, described
         text = _copied(preset, name, found) if preset else _own(*own)
         beside.write_text(with_conditions(text), encoding="utf-8", newline="\n")
@@ -139,6 +141,16 @@ def new(
     made = made.model_copy(update={"source": str(path)})
     warn(made)
     return tell(NewAnswer(path, made, preset or "own vehicle", _read(described, found)), json_)
+
+
+@contextlib.contextmanager
+def _told_of(path: Path, beside: Path) -> Iterator[None]:
+    """Name the file that was asked for, where what is wrong stands in the one beside it."""
+    try:
+        yield
+    except InputError as error:
+        where = str(path) if error.where == str(beside) else error.where
+        raise InputError(where, error.key, error.reason) from None
 
 
 def _copied(preset: str, name: str, target: TargetFile | None) -> str:

@@ -57,12 +57,13 @@ class ByImages(Printed):
 
     def check(self) -> None:
         """Refuse numbers that no image is taken with."""
-        most = {"exposure": 1.0, "grey_noise": 255.0, "light": 1.15, "jitter": 1.0}
-        for name, highest in most.items():
+        seconds, levels = (1.0, " s"), (255.0, " grey levels")
+        most = {"exposure": seconds, "grey_noise": levels, "light": (1.15, ""), "jitter": seconds}
+        for name, (highest, unit) in most.items():
             value = getattr(self, name)
             if value is not None and not 0 <= value <= highest:
                 option = f"--{name.replace('_', '-')}"
-                raise InputError(option, "", f"must be from 0 to {highest:g}, not {value:g}")
+                raise InputError(option, "", f"must be from 0 to {highest:g}{unit}, not {value:g}")
 
     def fly(self, mission: Mission, seed: int, timing: Timing, *, firmware: bool) -> Record:
         """Fly a mission on images."""

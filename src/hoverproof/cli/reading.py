@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 import re
 import shlex
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from hoverproof.errors import InputError
 
@@ -17,6 +18,44 @@ if TYPE_CHECKING:
 
     from hoverproof.certification.region import Box, Enclosure
     from hoverproof.mission.sections import Mission
+
+
+READ = {"mission", "certificate", "log", "source", "camera", "target"}
+WRITTEN = {"out", "figure", "animate", "film", "overlay", "certify"}
+
+
+def keep_what_is_read(command: str, /, **options: Any) -> None:
+    """Refuse to write over a file that the same command reads.
+
+    A mission may be replaced by the one that is made of it: with tuned gains, or wider tolerances.
+
+    Parameters
+    ----------
+    command : str
+    **options
+        Those that are given, by the names that the parameters have.
+
+    Raises
+    ------
+    InputError
+        If a file is both.
+    """
+    given = options | (vars(options["images"]) if options.get("images") else {})
+    written = WRITTEN | {"log"} if command == "fly" else WRITTEN
+    for one, other in itertools.product(sorted(written), sorted(READ - written)):
+        anew = other == "mission" and (command in ("tune", "new") or one == "certify")
+        if not anew and _same_file(given.get(one), given.get(other)):
+            words = f"{given[one]} is the {other} that is read; give another name"
+            raise InputError(f"--{one}", "", words)
+
+
+def _same_file(one: object, other: object) -> bool:
+    """Tell whether two paths, as given or None, are of one file that is there."""
+    if not (isinstance(one, str | Path) and isinstance(other, str | Path)):
+        return False
+    with contextlib.suppress(OSError, ValueError):
+        return Path(one).samefile(other)
+    return False
 
 
 def refuse_given(options: Mapping[str, object], reason: str) -> None:
@@ -73,11 +112,6 @@ def picture_path(path: Path) -> Path:
 def mission_name(path: Path) -> str:
     """Return a mission's name for a file."""
     return re.sub(r"[^A-Za-z0-9._-]", "-", path.stem).lstrip("._-")[:64] or "mission"
-
-
-def certificate_beside(mission: Path) -> Path:
-    """Return where the certificate of a mission file is written."""
-    return mission.with_suffix(".attraction.cert.json")
 
 
 def certificate_stem(mission: Mission, source: str, settings: list[str] | None) -> str:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import shlex
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -32,8 +30,6 @@ if TYPE_CHECKING:
     from hoverproof.design.tuning import Found, Wish
     from hoverproof.mission.sections import Mission
 
-ENDING = ".tuned.cert.json"
-"""Of the certificate beside a mission file: another one than `attraction` writes."""
 VALUES = 5
 """So many of what is traded are tried, unless said."""
 
@@ -176,27 +172,22 @@ def _tune(mission: Mission, out: Path | None, wish: Wish) -> tuple[Found, str | 
 
 def _write(found: Tuned | RegionTuned | StartTuned, out: Path) -> Path | None:
     """Write a mission file, and the certificate of a region or a start, whose path is returned."""
+    from hoverproof.cli.answers.exponential import settled_text
     from hoverproof.cli.answers.region_tuned import reach_text
-    from hoverproof.cli.answers.start_tuned import settled_text
     from hoverproof.cli.answers.words import number
+    from hoverproof.cli.written import write_mission
     from hoverproof.design.outcome import RegionTuned, StartTuned
-    from hoverproof.files import write_text
-    from hoverproof.mission.writing import mission_text
 
-    beside = out.with_suffix(ENDING)
-    certificate: Path | None = beside
+    certificate = None
     if isinstance(found, RegionTuned):
         proved = f"certified hovers about the goal: {reach_text(found.region)}"
-        found.region.certificate.save(beside)
+        certificate = found.region.certificate
     elif isinstance(found, StartTuned):
-        proved = f"settled from the start, proved: {settled_text(found)}"
-        found.verdict.certificate.save(beside)
+        proved = f"settled from the start, proved: {settled_text(found.verdict)}"
+        certificate = found.verdict.certificate
     else:
         proved = f"certified decay rate of L: {number(found.verdict.decay_rate)} 1/s"
-        certificate = None
-    note = f"{shlex.join(['hoverproof', *sys.argv[1:]])}\n{proved}"
-    write_text(out, mission_text(found.mission, name=mission_name(out), note=note))
-    return certificate
+    return write_mission(out, found.mission, proved, certificate, "tuned")
 
 
 def _answer(found: Found, written: str | None, certificate: Path | None) -> Answer:

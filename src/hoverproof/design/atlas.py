@@ -6,12 +6,10 @@ each cell can be decided exactly, by `certify`.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
@@ -20,10 +18,10 @@ from numpy.typing import NDArray
 from hoverproof.certification.bounds import eigenvalues_at_goal
 from hoverproof.certification.gains import certify, model_fingerprint
 from hoverproof.certification.problem import ONES, gain_problem, pose
+from hoverproof.design.axes import NOT_ASKED, cell_mission, map_record, two_axes
 from hoverproof.design.axes import QUANTITIES as QUANTITIES
 from hoverproof.design.axes import Axis as Axis
 from hoverproof.design.axes import axis as axis
-from hoverproof.design.axes import coordinates, two_axes, with_value
 from hoverproof.design.margins import Questions, margins
 from hoverproof.design.start_atlas import start_chart
 from hoverproof.errors import InputError
@@ -31,7 +29,7 @@ from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.laws.hamel_mahony import law_of
 from hoverproof.servo.variables import Design
-from hoverproof.simulation.record import Column, Record
+from hoverproof.simulation.record import Record
 from hoverproof.spread import collected
 
 if TYPE_CHECKING:
@@ -45,7 +43,6 @@ CHUNK = 4000
 BARELY = 1e-6  # how near to its bounds Q at the goal may come, as a part
 EXACT_CHUNK = 16
 VERDICTS = {"refuted": -1, "undecided": 0, "proved": 1}
-NOT_ASKED = -128
 
 
 @of_mission
@@ -249,21 +246,6 @@ def cell_verdicts(
     return np.array(verdicts, np.int16)
 
 
-def cell_mission(mission: Mission, x: Axis, y: Axis, i: int, j: int) -> Mission:
-    """Return the mission of cell (i, j), with the short decimals of the axes, exactly.
-
-    Parameters
-    ----------
-    mission : Mission
-    x, y : Axis
-    i, j : int
-        Numbers of the cell along y and along x.
-    """
-    for one, place in ((x, j), (y, i)):
-        mission = with_value(mission, one, place)
-    return mission
-
-
 def _record(
     mission: Mission,
     x: Axis,
@@ -282,23 +264,12 @@ def _record(
         "decay_rate": 2 * margin / float(mission.vehicle.mass),
         "verdict": verdict,
     }
-    dims = (y.name, x.name)
-    return Record(
-        {
-            k: Column(dims, v, {"units": words[k][0], "long_name": words[k][1]})
-            for k, v in values.items()
-        },
-        coordinates(mission, x, y),
-        attrs={
-            "title": f"atlas of {mission.name}",
-            "mission": json.dumps(mission.exact()),
-            "law": mission.law.name,
-            "weights": [float(w) for w in weights],
-            "scales": [x.scale, y.scale],
-            "model_sha256": model_fingerprint(law_of(mission)),
-            **{f"{name}_version": version(name) for name in ("hoverproof", "casadi", "numpy")},
-        },
-    )
+    attrs = {
+        "title": f"atlas of {mission.name}",
+        "weights": [float(w) for w in weights],
+        "model_sha256": model_fingerprint(law_of(mission)),
+    }
+    return map_record(mission, x, y, values, words, attrs)
 
 
 def cell_values(mission: Mission, x: Axis, y: Axis) -> dict[str, Array]:

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hoverproof.design import start_atlas
-from hoverproof.design.atlas import NOT_ASKED, VERDICTS
+from hoverproof.design.atlas import VERDICTS
+from hoverproof.design.axes import NOT_ASKED
+from hoverproof.design.start_atlas import PROVED
 from hoverproof.simulation.record import Recorded
 
 
@@ -115,8 +116,8 @@ def start_summary(drawn: Recorded) -> StartSummary:
     return StartSummary(
         cells=time.size,
         found=int(found.sum()),
-        asked=int((verdict != start_atlas.NOT_ASKED).sum()),
-        proved=int((verdict == start_atlas.PROVED).sum()),
+        asked=int((verdict != NOT_ASKED).sum()),
+        proved=int((verdict == PROVED).sum()),
         soonest=soonest,
         time=shortest,
         proved_time=proved,

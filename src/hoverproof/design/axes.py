@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from importlib.metadata import version
 from typing import Any, Literal
 
 import numpy as np
@@ -15,8 +18,9 @@ from hoverproof.mission.reading import with_tolerance
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.task import Bounds, Gains
 from hoverproof.mission.tolerances import UNITS
+from hoverproof.mission.uncertainty import LARGEST_SHARE
 from hoverproof.servo.variables import Design
-from hoverproof.simulation.record import Column
+from hoverproof.simulation.record import Column, Record
 
 Array = NDArray[np.float64]
 Scale = Literal["log", "linear"]
@@ -92,6 +96,8 @@ OF_START = GAINS | {
     if "." not in name
 }
 """What the theorem of a start is mapped over."""
+NOT_ASKED = -128
+"""In the verdicts of a map, of a cell that was not decided exactly."""
 FACTOR, OF_START_FACTOR = 10, 3
 """By which a gain is divided and multiplied, for the ends of its range."""
 
@@ -154,6 +160,8 @@ def axis(
     InputError
         If there is no such quantity, or its range cannot be used.
     """
+    if not isinstance(name, str):
+        raise TypeError(f"an axis is the name of a quantity, as 'k1', not {type(name).__name__}")
     name, known = name.removeprefix("gains."), OF_START if of_start else QUANTITIES
     name = name.removeprefix("uncertainty.") if of_start else name
     if name not in known:
@@ -181,7 +189,13 @@ def axis(
         raise InputError(f"{option}-range", "", f"must be {what}, not {low:g},{high:g}")
     line = np.geomspace(low, high, cells) if scale == "log" else np.linspace(low, high, cells)
     digits = DIGITS + max(0, math.ceil(math.log10(cells * high / (high - low))) - 3)
-    return Axis(name, np.array([float(f"{v:.{digits}g}") for v in line]), scale)
+    made = Axis(name, np.array([float(f"{v:.{digits}g}") for v in line]), scale)
+    if quantity.key.startswith("uncertainty"):
+        try:
+            with_value(mission, made, cells - 1)
+        except InputError as error:
+            raise InputError(f"{option}-range", name, error.reason) from None
+    return made
 
 
 def _ends(mission: Mission, name: str, held: float, factor: float) -> tuple[float, float]:
@@ -192,7 +206,8 @@ def _ends(mission: Mission, name: str, held: float, factor: float) -> tuple[floa
         "highest_thrust": (weight, 3 * weight / 2),
     }
     if name in OF_START and name not in GAINS:
-        return 0.0, 2 * held
+        share = OF_START[name].unit == "1"
+        return 0.0, min(2 * held, float(LARGEST_SHARE)) if share else 2 * held
     return special.get(name, (held / factor, held * factor))
 
 
@@ -210,9 +225,9 @@ def two_axes(
         Number of values along each.
     """
     x, y = (
-        axis(mission, one, option=option, of_start=of_start, cells=cells)
-        if isinstance(one, str)
-        else one
+        one
+        if isinstance(one, Axis)
+        else axis(mission, one, option=option, of_start=of_start, cells=cells)
         for one, option in ((x, "--x"), (y, "--y"))
     )
     if x.name == y.name:
@@ -248,17 +263,64 @@ def with_value(mission: Mission, one: Axis, place: int) -> Mission:
     return mission.model_copy(update={section: changed})
 
 
-def coordinates(mission: Mission, x: Axis, y: Axis) -> dict[str, Column]:
-    """Return the columns that say where the cells of a map are.
+def cell_mission(mission: Mission, x: Axis, y: Axis, i: int, j: int) -> Mission:
+    """Return the mission of cell (i, j), with the short decimals of the axes, exactly.
 
     Parameters
     ----------
     mission : Mission
     x, y : Axis
+    i, j : int
+        Numbers of the cell along y and along x.
+
+    Raises
+    ------
+    InputError
+        If a mission cannot have its tolerances.
     """
-    return {
-        a.name: Column(
-            (a.name,), a.values, {"units": a.quantity.unit, "long_name": a.quantity.told(mission)}
-        )
-        for a in (x, y)
-    }
+    return with_value(with_value(mission, x, j), y, i)
+
+
+def map_record(
+    mission: Mission,
+    x: Axis,
+    y: Axis,
+    values: Mapping[str, NDArray[Any]],
+    words: Mapping[str, tuple[str, str]],
+    attrs: Mapping[str, Any],
+) -> Record:
+    """Return a map with names, units and axes.
+
+    Parameters
+    ----------
+    mission : Mission
+    x, y : Axis
+    values : mapping of (m, n)
+        By name, over (y, x), in the units of `words`.
+    words : mapping
+        By name, the unit and what it is.
+    attrs : mapping
+        What is true of this kind of map alone: title, the fingerprint of its model, and others.
+    """
+    dims = (y.name, x.name)
+    return Record(
+        {
+            name: Column(dims, v, {"units": words[name][0], "long_name": words[name][1]})
+            for name, v in values.items()
+        },
+        {
+            one.name: Column(
+                (one.name,),
+                one.values,
+                {"units": one.quantity.unit, "long_name": one.quantity.told(mission)},
+            )
+            for one in (x, y)
+        },
+        {
+            "mission": json.dumps(mission.exact()),
+            "law": mission.law.name,
+            "scales": [x.scale, y.scale],
+            **attrs,
+            **{f"{name}_version": version(name) for name in ("hoverproof", "casadi", "numpy")},
+        },
+    )

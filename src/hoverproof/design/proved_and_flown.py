@@ -1,14 +1,35 @@
-"""Why a settling time that is proved is much longer than that of a flight."""
+"""When a flight has settled, and why a settling time that is proved is much longer."""
 
 from __future__ import annotations
+
+import numpy as np
 
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.design.limits import ANY, Limits
 from hoverproof.design.start_search import StartSearch
+from hoverproof.mission.sections import Mission
 from hoverproof.mission.uncertainty import Uncertainty
+from hoverproof.plant.goal import hover_goal
+from hoverproof.simulation.numbers import near_from
+from hoverproof.simulation.record import Record
 
 ALIKE = 4
 """Times are alike if the one is at most so many times the other."""
+
+
+def near_goal_from(mission: Mission, flight: Record, radius: float) -> float | None:
+    """Return from when on a flight stays near its goal, s; None if it is not near at the end.
+
+    Parameters
+    ----------
+    mission : Mission
+    flight : Record
+    radius : float
+        How far from the goal is near, m.
+    """
+    goal = np.array([float(c) for c in hover_goal(mission).position])
+    far = np.linalg.norm(flight["position"].values - goal, axis=1)
+    return near_from(flight["time"].values, far, radius)
 
 
 def why_longer(verdict: Exponential, flown: float | None) -> str | None:

@@ -45,7 +45,6 @@ SHARES = (0.01, 0.03, 0.1, 0.3)
 """Parts of the bandwidth that k1 k2 and k3 take where the search sets out."""
 GUESSES = tuple(itertools.product((0.03, 0.2), (1.3, 2.0, 4.0)))
 """Parts of the largest force, and λ₊ in units of its value at the goal, likewise."""
-CLOSER = 1.05
 NONE = 1e6
 
 

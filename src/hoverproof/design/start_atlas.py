@@ -8,13 +8,11 @@ which is asked for where found cells end, and at the soonest.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from importlib.metadata import version
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,22 +23,22 @@ from hoverproof.certification.exponential.proof import converge, model_fingerpri
 from hoverproof.certification.exponential.question import SETTLED
 from hoverproof.certification.exponential.search import OUTSIDE
 from hoverproof.certification.exponential.vehicles import Vehicles
-from hoverproof.design.axes import Axis, coordinates, two_axes, with_value
+from hoverproof.design.axes import NOT_ASKED, Axis, cell_mission, map_record, two_axes
 from hoverproof.design.limits import ANY, Limits
 from hoverproof.design.start_search import Point, StartSearch
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.laws.hamel_mahony import law_of
 from hoverproof.servo.variables import Design
-from hoverproof.simulation.record import Column, Record
+from hoverproof.simulation.record import Record
 from hoverproof.spread import collected
 
 Array = NDArray[np.float64]
 Report = Callable[[int, int], None]
 CELLS = 16
 """Along each axis, unless said."""
-NOT_ASKED, NOT_PROVED, PROVED = -128, 0, 1
-"""Of a cell: whether a certificate was asked for, and came."""
+NOT_PROVED, PROVED = 0, 1
+"""Of a cell for which a certificate was asked: whether it came."""
 FIRST, HOPELESS = 5, 0.5
 """So many programs, at most, tell whether it is worth to go on: where no more than that share of
 the rate is missing then, or what is beyond a limit in rad."""
@@ -127,7 +125,12 @@ def start_chart(
             verdict[place] = NOT_PROVED if math.isnan(shown) else PROVED
             proved[place] = shown
     data = {"settling_time": time, "verdict": verdict, "proved_time": proved}
-    return _record(mission, x, y, data, float(search.whole.radius))
+    attrs = {
+        "title": f"atlas of the start of {mission.name}",
+        "settled_within": float(search.whole.radius),
+        "model_sha256": model_fingerprint(law_of(mission)),
+    }
+    return map_record(mission, x, y, data, WORDS, attrs)
 
 
 def _prepared(mission: Mission) -> StartSearch:
@@ -197,24 +200,6 @@ def _searches(
         yield search, np.array([getattr(cell.gains, name) for name in names], float)
 
 
-def cell_mission(mission: Mission, x: Axis, y: Axis, i: int, j: int) -> Mission:
-    """Return the mission of cell (i, j).
-
-    Parameters
-    ----------
-    mission : Mission
-    x, y : Axis
-    i, j : int
-        Numbers of the cell along y and along x.
-
-    Raises
-    ------
-    InputError
-        If a mission cannot have its tolerances.
-    """
-    return with_value(with_value(mission, x, j), y, i)
-
-
 def _best(
     search: StartSearch, four: Array, beside: Point | None, seed: Array | None
 ) -> Point | None:
@@ -264,25 +249,3 @@ def prove_cell(mission: Mission, x: Axis, y: Axis, item: tuple[int, int, Near]) 
     i, j, near = item
     verdict = converge(cell_mission(mission, x, y, i, j), near=near).proved
     return math.nan if verdict is None else float(verdict.settling.time)
-
-
-def _record(
-    mission: Mission, x: Axis, y: Axis, data: dict[str, NDArray[Any]], radius: float
-) -> Record:
-    law, dims = law_of(mission), (y.name, x.name)
-    return Record(
-        {
-            name: Column(dims, v, {"units": WORDS[name][0], "long_name": WORDS[name][1]})
-            for name, v in data.items()
-        },
-        coordinates(mission, x, y),
-        attrs={
-            "title": f"atlas of the start of {mission.name}",
-            "mission": json.dumps(mission.exact()),
-            "law": mission.law.name,
-            "settled_within": radius,
-            "scales": [x.scale, y.scale],
-            "model_sha256": model_fingerprint(law),
-            **{f"{name}_version": version(name) for name in ("hoverproof", "casadi", "numpy")},
-        },
-    )

@@ -23,14 +23,12 @@ from hoverproof.certification.exponential.search import FAILED, OUTSIDE
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.design.limits import BINDS, Limits, Use, designed_gains, uses
 from hoverproof.design.outcome import Infeasible, StartTuned
-from hoverproof.design.proved_and_flown import why_longer
+from hoverproof.design.proved_and_flown import near_goal_from, why_longer
 from hoverproof.design.start_advice import scaled, what_helps
 from hoverproof.design.start_rounding import rounded
 from hoverproof.design.start_search import SPARED, Point, StartSearch
 from hoverproof.mission.sections import Mission
-from hoverproof.plant.goal import hover_goal
 from hoverproof.simulation.flight import flown
-from hoverproof.simulation.numbers import near_from
 from hoverproof.simulation.timing import Timing
 
 Progress = Callable[[str], None]
@@ -235,9 +233,7 @@ def settled_in_flight(mission: Mission, radius: float, time: float) -> float | N
     flight = flown(mission, Timing(duration=time))
     if flight.attrs["outcome"] != "flown":
         return None
-    goal = np.array([float(c) for c in hover_goal(mission).position])
-    far = np.linalg.norm(flight["position"].values - goal, axis=1)
-    return near_from(flight["time"].values, far, radius)
+    return near_goal_from(mission, flight, radius)
 
 
 def why_not(search: StartSearch, point: Point | None) -> str:

@@ -128,7 +128,7 @@ def _read(path: Path) -> Image:
     except (OSError, SyntaxError, ValueError, Pillow.DecompressionBombError) as error:
         if isinstance(error, InputError):
             raise
-        words = " ".join(str(error).split()).replace(str(path), "it")[:100]
+        words = " ".join(str(error).split()).replace(f" {str(path)!r}", "")[:100]
         raise InputError(str(path), "", f"is damaged, or no image: {words}") from None
 
 

@@ -85,7 +85,7 @@ class Wish:
         if self.duration is not None and not self.duration > 0:
             raise InputError("--duration", "", f"must be above 0 s, not {self.duration:g}")
         if not DRIFT <= self.clock_drift <= MOST_DRIFT:
-            reason = f"must be from {DRIFT:g} to {MOST_DRIFT:g}, not {self.clock_drift:g}"
+            reason = f"must be from {DRIFT:g} to {MOST_DRIFT:g} s/s, not {self.clock_drift:g}"
             raise InputError("--clock-drift", "", reason)
 
 

@@ -6,7 +6,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from hoverproof.errors import InputError
+from hoverproof.errors import InputError, in_short
 
 MAX_BYTES = 1_000_000
 MAX_DIGITS = 40
@@ -48,8 +48,7 @@ def read_yaml(where: str, absent: str = "no such file") -> Any:
     except OSError as error:
         raise InputError(where, "", f"cannot be read: {error.strerror}") from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:
-        reason = " ".join(str(error).split())[:120]
-        raise InputError(where, "", f"is not valid YAML: {reason}") from None
+        raise InputError(where, "", f"is not valid YAML: {in_short(error, 120)}") from None
 
 
 def exact(value: Any) -> Fraction | None:

@@ -71,7 +71,8 @@ def quantity(
 
     def exact(value: object) -> Fraction:
         if isinstance(value, bool) or not isinstance(value, int | Fraction | float):
-            raise reject(f"must be a number{f' in {unit}' if unit else ''}, not {shown(value)}")
+            kind = suffix if unit.startswith("(") else unit and f" in {unit}"
+            raise reject(f"must be a number{kind}, not {shown(value)}")
         if isinstance(value, float) and not -1e308 < value < 1e308:
             raise reject(f"must be a number {span}{suffix}, not {value}")
         number = Fraction(value)

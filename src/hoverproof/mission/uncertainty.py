@@ -14,7 +14,9 @@ TOLERANCES = (
 """Keys of `Uncertainty` that leave a vehicle at rest where it is: all but noise and gusts."""
 _ZERO = Fraction(0)
 
-_Share = Annotated[Fraction, quantity("(a share: 0.2 is 20 %)", "0", "0.999")]
+LARGEST_SHARE = "0.999"
+"""The largest tolerance of what is a share."""
+_Share = Annotated[Fraction, quantity("(a share: 0.2 is 20 %)", "0", LARGEST_SHARE)]
 _Time = Annotated[Fraction, quantity("s", "0", "1e3")]
 _Acceleration = Annotated[Fraction, quantity("m/s²", "0", "1e3")]
 _BodyRate = Annotated[Fraction, quantity("rad/s", "0", "1e3")]

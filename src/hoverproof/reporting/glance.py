@@ -6,17 +6,13 @@ import math
 from collections.abc import Iterator
 from fractions import Fraction
 
-import numpy as np
-
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.convergence import Converges, not_covered
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.design.proved_and_flown import why_longer
-from hoverproof.plant.goal import hover_goal
+from hoverproof.design.proved_and_flown import near_goal_from, why_longer
 from hoverproof.reporting.numerals import at_least, at_most, place, short
 from hoverproof.reporting.parts import Flown, Missing, Parts
 from hoverproof.reporting.wording import headline
-from hoverproof.simulation.numbers import near_from
 
 Line = tuple[str, str]
 NOT_COVERED, IN_A_FLIGHT = "Not covered", "In a flight"
@@ -85,9 +81,7 @@ def _in_flight(region: Attraction | Exponential, flight: Flown | Missing) -> Ite
     if isinstance(region, Attraction):
         settled, near = flight.summary["settled_at"], "a tenth of the way to go"
     else:
-        goal = np.array([float(c) for c in hover_goal(region.mission).position])
-        far = np.linalg.norm(flight.whole["position"].values - goal, axis=1)
-        settled = near_from(flight.whole["time"].values, far, float(region.settling.radius))
+        settled = near_goal_from(region.mission, flight.whole, float(region.settling.radius))
         near = f"{at_most(region.settling.radius)} m of its goal"
     if settled is None:
         yield IN_A_FLIGHT, f"not within {near} at its end (simulated)"

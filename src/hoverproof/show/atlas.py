@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from hoverproof.design.atlas import QUANTITIES, VERDICTS
+from hoverproof.design.atlas import VERDICTS
+from hoverproof.design.axes import QUANTITIES, Quantity
 from hoverproof.design.limits import bandwidth
 from hoverproof.design.outcome import Tuned
 from hoverproof.mission.sections import Mission
@@ -145,13 +146,40 @@ def draw_atlas(
     axes.set_ylim(*cell_edges(along, scales[1])[[0, -1]])
     if printed is not None:
         handles.append(_printed_area(axes, across, along, printed))
-    own = [QUANTITIES[name].value(mission) for name in (x, y)]
-    inside = [
-        v is not None and values[0] <= float(v) <= values[-1]
-        for v, values in zip(own, (across, along), strict=True)
-    ]
-    if all(inside):
-        handles += axes.plot(
+    names, values = (x, y), (across, along)
+    handles += own_point(axes, mission, names, values, QUANTITIES)
+    label_axes(axes, mission, names, QUANTITIES)
+    return handles
+
+
+def own_point(
+    axes: Axes,
+    mission: Mission,
+    names: tuple[str, str],
+    values: tuple[Array, Array],
+    known: Mapping[str, Quantity],
+) -> list[Artist]:
+    """Mark the point of the mission itself, if it lies on the map; return it for the legend.
+
+    Parameters
+    ----------
+    axes : Axes
+    mission : Mission
+    names : (x, y)
+        Of what varies.
+    values : ((n,), (m,))
+        Of the cells along x and y, ascending, in the units of the quantities.
+    known : mapping of Quantity
+        By name, what can vary.
+    """
+    own = [known[name].value(mission) for name in names]
+    if not all(
+        v is not None and along[0] <= float(v) <= along[-1]
+        for v, along in zip(own, values, strict=True)
+    ):
+        return []
+    return list(
+        axes.plot(
             *(float(v) for v in own if v is not None),
             "*",
             color=COLOURS[1],
@@ -160,10 +188,26 @@ def draw_atlas(
             linestyle="none",
             label="the mission's own point",
         )
-    for set_label, name in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
-        unit = QUANTITIES[name].unit
-        set_label(f"{QUANTITIES[name].told(mission)}{'' if unit == '1' else f' ({unit})'}")
-    return handles
+    )
+
+
+def label_axes(
+    axes: Axes, mission: Mission, names: tuple[str, str], known: Mapping[str, Quantity]
+) -> None:
+    """Write on the axes of a map what varies, and in which unit.
+
+    Parameters
+    ----------
+    axes : Axes
+    mission : Mission
+    names : (x, y)
+        Of what varies.
+    known : mapping of Quantity
+        By name, what can vary.
+    """
+    for set_label, name in ((axes.set_xlabel, names[0]), (axes.set_ylabel, names[1])):
+        unit = known[name].unit
+        set_label(f"{known[name].told(mission)}{'' if unit == '1' else f' ({unit})'}")
 
 
 def _printed_area(axes: Axes, across: Array, along: Array, printed: NDArray[np.bool_]) -> Artist:

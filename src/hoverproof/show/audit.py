@@ -27,10 +27,10 @@ def finding_figure(f: Finding) -> Figure:
     if step == 1:
         axes.plot(f.times, f.values, color=COLOURS[0], lw=1.2)
     else:
-        count = len(f.times) // step * step
-        stretches = f.values[:count].reshape(-1, step)
-        ends = np.stack([stretches.min(axis=1), stretches.max(axis=1)], axis=1).ravel()
-        axes.plot(np.repeat(f.times[:count:step], 2), ends, color=COLOURS[0], lw=1.2)
+        begins = np.arange(0, len(f.times), step)
+        least, largest = (end.reduceat(f.values, begins) for end in (np.minimum, np.maximum))
+        ends = np.stack([least, largest], axis=1).ravel()
+        axes.plot(np.repeat(f.times[begins], 2), ends, color=COLOURS[0], lw=1.2)
     axes.axhline(f.bound, color=COLOURS[1], ls="--", lw=1.4)
     if f.at is not None:
         axes.axvline(f.at, color=COLOURS[3], lw=1.4)

@@ -15,8 +15,8 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from hoverproof.design.axes import OF_START
 from hoverproof.design.start_atlas import NOT_PROVED, PROVED
 from hoverproof.mission.sections import Mission
-from hoverproof.show.atlas import cell_edges
-from hoverproof.show.style import COLOURS, save_figure
+from hoverproof.show.atlas import cell_edges, label_axes, own_point
+from hoverproof.show.style import save_figure
 from hoverproof.simulation.record import Recorded
 
 SLOWEST = 6
@@ -87,7 +87,7 @@ def draw_start_atlas(axes: Axes, mission: Mission, atlas: Recorded) -> list[Arti
                 linestyle="none",
                 label=words,
             )
-    handles += _own(axes, mission, (x, y))
+    handles += own_point(axes, mission, (x, y), (across, along), OF_START)
     scale_x, scale_y = (str(scale) for scale in atlas.attrs["scales"])
     axes.set(xscale=scale_x, yscale=scale_y)
     for line, scale in ((axes.xaxis, scale_x), (axes.yaxis, scale_y)):
@@ -97,29 +97,8 @@ def draw_start_atlas(axes: Axes, mission: Mission, atlas: Recorded) -> list[Arti
             line.set_minor_formatter(NullFormatter())
     axes.set_xlim(*cell_edges(across, scale_x)[[0, -1]])
     axes.set_ylim(*cell_edges(along, scale_y)[[0, -1]])
-    for set_label, name in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
-        unit = OF_START[name].unit
-        set_label(f"{OF_START[name].told(mission)}{'' if unit == '1' else f' ({unit})'}")
+    label_axes(axes, mission, (x, y), OF_START)
     return handles
-
-
-def _own(axes: Axes, mission: Mission, names: tuple[str, str]) -> list[Artist]:
-    """Mark the point of the mission itself, where it lies on the map."""
-    x, y = (OF_START[name].value(mission) for name in names)
-    if x is None or y is None:
-        return []
-    return list(
-        axes.plot(
-            float(x),
-            float(y),
-            "*",
-            color=COLOURS[1],
-            markeredgecolor="white",
-            markersize=16,
-            linestyle="none",
-            label="the mission's own point",
-        )
-    )
 
 
 def save_start_atlas_figure(mission: Mission, atlas: Recorded, path: Path) -> None:

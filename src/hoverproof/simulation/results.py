@@ -53,7 +53,7 @@ OF_A_RUN: dict[str, tuple[str, str, str]] = {
     "start_error": ("float64", "m", "distance from the goal at the start"),
     "final_error": ("float64", "m", "distance from the goal at the last good sample"),
     "settled_at": ("float64", "s", "within 10 % of the start error from then on; missing: never"),
-    "largest_tilt": ("float64", "rad", "largest angle between body and world vertical"),
+    "largest_tilt": ("float64", "rad", "largest angle between body and world vertical at a sample"),
     "least_rotor_thrust": ("float64", "N", "least thrust of any rotor at a sample"),
     "greatest_rotor_thrust": ("float64", "N", "greatest thrust of any rotor at a sample"),
     "frames_lost": ("int32", "1", "frames in which a target point was out of view"),

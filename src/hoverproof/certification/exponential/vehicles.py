@@ -119,18 +119,6 @@ class Vehicles:
         beside = self.arm * (ball[1] - ball[0])
         return replace(self, noise=self.noise + beside) if beside else self
 
-    def allowing(self, name: str, size: float) -> Vehicles:
-        """Return them with another tolerance.
-
-        Parameters
-        ----------
-        name : str
-            thrust, torque, latency, rotor_lag, wind or yaw_rate.
-        size : float
-            In its unit, a bare number.
-        """
-        return replace(self, **{name: size})  # type: ignore[arg-type]
-
     def with_numbers(self, numbers: Array) -> Vehicles:
         """Return them with another design, such as other gains.
 

@@ -29,6 +29,11 @@ class Answer(ABC):
         """What it considers of what `[uncertainty]` and `[camera]` ask to be covered, in words."""
         return []
 
+    @property
+    def tolerances_label(self) -> str:
+        """What stands before tolerances that it does not consider."""
+        return "not considered"
+
     @abstractmethod
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""
@@ -46,7 +51,7 @@ def tell(answer: Answer, json_: bool, mission: Mission | None = None) -> int:
     asked = [] if mission is None else mission.asks_to_cover()
     left = [words for words in asked if words not in answer.considered]
     if json_:
-        print_json(answer.as_json(), mission, left)
+        print_json(answer.as_json(), mission, [f"{answer.tolerances_label}: {words}" for words in left])
     else:
         for number, line in enumerate(answer.text()):
             print(line)
@@ -54,7 +59,7 @@ def tell(answer: Answer, json_: bool, mission: Mission | None = None) -> int:
                 if not mission.law.is_papers:
                     print(f"  law                     {mission.law.name}")
                 if left:
-                    print(*wrapped("not considered", ", ".join(left)), sep="\n")
+                    print(*wrapped(answer.tolerances_label, ", ".join(left)), sep="\n")
     return answer.status
 
 
@@ -63,11 +68,12 @@ def print_json(
 ) -> None:
     """Print one JSON object, with the law of the mission, and warnings, of what is left out too."""
     if mission is not None:
-        left = mission.asks_to_cover() if left is None else left
+        if left is None:
+            left = [f"not considered: {words}" for words in mission.asks_to_cover()]
         from hoverproof.plausibility import warnings
 
         found = [str(finding) for finding in warnings(mission)]
-        found += [f"not considered: {words}" for words in left]
+        found += left
         law = mission.law.model_dump()
         value = {**value, "law": law, "warnings": [*found, *value.get("warnings", [])]}
     print(_dumped(value, indent=2))

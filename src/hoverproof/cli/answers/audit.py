@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hoverproof.cli.answers.answer import EXIT, Answer
-from hoverproof.cli.answers.words import number, wrapped
+from hoverproof.cli.answers.exponential import settled_text
+from hoverproof.cli.answers.words import wrapped
 
 if TYPE_CHECKING:
     from hoverproof.audit.finding import Finding
     from hoverproof.audit.recertifying import Recertified
     from hoverproof.audit.verdict import Audit
-    from hoverproof.certification.exponential.verdict import Exponential
 
 HELD = {True: "held", False: "BROKEN", None: "not told"}
 
@@ -89,7 +89,9 @@ class AuditAnswer(Answer):
             yield from wrapped("proved anew", f"not with these: {self.anew.reason}")
             return
         whose = "tuned gains" if self.anew.tuned else "the mission's gains"
-        yield from wrapped("proved anew", f"with these and {whose}: {settled(verdict)}")
+        yield from wrapped(
+            "proved anew", f"with these and {whose}: settled {settled_text(verdict)}"
+        )
         if others := [f.name for f in self.found.broken if not f.key and not f.follows]:
             yield from wrapped("", f"covered by no tolerance: {', '.join(others)}")
         yield f"  {'mission':22}  {self.certify}"
@@ -138,17 +140,6 @@ class AuditAnswer(Answer):
             "mission": str(self.certify) if proved else None,
             "certificate": str(self.certificate) if proved else None,
         }
-
-
-def settled(verdict: Exponential) -> str:
-    """Write how soon a vehicle has settled.
-
-    Parameters
-    ----------
-    verdict : Exponential
-    """
-    settling = verdict.settling
-    return f"settled after {number(settling.time)} s within {number(settling.radius)} m"
 
 
 def _lines(f: Finding) -> Iterator[str]:

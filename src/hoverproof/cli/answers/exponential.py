@@ -53,6 +53,17 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     yield f"  |{symbol} - j I| <= ϱ          {ball}"
 
 
+def settled_text(verdict: Exponential) -> str:
+    """Write how soon every vehicle is proved to settle, and how near to its goal.
+
+    Parameters
+    ----------
+    verdict : Exponential
+    """
+    settling = verdict.settling
+    return f"within {number(settling.radius)} m after {number(settling.time)} s"
+
+
 def _out_of_image(verdict: Exponential) -> list[str]:
     """Say what the image holds, where points may leave it: that they do not was not asked for."""
     camera, cone = verdict.mission.camera, cone_in_image(verdict.mission)

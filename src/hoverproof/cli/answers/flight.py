@@ -38,6 +38,11 @@ class FlightAnswer(Answer):
     uncovered: bool = False
 
     @property
+    def tolerances_label(self) -> str:
+        """A flight is of one vehicle of those within the tolerances."""
+        return "one of all with"
+
+    @property
     def status(self) -> int:
         """The exit status."""
         return int(self.facts["outcome"] != "flown")

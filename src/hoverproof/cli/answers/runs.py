@@ -27,6 +27,11 @@ class RunsAnswer(Answer):
     pictures: Sequence[Path]
 
     @property
+    def tolerances_label(self) -> str:
+        """A flight is of one vehicle of those within the tolerances."""
+        return "one of all with"
+
+    @property
     def status(self) -> int:
         """The exit status."""
         if self.flown.interrupted:

@@ -13,6 +13,7 @@ from typing import Any
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.attraction import considered
 from hoverproof.cli.answers.beyond import beyond_text, covering
+from hoverproof.cli.answers.exponential import settled_text
 from hoverproof.cli.answers.words import (
     gain_units,
     gains_as_json,
@@ -94,7 +95,7 @@ class StartTunedAnswer(Answer):
 
     def _settled(self) -> Iterator[str]:
         found = self.found
-        yield f"  settled, proved         {settled_text(found)}"
+        yield f"  settled, proved         {settled_text(found.verdict)}"
         yield f"    before rounding:         {number(found.estimate)} s (floating point)"
         own = "not found to settle" if found.before is None else f"{number(found.before)} s"
         yield f"    the mission's own gains: {own} (floating point)"
@@ -145,9 +146,3 @@ def _flown(time: float | None) -> str:
 def fill(found: StartTuned) -> float:
     """Return Ψ at the start over the level of the set."""
     return float(found.verdict.start_level / found.verdict.level)
-
-
-def settled_text(found: StartTuned) -> str:
-    """Write how soon the vehicle is proved to settle, and how near."""
-    settling = found.verdict.settling
-    return f"within {number(settling.radius)} m after {number(settling.time)} s"
