@@ -13,7 +13,7 @@ from hoverproof.errors import InputError
 TUNED = """
 name = "small-tag"
 law = {feature = "scaled", goal = "inertial", force = "measured"}
-gains = {k1 = 0.0332, k2 = 30.4, k3 = 1.56, k4 = 6.43, k_yaw = 0.029}
+gains = {k1 = 0.032, k2 = 32, k3 = 1.5, k4 = 6.4, k_yaw = 0.029}
 bounds = {eigenvalues = "auto", thrust = [3.97305, 4.85595]}
 goal = {height = 0.9}
 start = {position = [0.27, 0, -1.17]}
@@ -39,7 +39,7 @@ rotor_lag = 0.02896
 wind = 0.2
 yaw_rate = 0.3
 """
-BY_TUNE = 6.459
+BY_TUNE = 5.934
 """In which time, s, `tune` proves it settled with these gains."""
 
 

@@ -14,7 +14,7 @@ from command_line import run
 from hoverproof import checker, cli
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.cells import most_cells
-from hoverproof.certification.exponential.closeness import is_shown
+from hoverproof.certification.exponential.closeness import FEW, closest, is_shown
 from hoverproof.certification.exponential.domain import COST_BESIDE, Domain
 from hoverproof.certification.exponential.inequality import Ball, falls
 from hoverproof.certification.exponential.positions import Scene
@@ -293,6 +293,23 @@ def test_tune_writes_a_mission_and_a_certificate_that_holds_its_start(small, cap
     ].items()
     assert slowest_rate(tuned) > 0
     assert "the controller may be switched on" in checker.check_file(answer["certificate"])
+
+
+def test_the_ball_of_J_is_as_close_as_few_cells_show(small):
+    mission, taken = small(), []
+    question = replace(
+        Question.of(Vehicles.of(mission), Scene.of(mission), (Start.of(mission),)), wider=0.35
+    )
+    low, high = question.ends
+    for share in (0.2, 0.98):
+        d = low + share * (high - low)
+        closer = closest(question, mission.target, d)
+        assert closer is not None
+        assert is_shown(closer, mission.target, d, FEW)
+        nearer = closest(replace(question, wider=closer.wider), mission.target, d)
+        assert nearer is None  # none that is closer takes few cells
+        taken.append(closer.wider)
+    assert taken[0] < taken[1] < question.wider
 
 
 @pytest.mark.parametrize(("position", "shown"), [("[0, 0, 0]", True), ("[0.01, 0, 0]", False)])
