@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import copy
+import json
 import math
+import re
 from dataclasses import replace
 from fractions import Fraction as F
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,11 +16,13 @@ import pytest
 from hoverproof import checker
 from hoverproof.certification.exponential.proof import converge
 from hoverproof.cli.answers.exponential import as_json, beyond, lines
+from hoverproof.firmware.exporting import export_c
 from hoverproof.mission.reading import load
 from sharing import kept_value
 from uncertain_body import LIFT, THRUST, Case, View, times
 from uncertain_flights import LONGEST_STEP, Nature, anywhere, fly
 
+SHIPPED = Path(__file__).parents[1] / "proofs/crazyflie-2.1.attraction.cert.json"
 MISSION = """
 name = "tag"
 law = {feature = "scaled", goal = "inertial", force = "measured"}
@@ -191,3 +196,17 @@ def test_limits_of_rotors_that_are_not_shown_to_be_kept_are_named(path, proved):
     passed = limited(float(low) + 0.01, float(high) - 0.01)
     assert [text.split()[0] for text in beyond(passed)] == ["min_thrust", "max_thrust"]
     assert "0.01 N" in "\n".join(lines(passed, ["here"]))
+
+
+def test_a_package_with_a_proof_from_the_start_watches_what_that_proves():
+    held = json.loads(SHIPPED.read_text(encoding="utf-8"))
+    plain = export_c(load("crazyflie-2.1"), "plain", name="fw")
+    watched = export_c(load("crazyflie-2.1"), "watched", name="fw", certificate=held)
+    assert len(watched["theorems"]) == len(plain["theorems"]) + 1
+    claim = checker.claim_of(held)
+    said = Path("watched/README.md").read_text(encoding="utf-8")
+    low, high = map(float, re.search(r"`THRUST` .* \[([\d.]+), ([\d.]+)\] N", said).groups())
+    assert high == pytest.approx(float(claim.weight + claim.force), rel=1e-5)
+    assert low < float(claim.weight) < high
+    assert "(proved on the way)" in said
+    assert "(proved on the way)" not in Path("plain/README.md").read_text(encoding="utf-8")

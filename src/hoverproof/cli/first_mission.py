@@ -176,7 +176,7 @@ def make(path: Path, name: str, answers: Answers) -> str:
 
 
 def _would_do(mission: Mission) -> str:
-    """Say which start would be held, or that none on the way to the goal is."""
+    """Say which start would be held, if one on the way is, and whether the lens binds."""
     x, y, z = mission.start.position
     goal = -(mission.goal.height or Fraction(0))
     for part in NEARER:
@@ -185,9 +185,22 @@ def _would_do(mission: Mission) -> str:
         start = mission.start.model_copy(update={"position": tuple(map(_four, place))})
         if first_gains(mission.model_copy(update={"start": start})) is not None:
             shown = ", ".join(f"{float(c):g}" for c in start.position)
-            return f"({shown}) would be held, {100 * (1 - part):.0f} % nearer to the goal"
+            nearer = f"({shown}) would be held, {100 * (1 - part):.0f} % nearer to the goal"
+            return nearer + _lens_binds(mission)
     covered = ", ".join(mission.asks_to_cover())
-    return f"nor one that is {100 * (1 - NEARER[-1]):.0f} % nearer; would help: less of {covered}"
+    none = f"nor one that is {100 * (1 - NEARER[-1]):.0f} % nearer; would help: less of {covered}"
+    return none + _lens_binds(mission)
+
+
+def _lens_binds(mission: Mission) -> str:
+    """Say that a wider lens would do, if it would."""
+    half = mission.camera.half_angle
+    anyhow = mission.model_copy(
+        update={"camera": mission.camera.model_copy(update={"half_angle": None})}
+    )
+    if half is None or first_gains(anyhow) is None:
+        return ""
+    return f"; a lens that sees further than {float(half):g} rad (--half-angle) would hold it"
 
 
 def _four(value: Fraction) -> Fraction:

@@ -180,7 +180,7 @@ def _viewer(mission: Mission | None, camera: Path | None, given: Board | None) -
     from hoverproof.eyes.sightings import Viewer
     from hoverproof.mission.reading import load_lens
     from hoverproof.mission.tags import board_of_mission
-    from hoverproof.plant.lens import LensModel, seeing, seeing_lens
+    from hoverproof.plant.lens import LensModel, check_cone, seeing, seeing_lens
 
     board = given if mission is None else board_of_mission(mission, given)
     if board is None:
@@ -190,10 +190,11 @@ def _viewer(mission: Mission | None, camera: Path | None, given: Board | None) -
         looking = seeing(lens, str(camera), "distortion_coefficients")
     else:
         own = None if mission is None else seeing_lens(mission)
-        if own is None:
+        if own is None or mission is None:
             reason = "is needed: the camera_info of the lens, or a mission with [camera.lens]"
             raise InputError("--camera", "", reason)
         looking = own
+        check_cone(mission)
     dictionary(board)  # known to this OpenCV
     return Viewer(board, *looking, mission)
 

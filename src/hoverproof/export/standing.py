@@ -145,7 +145,7 @@ class Evidence:
 
 
 def checked(standing: Standing, mission: Mission, law: Law) -> Standing:
-    """Check the certificates once more, and take the bounds of the flight from the first.
+    """Check the certificates once more, and take the bounds of the flight from the last.
 
     Parameters
     ----------
@@ -173,8 +173,8 @@ def checked(standing: Standing, mission: Mission, law: Law) -> Standing:
         gains = standing.certificate["kind"] == "gains"
         checker.require(gains, "this is no certificate of gains")
         low, high = checker.claim_of(standing.certificate).thrust
-        return replace(standing, thrust=(low, high))
-    if standing.attraction is not None:
+        standing = replace(standing, thrust=(low, high))
+    if standing.attraction is not None:  # the flight is that of its theorem
         starts = standing.attraction["kind"] in THEOREMS
         checker.require(starts, "this is no certificate of where the vehicle converges from")
         return _on_the_way(standing, checker.claim_of(standing.attraction))
@@ -215,7 +215,7 @@ def evidence(standing: Standing, mission: Mission) -> Evidence:
         gist, theorem = _gist(held), THEOREMS[held["kind"]]
         proofs.append(Proof(theorem, gist, held["statement"], held["sha256"], "attraction.cert"))
         covers, rotors = _covered(held, mission), _rotors(held)
-    on_the_way = standing.certificate is None and bool(proofs)
+    on_the_way = standing.attraction is not None
     return Evidence(tuple(proofs), bounds, on_the_way, covers, rotors)
 
 

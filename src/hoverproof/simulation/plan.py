@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from hoverproof.algebra.graph import fingerprint
 from hoverproof.errors import InputError
 from hoverproof.mission.sections import Mission
-from hoverproof.plant.lens import seeing_lens
+from hoverproof.plant.lens import check_cone, seeing_lens
 from hoverproof.servo.law import Law
 from hoverproof.servo.loop import LoopNumbers
 from hoverproof.simulation import kernel
@@ -155,6 +155,7 @@ class Plan:
         """What the loop has beside its numbers, if it is not the ideal one."""
         mission, law = self.mission, self.numbers.law
         s, wrong, drawn = mission.sensors, mission.model_error, mission.scatter
+        check_cone(mission)
         noises = [s.gyro_noise, s.velocity_noise, s.gravity_noise]
         noises += [s.accelerometer_noise] if law.force.sensed else []
         noises += [s.heading_noise] if law.has_compass else []

@@ -50,8 +50,9 @@ def tell(answer: Answer, json_: bool, mission: Mission | None = None) -> int:
     """
     asked = [] if mission is None else mission.asks_to_cover()
     left = [words for words in asked if words not in answer.considered]
+    label = answer.tolerances_label
     if json_:
-        print_json(answer.as_json(), mission, [f"{answer.tolerances_label}: {words}" for words in left])
+        print_json(answer.as_json(), mission, [f"{label}: {words}" for words in left])
     else:
         for number, line in enumerate(answer.text()):
             print(line)
@@ -59,7 +60,7 @@ def tell(answer: Answer, json_: bool, mission: Mission | None = None) -> int:
                 if not mission.law.is_papers:
                     print(f"  law                     {mission.law.name}")
                 if left:
-                    print(*wrapped(answer.tolerances_label, ", ".join(left)), sep="\n")
+                    print(*wrapped(label, ", ".join(left)), sep="\n")
     return answer.status
 
 

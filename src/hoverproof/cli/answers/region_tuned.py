@@ -45,6 +45,8 @@ class RegionTunedAnswer(Answer):
         yield from goal_text(found.mission)
         own = "not proved" if found.before is None else reach_text(found.before)
         yield f"    the mission's own gains: {own}"
+        yield "    both of the theorem without a barrier, whatever the start; attraction may"
+        yield "    prove more with a barrier, and says whether the start is held"
         yield from _rates(found)
         yield from hover_error_text(found.hover_error, found.mission)
         yield from limits_text(found.uses)
