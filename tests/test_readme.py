@@ -45,7 +45,7 @@ def test_the_commands_run_as_written(whole):
         said += words
     assert "x4-flyer: proved" in said
     assert "x4-flyer: refuted" in said
-    assert "proved: tuned for its start, and proved" in said
+    assert "fast: tuned for its start, and proved" in said
 
 
 def test_each_command_says_how_long_it_took():
