@@ -70,8 +70,11 @@ def test_an_image_without_its_sequence_is_torn_and_found_out(tmp_path):
     text = controller.read_text()
     whole = "((before & 1U) == 0U) && (before == __atomic_load_n(&sequence, __ATOMIC_RELAXED))"
     assert text.count(whole) == 1
-    controller.write_text(text.replace(whole, "true"))
-    with pytest.raises(AssertionError, match=r"image\.seen"):
+    age = "posted.age = seconds;"  # written late, so that even one busy core finds it out
+    assert text.count(age) == 1
+    late = f"for (volatile int late = 0; late < 2000; late++) {{ }}\n    {age}"
+    controller.write_text(text.replace(whole, "true").replace(age, late))
+    with pytest.raises(AssertionError, match=r"image\.(seen|age)"):
         run(crazyflie(package, tmp_path), "torn")
 
 
