@@ -309,3 +309,10 @@ def test_rows_that_are_far_apart_tell_no_fault_of_a_vehicle_as_modelled(duration
     assert found.broken == []
     asked = {f.name: f.words for f in found.untold}
     assert "few rows" in asked["every rotor answers"] or f"{rows} s apart" in asked["thrust gain"]
+
+
+@pytest.mark.slow
+def test_no_tolerance_is_proposed_for_the_log_of_another_vehicle(good, capsys):
+    _, out, _ = run(capsys, "audit", good, "--mission", "crazyflie-2.1", "--no-page")
+    assert "no tolerance: is it of another vehicle?" in out
+    assert "Next:" not in out

@@ -18,6 +18,7 @@ from hoverproof.mission.sections import Mission
 ROOM = 0.05
 """What would cover is told with so much more, a share."""
 MOST_SHARE = 0.99
+"""A larger tolerance of thrust or torque covers no vehicle that answers at all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,16 +52,27 @@ class Audit:
         """What the log does not tell."""
         return [f for f in self.findings if f.held is None]
 
-    def covering(self) -> dict[str, str]:
-        """Return the tolerances that would cover what broke, by key, as decimals."""
+    @cached_property
+    def _needed(self) -> dict[str, float]:
+        """How large tolerances that cover what broke would be, by key, in their units."""
         needed: dict[str, float] = {}
         for f in self.broken:
             if f.key:
                 sure = 0.0 if math.isnan(f.deviation) else 3 * f.deviation
                 most = f.value if math.isnan(f.needed) else f.needed
                 needed[f.key] = max(needed.get(f.key, 0.0), (most + sure) * (1 + ROOM))
-        shares = {key: min(v, MOST_SHARE) for key, v in needed.items() if key in _SHARES}
-        return {key: _upward(value) for key, value in (needed | shares).items()}
+        return needed
+
+    @property
+    def of_another_vehicle(self) -> bool:
+        """Whether a share would be needed that is no tolerance."""
+        return any(self._needed.get(key, 0) > MOST_SHARE for key in _SHARES)
+
+    def covering(self) -> dict[str, str]:
+        """Return the tolerances that would cover what broke, by key, as decimals."""
+        if self.of_another_vehicle:
+            return {}
+        return {key: _upward(value) for key, value in self._needed.items()}
 
 
 _SHARES = ("thrust", "torque")

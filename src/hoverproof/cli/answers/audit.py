@@ -69,6 +69,8 @@ class AuditAnswer(Answer):
             yield from _lines(finding)
         if found.broken:
             yield from wrapped("first", _first(found.broken[0]))
+        if found.of_another_vehicle:
+            yield from wrapped("would be covered by", "no tolerance: is it of another vehicle?")
         for key, value in found.covering().items():
             yield f"  {'would be covered by':22}  uncertainty.{key} = {value}"
         yield from self.proof_anew()
