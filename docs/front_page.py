@@ -21,6 +21,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 import hoverproof as hp
 from hoverproof.algebra.decimals import decimal_below
@@ -258,6 +259,8 @@ def draw_path(axes: Axes, flight: xr.Dataset) -> None:
     panels.path(axes, flight)
     axes.get_legend().remove()
     axes.set_zlabel("z (m), down", labelpad=12)
+    for level in (axes.xaxis, axes.yaxis):
+        level.set_major_locator(MaxNLocator(2))
 
 
 def draw_tracks(axes: Axes, flight: xr.Dataset) -> None:

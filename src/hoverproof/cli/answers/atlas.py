@@ -39,7 +39,9 @@ class AtlasAnswer(Answer):
         )
         if found.best is not None:
             words = ", ".join(f"{name} = {number(value)}" for name, value in found.best.items())
-            yield f"  best cell               {words}"
+            axes = ((self.x.name, self.x.values), (self.y.name, self.y.values))
+            at_edge = any(found.best[name] in (ends[0], ends[-1]) for name, ends in axes)
+            yield f"  best cell               {words}{', at the edge of the map' * at_edge}"
             yield f"  its decay rate          {number(found.best_decay_rate)} 1/s"
         if self.exact:
             words = ", ".join(f"{n} {word}" for word, n in found.decided.items())
