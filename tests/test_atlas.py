@@ -18,9 +18,8 @@ from hoverproof.design.atlas import (
     atlas,
     axis,
     cell_values,
-    on_boundary,
 )
-from hoverproof.design.axes import NOT_ASKED, cell_mission
+from hoverproof.design.axes import NOT_ASKED, cell_mission, on_boundary
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.paper.conditions import printed_demands, where_met

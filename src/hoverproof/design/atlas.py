@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from hoverproof.certification.bounds import eigenvalues_at_goal
 from hoverproof.certification.gains import certify, model_fingerprint
 from hoverproof.certification.problem import ONES, gain_problem, pose
-from hoverproof.design.axes import NOT_ASKED, cell_mission, map_record, two_axes
+from hoverproof.design.axes import NOT_ASKED, cell_mission, map_record, on_boundary, two_axes
 from hoverproof.design.axes import QUANTITIES as QUANTITIES
 from hoverproof.design.axes import Axis as Axis
 from hoverproof.design.axes import axis as axis
@@ -204,26 +204,6 @@ def questions_of(
         thrust=(thrust[0], thrust[1]) if thrust else None,
         level=level,
     )
-
-
-def on_boundary(margin: Array) -> NDArray[np.bool_]:
-    """Tell which cells have a margin, and a neighbour on whose side the sign is another.
-
-    Parameters
-    ----------
-    margin : (m, n)
-        kg/s; NaN where no question is posed.
-    """
-    sign = np.where(np.isnan(margin), 0, np.where(margin > 0, 1, -1))
-    edge = np.zeros(sign.shape, bool)
-    for near, far in (
-        ((slice(1, None), slice(None)), (slice(None, -1), slice(None))),
-        ((slice(None), slice(1, None)), (slice(None), slice(None, -1))),
-    ):
-        turns = sign[near] * sign[far] < 0
-        edge[near] |= turns
-        edge[far] |= turns
-    return edge
 
 
 def cell_verdicts(

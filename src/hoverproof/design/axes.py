@@ -324,3 +324,23 @@ def map_record(
             **{f"{name}_version": version(name) for name in ("hoverproof", "casadi", "numpy")},
         },
     )
+
+
+def on_boundary(margin: Array) -> NDArray[np.bool_]:
+    """Tell which cells have a margin, and a neighbour on whose side the sign is another.
+
+    Parameters
+    ----------
+    margin : (m, n)
+        Above 0 on one side, in any unit; NaN where no question is posed.
+    """
+    sign = np.where(np.isnan(margin), 0, np.where(margin > 0, 1, -1))
+    edge = np.zeros(sign.shape, bool)
+    for near, far in (
+        ((slice(1, None), slice(None)), (slice(None, -1), slice(None))),
+        ((slice(None), slice(1, None)), (slice(None), slice(None, -1))),
+    ):
+        turns = sign[near] * sign[far] < 0
+        edge[near] |= turns
+        edge[far] |= turns
+    return edge

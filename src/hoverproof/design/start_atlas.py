@@ -23,7 +23,7 @@ from hoverproof.certification.exponential.proof import converge, model_fingerpri
 from hoverproof.certification.exponential.question import SETTLED
 from hoverproof.certification.exponential.search import OUTSIDE
 from hoverproof.certification.exponential.vehicles import Vehicles
-from hoverproof.design.axes import NOT_ASKED, Axis, cell_mission, map_record, two_axes
+from hoverproof.design.axes import NOT_ASKED, Axis, cell_mission, map_record, on_boundary, two_axes
 from hoverproof.design.limits import ANY, Limits
 from hoverproof.design.start_search import Point, StartSearch
 from hoverproof.errors import InputError
@@ -229,9 +229,7 @@ def to_prove(time: Array) -> list[tuple[int, int]]:
     found = ~np.isnan(time)
     if not found.any():
         return []
-    beside = np.pad(found, 1, mode="edge")
-    inner = beside[:-2, 1:-1] & beside[2:, 1:-1] & beside[1:-1, :-2] & beside[1:-1, 2:]
-    edge = found & ~inner
+    edge = found & on_boundary(np.where(found, 1.0, -1.0))
     edge[np.unravel_index(np.nanargmin(time), time.shape)] = True
     return [(int(i), int(j)) for i, j in np.argwhere(edge)]
 
