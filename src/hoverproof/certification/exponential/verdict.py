@@ -8,6 +8,7 @@ from fractions import Fraction
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.region import Box
 from hoverproof.certification.verdict import Proved
+from hoverproof.plant.lens import cone_in_image
 
 NOT_COVERED = (
     "goals whose centroid is not straight below",
@@ -93,6 +94,11 @@ class Exponential(Proved):
     def rotor_thrust(self) -> tuple[Fraction, Fraction]:
         """Bounds of the thrust of every rotor on the way, N."""
         return min(low for low, _ in self.rotor_thrusts), max(h for _, h in self.rotor_thrusts)
+
+    @property
+    def image_cone(self) -> float | None:
+        """Half angle of the largest cone about the optical axis in the image, rad, if told."""
+        return cone_in_image(self.mission)
 
     @property
     def gist(self) -> str:

@@ -10,7 +10,6 @@ from typing import Any
 from hoverproof.certification.certificate import exact
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.cli.answers.words import interval, number, numbers
-from hoverproof.plant.lens import cone_in_image
 
 
 def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
@@ -66,7 +65,7 @@ def settled_text(verdict: Exponential) -> str:
 
 def _out_of_image(verdict: Exponential) -> list[str]:
     """Say what the image holds, where points may leave it: that they do not was not asked for."""
-    camera, cone = verdict.mission.camera, cone_in_image(verdict.mission)
+    camera, cone = verdict.mission.camera, verdict.image_cone
     if cone is None or camera.half_angle is not None or verdict.field_of_view is None:
         return []
     if verdict.field_of_view <= cone - camera.tilt:
