@@ -16,6 +16,10 @@ from hoverproof.mission.sections import Mission
 
 Array = NDArray[np.float64]
 
+THRUST_GAIN, TORQUE_GAIN, ROTOR_LAG = "thrust gain", "torque gain", "rotor lag"
+EVERY_ROTOR, STEADY_WIND, GUSTS = "every rotor answers", "steady wind", "gusts"
+OF_MOTION = THRUST_GAIN, TORQUE_GAIN, ROTOR_LAG, EVERY_ROTOR, STEADY_WIND, GUSTS
+"""Findings that are told of how the motion changes from row to row."""
 SURE = 3.0
 """So many standard deviations above a bound count as above it."""
 TOLD = 0.1
@@ -36,7 +40,7 @@ def thrust(v: Vehicle) -> Finding:
     ----------
     v : Vehicle
     """
-    name, asked = "thrust gain", v.mission.uncertainty
+    name, asked = THRUST_GAIN, v.mission.uncertainty
     if not v.log.has("specific_force", "thrust_command"):
         return untold(name, "needs specific force and thrust commands in N")
     whole, ratio, noise = v.thrust_gain
@@ -66,7 +70,7 @@ def torque(v: Vehicle) -> Finding:
     ----------
     v : Vehicle
     """
-    name, bound = "torque gain", float(v.mission.uncertainty.torque)
+    name, bound = TORQUE_GAIN, float(v.mission.uncertainty.torque)
     loop = v.mission.interface.rate_bandwidth
     if loop is not None and v.log.has("rate", "rate_command"):
         fit = v.bandwidth
@@ -118,7 +122,7 @@ def rotor_lag(v: Vehicle) -> Finding:
     ----------
     v : Vehicle
     """
-    name, bound = "rotor lag", float(v.mission.uncertainty.rotor_lag)
+    name, bound = ROTOR_LAG, float(v.mission.uncertainty.rotor_lag)
     if not v.log.has("rate", "rotor_command"):
         return untold(name, "needs body rates and rotor commands")
     if rotors_alike(v).held is False:
@@ -148,7 +152,7 @@ def rotors_alike(v: Vehicle) -> Finding:
     ----------
     v : Vehicle
     """
-    name = "every rotor answers"
+    name = EVERY_ROTOR
     if not v.log.has("rate", "rotor_command", "specific_force"):
         return untold(name, "needs body rates, specific force and rotor commands")
     if v.mixing.shape[1] != 4:
@@ -175,8 +179,8 @@ def wind(v: Vehicle) -> Iterator[Finding]:
     """
     asked = v.mission.uncertainty
     if not v.log.has("specific_force", "rotation"):
-        yield untold("steady wind", "needs specific force and attitude")
-        yield untold("gusts", "needs specific force and attitude")
+        yield untold(STEADY_WIND, "needs specific force and attitude")
+        yield untold(GUSTS, "needs specific force and attitude")
         return
     fit, across, rest = v.wind
     spread = float(np.linalg.norm(fit.deviation))
@@ -184,7 +188,7 @@ def wind(v: Vehicle) -> Iterator[Finding]:
     size = float(np.linalg.norm(fit.value))
     steady = np.linalg.norm(over(v.log.times, across, 5 * WINDOW), axis=1)
     yield over_time(
-        "steady wind",
+        STEADY_WIND,
         "wind",
         v.log.times,
         steady,
@@ -197,7 +201,7 @@ def wind(v: Vehicle) -> Iterator[Finding]:
     )
     gust = np.linalg.norm(rest, axis=1)
     yield over_time(
-        "gusts",
+        GUSTS,
         "gust",
         v.log.times,
         gust,
@@ -327,11 +331,6 @@ JUDGES: tuple[Callable[[Vehicle], Finding], ...] = (
     yaw_rate,
     rotor_limits,
 )
-OF_MOTION = (
-    *("thrust gain", "torque gain", "rotor lag", "every rotor answers"),
-    *("steady wind", "gusts"),
-)
-"""What is told of how the motion changes from row to row."""
 
 
 def judged(log: FlightLog, mission: Mission) -> list[Finding]:
