@@ -371,12 +371,12 @@ def in_ball(J: list[Three], count: int, low: float, high: float) -> Told:
     mid = _matrices([[x.mid for x in row] for row in J], count) - j * np.eye(3)
     slope = [_matrices([[x.slope[k] for x in row] for row in J], count) for k in range(3)]
     rest = np.sqrt(sum(np.broadcast_to(x.rest, count) ** 2 for row in J for x in row))
-    known = np.isfinite(mid).all(axis=(1, 2)) & np.isfinite(rest) & (rest < reach)
-    told = known.copy()
+    told = np.isfinite(mid).all(axis=(1, 2)) & np.isfinite(rest) & (rest < reach)
     for signs in product((-1, 1), repeat=3):
-        ends = mid + sum(sign * part for sign, part in zip(signs, slope, strict=True))
-        norms = np.linalg.norm(np.where(known[:, None, None], ends, 0.0), 2, axis=(1, 2))
-        told &= norms + rest < reach
+        at = np.flatnonzero(told)
+        ends = mid[at] + sum(sign * part[at] for sign, part in zip(signs, slope, strict=True))
+        squares = np.linalg.eigvalsh(ends.swapaxes(1, 2) @ ends)[:, -1]
+        told[at] = np.sqrt(squares) + rest[at] < reach
     return told
 
 

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import ClassVar
 
 from hoverproof.certification.attraction.verdict import Attraction
-from hoverproof.certification.exponential.verdict import Exponential
+from hoverproof.certification.exponential.verdict import Exponential, Settling
 from hoverproof.certification.gains import ProvedGains
 from hoverproof.design.gain_search import Objective
 from hoverproof.design.limits import Use, bandwidth
@@ -108,9 +108,9 @@ class StartTuned(_OfMission):
         The mission with the new gains.
     verdict : Exponential
         What is proved of just these gains.
-    before : float or None
-        Settling time of the gains that the mission had, s, as the search finds it in floating
-        point; None if it finds none.
+    before : Settling or None
+        When the start has settled with the gains that the mission had, as the search of
+        `attraction` finds it, without the proof; None if it finds none.
     estimate : float
         Settling time before rounding to short decimals, s, in floating point.
     flown, flown_before : float or None
@@ -126,7 +126,7 @@ class StartTuned(_OfMission):
     objective: ClassVar[str] = "start"
     mission: Mission
     verdict: Exponential
-    before: float | None
+    before: Settling | None
     estimate: float
     flown: float | None
     flown_before: float | None

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from hoverproof.certification.exponential.proof import settling
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.design.limits import ANY, Limits
-from hoverproof.design.start_search import StartSearch
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.uncertainty import Uncertainty
 from hoverproof.plant.goal import hover_goal
@@ -56,11 +55,8 @@ def why_longer(verdict: Exponential, flown: float | None) -> str | None:
     if not verdict.mission.uncertainty.covers():
         return words + whole
     exact = verdict.mission.model_copy(update={"uncertainty": Uncertainty()})
-    among, alone = (
-        StartSearch.of(mission, Limits(bandwidth=ANY)).settled_before
-        for mission in (verdict.mission, exact)
-    )
-    if among is None or alone is None or alone > among:
+    alone = settling(exact)
+    if alone is None or alone.time > time or alone.radius != verdict.settling.radius:
         return words + whole
-    share = 100 * (1 - alone / among)
+    share = 100 * (1 - float(alone.time) / time)
     return f"{words}the tolerances cost {share:.2g} % (found by search); beside that, {whole}"

@@ -17,7 +17,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
-from hoverproof.certification.exponential.search import OUTSIDE
+from hoverproof.certification.exponential.sooner import OUTSIDE
 from hoverproof.design.outcome import Advice, StartTuned
 from hoverproof.design.start_search import Point, StartSearch
 from hoverproof.errors import InputError

@@ -12,16 +12,14 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.starts import Start
-from hoverproof.certification.exponential.candidate import Near
 from hoverproof.certification.exponential.proof import converge, model_fingerprint, require_question
 from hoverproof.certification.exponential.question import SETTLED
-from hoverproof.certification.exponential.search import OUTSIDE
+from hoverproof.certification.exponential.sooner import OUTSIDE
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.design.axes import NOT_ASKED, Axis, cell_mission, map_record, on_boundary, two_axes
 from hoverproof.design.limits import ANY, Limits
@@ -52,24 +50,15 @@ WORDS = {
 }
 
 
-class Cell(NamedTuple):
-    """A cell that was looked at.
+def time_of(cell: Point | None) -> float:
+    """Return when the start has settled, s; NaN if it is not found to be held.
 
-    Attributes
+    Parameters
     ----------
-    point : Point
+    cell : Point or None
         The best that was found.
-    near : Near
-        Where a proof sets out.
     """
-
-    point: Point
-    near: Near
-
-    @property
-    def time(self) -> float:
-        """When the start has settled, s; NaN if it is not found to be held."""
-        return math.exp(self.point.cost) if self.point.cost < OUTSIDE else math.nan
+    return math.exp(cell.cost) if cell is not None and cell.cost < OUTSIDE else math.nan
 
 
 def start_chart(
@@ -114,13 +103,12 @@ def start_chart(
     rest = None if seed is None or seed.cost >= OUTSIDE else seed.z[4:]
     look = partial(row, mission, x, y, search.whole.settled, rest)
     cells = collected(look, range(len(y.values)), processes, scheduler, report)
-    time = np.array([[math.nan if c is None else c.time for c in line] for line in cells])
+    time = np.array([[time_of(cell) for cell in line] for line in cells])
     verdict = np.full(time.shape, NOT_ASKED, np.int16)
     proved = np.full(time.shape, math.nan)
     if exact and (asked := to_prove(time)):
         prove = partial(prove_cell, mission, x, y)
-        found = [(i, j, cell.near) for i, j in asked if (cell := cells[i][j]) is not None]
-        times = collected(prove, found, processes, scheduler, report)
+        times = collected(prove, asked, processes, scheduler, report)
         for place, shown in zip(asked, times, strict=True):
             verdict[place] = NOT_PROVED if math.isnan(shown) else PROVED
             proved[place] = shown
@@ -138,14 +126,17 @@ def _prepared(mission: Mission) -> StartSearch:
     search = StartSearch.of(mission, Limits(bandwidth=ANY))
     for share in SETTLED if search.whole.vehicles.is_shaken else ():
         search = replace(search, whole=replace(search.whole, settled=share))
-        if search.own.cost < OUTSIDE or search.held(None, lambda text: None) is not None:
+        own = _best(search, search.own, None, None)
+        if own is not None and own.cost < OUTSIDE:
+            break
+        if search.held(None, lambda text: None) is not None:
             break
     return search
 
 
 def row(
     mission: Mission, x: Axis, y: Axis, settled: float, seed: Array | None, i: int
-) -> list[Cell | None]:
+) -> list[Point | None]:
     """Look at the cells of a row, from left to right, and at those not found from right to left.
 
     Each sets out where its neighbour ended, too.
@@ -163,7 +154,7 @@ def row(
     """
     places = range(len(x.values))
     searches = list(_searches(mission, x, y, settled, i))
-    cells: list[Cell | None] = [None for _ in places]
+    cells: list[Point | None] = [None for _ in places]
     for order in (places, reversed(places)):
         beside = None
         for j in order:
@@ -172,11 +163,11 @@ def row(
                 continue
             search, four = asked
             before = cells[j]
-            if before is None or (math.isnan(before.time) and beside is not None):
+            if before is None or (before.cost >= OUTSIDE and beside is not None):
                 point = _best(search, four, beside, seed)
-                if point is not None and (before is None or point.cost < before.point.cost):
-                    cells[j] = before = Cell(point, search.near(point))
-            beside = None if before is None or math.isnan(before.time) else before.point
+                if point is not None and (before is None or point.cost < before.cost):
+                    cells[j] = before = point
+            beside = None if before is None or before.cost >= OUTSIDE else before
     return cells
 
 
@@ -234,16 +225,15 @@ def to_prove(time: Array) -> list[tuple[int, int]]:
     return [(int(i), int(j)) for i, j in np.argwhere(edge)]
 
 
-def prove_cell(mission: Mission, x: Axis, y: Axis, item: tuple[int, int, Near]) -> float:
+def prove_cell(mission: Mission, x: Axis, y: Axis, place: tuple[int, int]) -> float:
     """Return when the start has settled with the gains of a cell, proved, s; NaN if it is not.
 
     Parameters
     ----------
     mission : Mission
     x, y : Axis
-    item : (i, j, near)
-        Its numbers along y and x, and where the proof sets out.
+    place : (i, j)
+        Its numbers along y and x.
     """
-    i, j, near = item
-    verdict = converge(cell_mission(mission, x, y, i, j), near=near).proved
+    verdict = converge(cell_mission(mission, x, y, *place)).proved
     return math.nan if verdict is None else float(verdict.settling.time)

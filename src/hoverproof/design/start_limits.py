@@ -3,22 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.certification.exponential.candidate import VIEW_ROOM, Asked
 from hoverproof.certification.exponential.question import Question
 from hoverproof.design.limits import FirstCommand, Limits
 from hoverproof.mission.sections import Mission
 
 Array = NDArray[np.float64]
-PLACES = 60
-"""So many offsets are looked at, up to the largest."""
-KEEPS = 2e-3
-"""A limit is kept that is exceeded by less than that share, or rad: for the view, which the proof
-does not let be exceeded, it is spared."""
 
 
 @dataclass(frozen=True)
@@ -61,28 +54,8 @@ class StartLimits:
         return np.stack(excess, axis=1)
 
     def names(self) -> list[str]:
-        """Return the names of what `beyond` and `unseen` say, in their order."""
+        """Return the names of what `beyond` says, and of what is not seen, in their order."""
         names = ["the bandwidth"] + ["the tilt"] * (self.limits.tilt is not None)
         if self.limits.rotors is not None:
             names += ["the largest thrust of a rotor", "the least thrust of a rotor"]
         return names + ["the field of view"] * (self.whole.half_angle is not None)
-
-    @cached_property
-    def _views(self) -> tuple[Array, Array]:
-        """Logarithms of |σ - σ*|, ascending, and the largest angle to the vertical up to each."""
-        scene = self.whole.scene
-        far = np.linspace(1 / PLACES, 1, PLACES) * self.whole.highest * scene.wanted
-        return np.log(far), np.maximum.accumulate([scene.cone(d) for d in far])
-
-    def unseen(self, asked: Asked) -> list[float]:
-        """Return how far beyond the half angle of the camera points may be, rad, if it is said.
-
-        Parameters
-        ----------
-        asked : Asked
-        """
-        half = self.whole.half_angle
-        if half is None:
-            return []
-        wide = (1 + VIEW_ROOM) * float(np.interp(asked.x[0], *self._views))
-        return [wide + float(np.arcsin(asked.limits.tilt)) + VIEW_ROOM + KEEPS - half]

@@ -29,7 +29,7 @@ def rounded(search: StartSearch, point: Point) -> Iterator[tuple[tuple[Fraction,
     exact, at = np.exp(point.z[:4]), search.value(point.z)
     if at is None:
         return
-    slopes = search.slopes(point.z, at)
+    slopes = search.times.slopes(point.z, at)
     for digits in range(2, 7):
         around = [(decimal_below(k, digits), decimal_above(k, digits)) for k in exact]
         fours = list(itertools.product(*around))

@@ -19,27 +19,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.starts import Start
-from hoverproof.certification.exponential.candidate import Asked, Near
+from hoverproof.certification.exponential.candidate import Asked
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.program import Solution
 from hoverproof.certification.exponential.proof import ROOMS
-from hoverproof.certification.exponential.question import ROOM, Question
-from hoverproof.certification.exponential.search import FAILED, OUTSIDE
+from hoverproof.certification.exponential.question import PLACES, ROOM, Question
+from hoverproof.certification.exponential.sooner import FAILED, KEEPS, OUTSIDE, Likely, Times
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.design.limits import FirstCommand, Limits
 from hoverproof.design.start_guesses import guesses
-from hoverproof.design.start_limits import KEEPS, PLACES, StartLimits
+from hoverproof.design.start_limits import StartLimits
 from hoverproof.mission.sections import Mission
 from hoverproof.sequential import Descent, Value
 
 Array = NDArray[np.float64]
-Likely = tuple[int, ...]
 Progress = Callable[[str], None]
 LITTLE = np.array([1e-3, 1e-3, 1e-3, 1e-3, -1e-2, 1e-3, 1e-3])
 """By how much each parameter is changed to see what comes of it."""
 BEGINNINGS, EVALUATIONS = 2, 70
 OWN, FEW = 14, 25
-"""So many, at most, for the mission's own gains, and to find out whether any hold the start."""
+"""So many, at most, for gains that are given, and to find out whether any hold the start."""
 SPARED = (0.35, 0.06), (0.6, 0.1)
 """By which shares the ball of J is widened, and d exceeded, for the proof, one after the other."""
 
@@ -50,26 +48,13 @@ class Point(NamedTuple):
     Attributes
     ----------
     cost : float
-        See `search.cost_of`, a bare number.
+        The logarithm of the time; at least `OUTSIDE` where the start is not held, a bare number.
     z : (7,)
         The logarithms of k1 to k4 and of d, the odds' of the share of the force, and that of r.
     """
 
     cost: float
     z: Array
-
-
-class Found(NamedTuple):
-    """What is at a point.
-
-    Attributes
-    ----------
-    asked : Asked
-    solution : Solution
-    """
-
-    asked: Asked
-    solution: Solution
 
 
 @dataclass(frozen=True)
@@ -112,16 +97,6 @@ class StartSearch:
         whole = replace(whole, wider=wider, beyond=beyond)
         return cls(mission, limits, FirstCommand.of(mission), whole)
 
-    def near(self, point: Point) -> Near:
-        """Return where the proof sets out.
-
-        Parameters
-        ----------
-        point : Point
-        """
-        s = self.whole
-        return Near(point.z[4:6], math.exp(point.z[6]), s.settled, s.wider, s.beyond)
-
     def with_gains(self, four: Array) -> Question:
         """Return the question with other gains.
 
@@ -152,6 +127,11 @@ class StartSearch:
         question = self.with_gains(np.exp(z[:4]))
         return question.pose(z[4:6], math.exp(z[6]), question.terms(), fill=1 - ROOM)
 
+    @cached_property
+    def times(self) -> Times:
+        """What is at points."""
+        return Times(self.whole, self.pose, lambda z: self.held_to.beyond(np.exp(z[:, :4])), LITTLE)
+
     def value(self, z: Array, likely: Likely = ()) -> Value | None:
         """Return the logarithm of the time at a point, and what is beyond a limit there.
 
@@ -163,43 +143,7 @@ class StartSearch:
             See `program.solve`.
         """
         self.tried.append(z)
-        asked = self.pose(z)
-        solution = None if asked is None else asked.program.solve(likely)
-        if asked is None or solution is None:
-            return None
-        limited = self.held_to.beyond(np.exp(z[None, :4]))[0]
-        found = Found(asked, solution)
-        return self._value(asked, float(solution.optimum.x[-1]), limited)._replace(found=found)
-
-    def _value(self, asked: Asked, missing: float, limited: Array) -> Value:
-        """Return the value at a point where so much of the rate is missing, 1/s."""
-        time = asked.time(self.whole.settled_offset, 1 - ROOM)
-        over = [missing / asked.rate, *limited, *self.held_to.unseen(asked)]
-        return Value(math.log(time) if 0 < time < math.inf else FAILED, np.array(over), None)
-
-    def slopes(self, z: Array, at: Value, first: int = 0) -> Array:
-        """Return how the time and what is beyond limits change with a point, (1 + m, 7 - first).
-
-        Parameters
-        ----------
-        z : (7,)
-            See `Point`.
-        at : Value
-            What is there.
-        first : int
-            Number of the first parameter that changes.
-        """
-        found: Found = at.found
-        places = z + np.diag(LITTLE)
-        limited = self.held_to.beyond(np.exp(places[:, :4]))
-        result = np.zeros((len(at.all), len(z) - first))
-        for k, step in list(enumerate(LITTLE))[first:]:
-            new = self.pose(places[k])
-            if new is not None:
-                missing = found.solution.optimum.x[-1]
-                missing += found.asked.program.change(found.solution, new.program)
-                result[:, k - first] = (self._value(new, missing, limited[k]).all - at.all) / step
-        return result
+        return self.times.value(z, likely)
 
     @property
     def highest(self) -> Array:
@@ -242,23 +186,17 @@ class StartSearch:
             return self.value(np.array([*fixed, *rest]), tried[0][1].found.solution.tight)
 
         def slopes(rest: Array, at: Value) -> Array:
-            return self.slopes(np.array([*fixed, *rest]), at, first=4)
+            return self.times.slopes(np.array([*fixed, *rest]), at, first=4)
 
         z, at = min(tried, key=lambda pair: pair[1].merit)
         rest, at = Descent(value, slopes, self.highest[4:]).run(z[4:], at, evaluations)
         return self.point(np.array([*fixed, *rest]), at)
 
-    @cached_property
-    def own(self) -> Point:
-        """What is found for the mission's own gains."""
+    @property
+    def own(self) -> Array:
+        """The mission's own gains, k1 to k4."""
         names = self.whole.vehicles.law.design.chain_gains()
-        four = np.array([getattr(self.mission.gains, name) for name in names], float)
-        best = Point(FAILED, np.zeros(7))
-        for near in self.places(four):
-            best = min(best, self.best_for(four, near[None]), key=lambda point: point.cost)
-            if best.cost < OUTSIDE:
-                break
-        return best
+        return np.array([getattr(self.mission.gains, name) for name in names], float)
 
     def places(self, four: Array) -> list[Array]:
         """Return from which d, share and rate to set out where nothing is known, (3,) each.
@@ -277,13 +215,8 @@ class StartSearch:
             for part, share in itertools.product((0.6, 0.85), (-1.7, -3.0))
         ]
 
-    @property
-    def settled_before(self) -> float | None:
-        """When the mission's own gains settle, s, as it is found; None if it is not."""
-        return None if self.own.cost >= OUTSIDE else math.exp(self.own.cost)
-
     def point(self, z: Array, at: Value | None) -> Point:
-        """Return a point with its cost: at least `OUTSIDE` where the start is not held.
+        """Return a point with its cost.
 
         Parameters
         ----------
@@ -354,7 +287,7 @@ class StartSearch:
             likely = likely if found is None else found.found.solution.tight
             return found
 
-        return Descent(value, self.slopes, self.highest)
+        return Descent(value, self.times.slopes, self.highest)
 
     def held(self, near: Array | None, tell: Progress) -> Array | None:
         """Return a point with which the start is held, the first that is found; None if none is.

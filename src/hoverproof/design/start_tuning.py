@@ -17,9 +17,9 @@ import numpy as np
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.closeness import closest, is_shown
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.proof import converge, require_question
+from hoverproof.certification.exponential.proof import converge, require_question, settling
 from hoverproof.certification.exponential.question import SETTLED
-from hoverproof.certification.exponential.search import FAILED, OUTSIDE
+from hoverproof.certification.exponential.sooner import FAILED, OUTSIDE
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.design.limits import BINDS, Limits, Use, designed_gains, uses
 from hoverproof.design.outcome import Infeasible, StartTuned
@@ -174,7 +174,7 @@ def _proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | s
         tuned = search.mission.model_copy(
             update={"gains": designed_gains(search.mission, four, _fast(search, near))}
         )
-        verdict = converge(tuned, progress=tell, near=search.near(near))
+        verdict = converge(tuned, progress=tell)
         if isinstance(verdict, Exponential):
             return _tuned(search, tuned, verdict, point, tell)
         reason = verdict.reason
@@ -189,7 +189,7 @@ def _tuned(
 ) -> StartTuned:
     """Put beside what is proved how the own gains do, and how both fly."""
     tell("searching for weights for the mission's own gains")
-    before = search.settled_before
+    before = settling(search.mission)
     tell("flying")
     time, radius = float(verdict.settling.time), float(verdict.settling.radius)
     flight = settled_in_flight(tuned, radius, time)

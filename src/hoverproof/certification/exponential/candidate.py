@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,11 +119,33 @@ class Candidate:
         scene : Scene
         vehicles : Vehicles
         """
+        offset, tilt = self.farthest(vehicles.before(self.ball))
+        return angle_seen(scene.cone(offset), tilt)
+
+    def farthest(self, vehicles: Vehicles) -> tuple[float, float]:
+        """Return the largest |σ - σ*| and sine of the tilt from the starts on.
+
+        Parameters
+        ----------
+        vehicles : Vehicles
+            With what the camera sees wrong, see `Vehicles.before`.
+        """
         s = self.solution
-        reach = Reach.of(s.weights, s.start)
-        limits = Limits(vehicles.before(self.ball), reach, self.ball[1])
-        offset = float(Tilted.of(limits).offset(s.weights, s.start))
-        return float((1 + VIEW_ROOM) * scene.cone(offset) + np.arcsin(limits.tilt) + VIEW_ROOM)
+        limits = Limits(vehicles, Reach.of(s.weights, s.start), self.ball[1])
+        return float(Tilted.of(limits).offset(s.weights, s.start)), float(limits.tilt)
+
+
+def angle_seen(cone: float, tilt: float) -> float:
+    """Return the angle to the axis under which all is seen, with room for the proof, rad.
+
+    Parameters
+    ----------
+    cone : float
+        The largest angle of a target point to the vertical, rad.
+    tilt : float
+        Sine of the largest tilt, dimensionless.
+    """
+    return float((1 + VIEW_ROOM) * cone + np.arcsin(tilt) + VIEW_ROOM)
 
 
 @dataclass(frozen=True)
@@ -187,23 +209,3 @@ class Asked:
         last = max(offset - self.tilted.shift, 0.0) ** 2 / (2 * factor)
         last *= 1 - LOUDEST if self.limits.vehicles.is_shaken else 1.0
         return float(np.log(max(fill * level / last, 1.0)) / self.rate) if last else np.inf
-
-
-class Near(NamedTuple):
-    """Where there are weights, and the search that found them.
-
-    Attributes
-    ----------
-    x : (2,)
-        See `Candidate`.
-    rate : float
-        r, 1/s.
-    settled, wider, beyond : float
-        See `Search`; shares, bare numbers.
-    """
-
-    x: Array
-    rate: float
-    settled: float
-    wider: float
-    beyond: float

@@ -18,6 +18,7 @@ from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.question import Question
 from hoverproof.certification.exponential.reach import Reach
 from hoverproof.certification.exponential.rotors import thrusts
+from hoverproof.certification.exponential.verdict import Settling
 from hoverproof.certification.problem import wanted
 from hoverproof.mission.frame import X
 from hoverproof.mission.sections import Mission
@@ -136,20 +137,28 @@ class Rounded:
         angle = math.acos(cosine) + math.asin(self.limits.tilt)
         return decimal_below(math.cos(angle) - SPARE, DIGITS) if angle < WIDEST else None
 
-    def settling_time(self, start_level: Fraction, offset: Fraction) -> Fraction:
-        """Return when |σ - σ*| is at most an offset for good, s, rounded up.
+    def settling(self, question: Question) -> Settling:
+        """Return when the starts have settled for good, the time rounded up.
 
         Parameters
         ----------
-        start_level : Fraction
-            Bound of Ψ at the start, dimensionless.
-        offset : Fraction
-            A bare number, dimensionless.
+        question : Question
         """
         stretch = self.tilted.stretch(self.weights)
-        level = (float(offset) - self.tilted.shift) ** 2 / (2 * stretch) - self.floor
-        time = math.log(max(float(start_level) / level, 1.0)) / float(self.rate)
-        return decimal_above(time * (1 + SPARE) + 1e-6, 4)
+        offset = float(settled_offset(question))
+        level = (offset - self.tilted.shift) ** 2 / (2 * stretch) - self.floor
+        time = math.log(max(float(self.level) / level, 1.0)) / float(self.rate)
+        return Settling(question.radius, decimal_above(time * (1 + SPARE) + 1e-6, 4))
+
+
+def settled_offset(question: Question) -> Fraction:
+    """Return what |σ - σ*| is below only where a vehicle has settled, rounded down.
+
+    Parameters
+    ----------
+    question : Question
+    """
+    return decimal_below(question.settled_offset, DIGITS)
 
 
 def _seen(domain: Domain, r: Rounded) -> tuple[str | None, Fraction | None]:
@@ -226,7 +235,7 @@ def draft(mission: Mission, question: Question, found: Candidate) -> Parts:
     r, hover = Rounded.of(question, found), hover_goal(mission)
     below, above = wanted(mission, hover)[2]
     goal = [binary_below(below, BITS), binary_above(above, BITS)]
-    offset = decimal_below(question.settled_offset, DIGITS)
+    offset, settling = settled_offset(question), r.settling(question)
     bounds = float(r.ball[0]), float(r.ball[1])
     domain = Domain.of(question.scene, mission.target, float(r.offset), bounds)
     tree, cosine = _seen(domain, r)
@@ -263,8 +272,8 @@ def draft(mission: Mission, question: Question, found: Candidate) -> Parts:
             "starts": [start.content() for start in question.starts],
             "settling": {
                 "offset": offset,
-                "radius": question.radius,
-                "time": r.settling_time(r.level, offset),
+                "radius": settling.radius,
+                "time": settling.time,
             },
             "cone": None if cosine is None else r.cone(cosine),
             "rotors": rotors,

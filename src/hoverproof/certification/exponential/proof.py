@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -18,13 +19,14 @@ from hoverproof.certification.attraction.draft import NotShown
 from hoverproof.certification.attraction.potential import off_the_vertical
 from hoverproof.certification.attraction.starts import Start, require_starts
 from hoverproof.certification.certificate import Certificate, rejection, seal
-from hoverproof.certification.exponential.candidate import Candidate, Near
+from hoverproof.certification.exponential.candidate import Candidate
 from hoverproof.certification.exponential.closeness import closest
-from hoverproof.certification.exponential.draft import Parts, draft
+from hoverproof.certification.exponential.draft import Parts, Rounded, draft
 from hoverproof.certification.exponential.form import derive_form
 from hoverproof.certification.exponential.positions import Scene
-from hoverproof.certification.exponential.question import ROOM, SETTLED, Question
-from hoverproof.certification.exponential.search import deepest, narrowest, quietest, soonest
+from hoverproof.certification.exponential.question import SETTLED, Question
+from hoverproof.certification.exponential.search import deepest, narrowest, quietest
+from hoverproof.certification.exponential.sooner import soonest
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.exponential.verdict import Exponential, Settling
 from hoverproof.certification.verdict import Undecided
@@ -36,8 +38,8 @@ from hoverproof.servo.law import Law
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
-WORTH_CLOSER = 0.02
-"""See `soonest`: where the ball of J is closer than it was, what is near by is soon found."""
+ROUGH, WHOLE = 12, 40
+"""So many places are looked at to know how closely the ball of J is laid, and then to the end."""
 ROOMS = (0.35, 0.838), (0.6, 0.835), (0.6, 0.7), (1.0, 0.55)
 """By which share the ball of J is widened for the proof, and the share of s3* that d is at most,
 one after the other: the trees are shorter. The ball of what is found is then made closer."""
@@ -48,7 +50,6 @@ def converge(
     *,
     starts: Sequence[Start] | None = None,
     progress: Progress | None = None,
-    near: Near | None = None,
 ) -> Exponential | Undecided:
     """Prove that every vehicle within tolerance converges from some starts.
 
@@ -59,52 +60,66 @@ def converge(
         Sets of states; by default the start of the mission.
     progress : callable, optional
         Is told what is being done.
-    near : Near, optional
-        Where there are weights: nothing else is tried then.
 
     Raises
     ------
     InputError
         If the goal is not axial, or the mission poses no question.
     """
-    tell = progress or (lambda text: None)
-    wanted = tuple(starts or [Start.of(mission)])
-    require_question(mission, wanted)
-    scene, vehicles = Scene.of(mission), Vehicles.of(mission)
-    reason, whole = "", Question.of(vehicles, scene, wanted)
-    for wider, highest in ROOMS if near is None else ROOMS[:1]:
-        tell("searching for weights")
-        question = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
-        if near is not None:
-            question = replace(question, settled=near.settled, wider=near.wider, beyond=near.beyond)
-        question, found = _settled(question, near)
+    tell, reason = progress or (lambda text: None), ""
+    for found in _found(mission, tuple(starts or [Start.of(mission)]), tell):
         if isinstance(found, str):
             reason = reason or found
             break
-        closer = () if near is not None else _closer(mission, question, found)
-        for each, at in (*closer, (question, found)):
-            tell("proving")
-            verdict = _proved(mission, each, at)
-            if isinstance(verdict, Exponential):
-                return verdict
-            reason = verdict
+        tell("proving")
+        verdict = _proved(mission, *found)
+        if isinstance(verdict, Exponential):
+            return verdict
+        reason = verdict
     return Undecided(mission=mission, reason=reason, advice=_advice(mission))
 
 
-def _closer(
-    mission: Mission, question: Question, found: Candidate
-) -> Iterator[tuple[Question, Candidate]]:
-    """Yield a question with a closer ball of J, and what is found there sooner."""
-    closer = closest(question, mission.target, found.offset)
-    if closer is None:
-        return
-    terms, offset = closer.terms(), closer.settled_offset
-    first = closer.at(found.x, found.rate, terms, found.solution.tight)
-    if first is None or first.solution.fill > 1 - ROOM / 2 or not closer.sees(first):
-        return
-    best = quietest(closer, soonest(closer, first, terms, offset, WORTH_CLOSER), terms)
-    if best.time(offset) < found.time(offset):
-        yield closer, best
+def settling(mission: Mission, progress: Progress | None = None) -> Settling | None:
+    """Return what `converge` would prove of the start of a mission, but without the proof.
+
+    Parameters
+    ----------
+    mission : Mission
+    progress : callable, optional
+        Is told what is being done.
+
+    Raises
+    ------
+    InputError
+        See `converge`.
+    """
+    for found in _found(mission, (Start.of(mission),), progress or (lambda text: None)):
+        with contextlib.suppress(NotShown):
+            return None if isinstance(found, str) else Rounded.of(*found).settling(found[0])
+    return None
+
+
+def _found(
+    mission: Mission, starts: tuple[Start, ...], tell: Progress
+) -> Iterator[tuple[Question, Candidate] | str]:
+    """Yield questions and what is found, the likeliest to be proved first; or why nothing is."""
+    require_question(mission, starts)
+    whole = Question.of(Vehicles.of(mission), Scene.of(mission), starts)
+    for wider, highest in ROOMS:
+        tell("searching for weights")
+        question = replace(whole, wider=wider, highest=highest, half_angle=_half_angle(mission))
+        question, first = _first(question)
+        if isinstance(first, str):
+            yield first
+            return
+        terms = question.terms()
+        rough = soonest(question, first, terms, ROUGH)
+        closer = closest(question, mission.target, rough.offset)
+        if closer is not None:
+            near = closer.at(rough.x, rough.rate, terms, rough.solution.tight)
+            if near is not None and closer.holds(near):
+                yield closer, quietest(closer, soonest(closer, near, terms, WHOLE), terms)
+        yield question, quietest(question, soonest(question, rough, terms, WHOLE), terms)
 
 
 def _proved(mission: Mission, question: Question, found: Candidate) -> Exponential | str:
@@ -162,41 +177,33 @@ def require_question(mission: Mission, starts: Sequence[Start]) -> None:
     require_starts(mission, starts)
 
 
-def _settled(question: Question, near: Near | None) -> tuple[Question, Candidate | str]:
+def _first(question: Question) -> tuple[Question, Candidate | str]:
     """Search until a radius is found in which noise leaves the vehicle."""
-    found = _found(question, near)
-    for share in SETTLED[1:] if question.vehicles.is_shaken and near is None else ():
+    found = _held(question)
+    for share in SETTLED[1:] if question.vehicles.is_shaken else ():
         if isinstance(found, str):
             question = replace(question, settled=share)
-            found = _found(question, near)
+            found = _held(question)
     return question, found
 
 
-def _found(question: Question, near: Near | None) -> Candidate | str:
+def _held(question: Question) -> Candidate | str:
     """Return a candidate that holds the starts, or why there is none."""
     terms = question.terms()
-    first = None
-    if near is not None:
-        first = question.at(
-            np.minimum(near.x, [np.log(question.ends[1]), np.inf]), near.rate, terms
-        )
-    if first is not None and first.solution.fill <= 1 - ROOM / 2 and question.sees(first):
-        return quietest(question, first, terms)
-    if first is None or first.solution.fill > 1:
-        first = deepest(question, terms)
-    if first is None:
+    found = deepest(question, terms)
+    if found is None:
         return "no weights were found that satisfy the inequality"
-    if first.solution.fill > 1:
-        return f"Ψ at the start is {first.solution.fill:.3g} times the highest level found"
-    if not question.sees(first):
-        first = narrowest(question, first, terms)
-    if not question.sees(first):
-        angle, half = question.seen(first), question.half_angle or 0
+    if found.solution.fill > 1:
+        return f"Ψ at the start is {found.solution.fill:.3g} times the highest level found"
+    if not question.sees(found):
+        found = narrowest(question, found, terms)
+    if not question.sees(found):
+        angle, half = question.seen(found), question.half_angle or 0
         return (
             f"points are seen up to {angle:.3g} rad from the optical axis on the smallest set "
             f"found, {angle - half:.3g} rad more than the half angle of the camera"
         )
-    return quietest(question, soonest(question, first, terms, question.settled_offset), terms)
+    return found
 
 
 def _half_angle(mission: Mission) -> float | None:

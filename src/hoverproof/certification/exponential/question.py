@@ -42,6 +42,8 @@ SETTLED = 0.1, 0.2, 0.4, 0.8
 first of them that it allows."""
 LEAST = 1e-3
 """A vehicle has settled that near to its goal, m; a start is taken to be twice as far, at least."""
+PLACES = 60
+"""So many offsets are looked at, up to the largest."""
 NEAR = 0.04
 """Share of |σ - σ*| there that is spared for the proof."""
 
@@ -298,6 +300,21 @@ class Question:
         found : Candidate
         """
         return self.half_angle is None or self.seen(found) <= self.half_angle
+
+    def holds(self, found: Candidate) -> bool:
+        """Tell whether the starts are inside and all is seen.
+
+        Parameters
+        ----------
+        found : Candidate
+        """
+        return found.solution.fill <= 1 - ROOM / 2 and self.sees(found)
+
+    @cached_property
+    def views(self) -> tuple[Array, Array]:
+        """Logarithms of |σ - σ*|, ascending, and the largest angle to the vertical up to each."""
+        far = np.linspace(1 / PLACES, 1, PLACES) * self.highest * self.scene.wanted
+        return np.log(far), np.maximum.accumulate([self.scene.cone(d) for d in far])
 
 
 def _corners(start: Start) -> Array:

@@ -1,4 +1,4 @@
-"""Find the set, the weights and the rate that bring starts inside, in floating point."""
+"""Find the set and the weights that bring starts inside, in floating point."""
 
 from __future__ import annotations
 
@@ -13,12 +13,9 @@ from hoverproof.descent import Ends, descend
 
 Array = NDArray[np.float64]
 EVALUATIONS = 24
-MOST_RATES, FIRST_STEP = 20, 1.6
-MOST_AGAIN, WORTH = 3, 0.1
-"""So often a descent of the time is begun anew where it ended, while that takes this share away."""
-OUTSIDE, FAILED = 500.0, 1e3
-SHORT = 1e-3
-"""Times are as good as that, s, if they are shorter."""
+QUIETER, SHARE = 20, 0.7
+"""So often what noise leaves is asked to be less, by that share."""
+FAILED = 1e3
 
 
 def deepest(question: Question, starts: Array, near: Array | None = None) -> Candidate | None:
@@ -67,71 +64,6 @@ def deepest(question: Question, starts: Array, near: Array | None = None) -> Can
     return question.at(begin, rate, starts)
 
 
-def cost_of(question: Question, found: Candidate | None, offset: float) -> float:
-    """Return the logarithm of the time until |σ - σ*| is below an offset, or more.
-
-    Parameters
-    ----------
-    question : Question
-    found : Candidate or None
-    offset : float
-        A bare number, dimensionless.
-    """
-    if found is None:
-        return FAILED
-    if found.solution.fill > 1 - ROOM:
-        return OUTSIDE + float(np.log(found.solution.fill))
-    if not question.sees(found):
-        return OUTSIDE + question.seen(found)
-    return float(np.log(max(found.time(offset), SHORT)))
-
-
-def soonest(
-    question: Question, first: Candidate, starts: Array, offset: float, worth: float = WORTH
-) -> Candidate:
-    """Make the time short in which |σ - σ*| is surely below an offset, from a candidate.
-
-    One descent may end early, at the edge of what holds the starts; it is begun anew there.
-
-    Parameters
-    ----------
-    question : Question
-    first : Candidate
-    starts : (k, 11)
-        See `Question.terms`.
-    offset : float
-        A bare number, dimensionless.
-    worth : float
-        Share of the time that a descent takes away if another is begun, dimensionless.
-    """
-    best = first
-    for _ in range(1 + MOST_AGAIN):
-        before, best = best, _sooner(question, best, starts, offset)
-        if cost_of(question, best, offset) > cost_of(question, before, offset) + np.log(1 - worth):
-            break
-    return best
-
-
-def _sooner(question: Question, first: Candidate, starts: Array, offset: float) -> Candidate:
-    """Make one descent of the time; see `soonest`."""
-    best = first
-
-    def cost(z: Array) -> float:
-        nonlocal best
-        found = question.at(z[:2], float(np.exp(z[2])), starts, best.solution.tight)
-        value = cost_of(question, found, offset)
-        if found is not None and value < cost_of(question, best, offset):
-            best = found
-        return value
-
-    for _ in range(MOST_RATES):
-        if cost(np.array([*first.x, np.log(FIRST_STEP * best.rate)])) >= OUTSIDE:
-            break
-    begin = np.array([*best.x, np.log(best.rate)])
-    _minimum(cost, np.vstack([begin, begin + np.diag([-0.03, 0.4, 0.2])]), 2 * EVALUATIONS)
-    return best
-
-
 def quietest(question: Question, found: Candidate, starts: Array) -> Candidate:
     """Let noise leave as little as can be, at the rate of a candidate.
 
@@ -142,11 +74,11 @@ def quietest(question: Question, found: Candidate, starts: Array) -> Candidate:
     starts : (k, 11)
         See `Question.terms`.
     """
-    for share in (0.7,) * MOST_RATES if question.vehicles.is_shaken else ():
+    for share in (SHARE,) * QUIETER if question.vehicles.is_shaken else ():
         new = question.at(
             found.x, found.rate, starts, found.solution.tight, share * found.solution.floor
         )
-        if new is None or new.solution.fill > 1 - ROOM / 2 or not question.sees(new):
+        if new is None or not question.holds(new):
             break
         found = new
     return found

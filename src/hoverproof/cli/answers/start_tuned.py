@@ -32,7 +32,7 @@ from hoverproof.design.outcome import StartTuned
 
 UNITS = {
     "settling_time": "s, to settling_radius for good, proved",
-    "settling_time_before": "s, in floating point",
+    "settling_time_before": "s, with the mission's own gains, found, not proved",
     "settling_time_before_rounding": "s, in floating point",
     "settling_time_flown": "s, in a flight",
     "settling_time_flown_before": "s, in a flight with the mission's own gains",
@@ -97,8 +97,7 @@ class StartTunedAnswer(Answer):
         found = self.found
         yield f"  settled, proved         {settled_text(found.verdict)}"
         yield f"    before rounding:         {number(found.estimate)} s (floating point)"
-        own = "not found to settle" if found.before is None else f"{number(found.before)} s"
-        yield f"    the mission's own gains: {own} (floating point)"
+        yield f"    the mission's own gains: {_sought(found)}"
         if found.why_longer is not None:
             yield from textwrap.wrap(
                 found.why_longer, 80, initial_indent=" " * 4, subsequent_indent=" " * 4
@@ -116,7 +115,7 @@ class StartTunedAnswer(Answer):
             "gains": gains_as_json(found.mission),
             "settling_time": float(proved.settling.time),
             "settling_radius": float(proved.settling.radius),
-            "settling_time_before": found.before,
+            "settling_time_before": None if found.before is None else float(found.before.time),
             "settling_time_before_rounding": found.estimate,
             "settling_time_flown": found.flown,
             "why_proved_longer": found.why_longer,
@@ -137,6 +136,15 @@ class StartTunedAnswer(Answer):
             "certificate": None if self.certificate is None else str(self.certificate),
             "units": {**gain_units(), **UNITS},
         }
+
+
+def _sought(found: StartTuned) -> str:
+    """Say when the mission's own gains settle, as `attraction` would prove it."""
+    if found.before is None:
+        return "no time is found"
+    settled, radius = found.before, found.verdict.settling.radius
+    near = "" if settled.radius == radius else f", within {number(settled.radius)} m"
+    return f"{number(settled.time)} s{near} (found, not proved)"
 
 
 def _flown(time: float | None) -> str:

@@ -1,0 +1,180 @@
+"""The search for a short proved settling time, with slopes, in floating point.
+
+At a point, d, the share of the largest force and the rate are given, and gains where those are
+searched too. One semidefinite program tells by how much the rate is missed there, and its dual
+solution how that changes with all of them; so few programs do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoverproof.certification.exponential.candidate import Asked, Candidate, angle_seen
+from hoverproof.certification.exponential.program import Solution
+from hoverproof.certification.exponential.question import ROOM, Question
+from hoverproof.sequential import Descent, Value
+
+Array = NDArray[np.float64]
+Likely = tuple[int, ...]
+LITTLE = np.array([1e-3, -1e-2, 1e-3])
+"""By how much d, share and rate, as they are searched, are changed to see what comes of it."""
+OUTSIDE, FAILED = 500.0, 1e3
+"""Costs where the start is not held, and where nothing is found."""
+KEEPS = 2e-3
+"""A limit is kept that is exceeded by less than that share, or rad: for the view, which the proof
+does not let be exceeded, it is spared."""
+FASTER, MOST_RATES = 1.6, 20
+"""By which factor the rate is made faster, and how often, before a descent."""
+SLOWER = 1.0, 0.99, 0.96, 0.9
+"""Parts of the rate that was found, of which the first is taken with which the starts are held."""
+
+
+class Found(NamedTuple):
+    """What is at a point.
+
+    Attributes
+    ----------
+    asked : Asked
+    solution : Solution
+    offset, tilt : float
+        The largest |σ - σ*| and sine of the tilt from the starts on, over those of the limits.
+    """
+
+    asked: Asked
+    solution: Solution
+    offset: float
+    tilt: float
+
+
+@dataclass(frozen=True)
+class Times:
+    """When the starts have settled, and what is beyond limits, at points.
+
+    Attributes
+    ----------
+    whole : Question
+        What is seen, and what settled means, are those of it at every point.
+    pose : callable
+        A point, (k,) ↦ what is asked there, or None.
+    beyond : callable
+        Points, (n, k) ↦ by which share they are beyond each of m limits, (n, m).
+    little : (k,)
+        See `LITTLE`.
+    """
+
+    whole: Question
+    pose: Callable[[Array], Asked | None]
+    beyond: Callable[[Array], Array] = lambda places: np.zeros((len(places), 0))
+    little: Array = field(default_factory=lambda: LITTLE)
+
+    @classmethod
+    def of(cls, question: Question, starts: Array) -> Times:
+        """Search for gains that are given; a point is d, share and rate.
+
+        Parameters
+        ----------
+        question : Question
+        starts : (j, 11)
+            See `Question.terms`.
+        """
+        return cls(question, lambda z: question.pose(z[:2], math.exp(z[2]), starts, fill=1 - ROOM))
+
+    def value(self, z: Array, likely: Likely = ()) -> Value | None:
+        """Return the logarithm of the time at a point, and what is beyond a limit there.
+
+        Parameters
+        ----------
+        z : (k,)
+        likely : tuple of int
+            See `program.solve`.
+        """
+        asked = self.pose(z)
+        solution = None if asked is None else asked.program.solve(likely)
+        if asked is None or solution is None:
+            return None
+        offset, tilt = asked.with_weights(solution).farthest(asked.limits.vehicles)
+        found = Found(asked, solution, offset / asked.offset, tilt / asked.limits.tilt)
+        missing, limited = float(solution.optimum.x[-1]), self.beyond(z[None])[0]
+        return self._value(found, asked, missing, limited)
+
+    def slopes(self, z: Array, at: Value, first: int = 0) -> Array:
+        """Return how the time and what is beyond limits change with a point, (1 + m, k - first).
+
+        Parameters
+        ----------
+        z : (k,)
+        at : Value
+            What is there.
+        first : int
+            Number of the first parameter that changes.
+        """
+        found: Found = at.found
+        places = z + np.diag(self.little)
+        limited = self.beyond(places)
+        result = np.zeros((len(at.all), len(z) - first))
+        for k, step in list(enumerate(self.little))[first:]:
+            new = self.pose(places[k])
+            if new is not None:
+                missing = found.solution.optimum.x[-1]
+                missing += found.asked.program.change(found.solution, new.program)
+                there = self._value(found, new, missing, limited[k]).all
+                result[:, k - first] = (there - at.all) / step
+        return result
+
+    def _value(self, found: Found, asked: Asked, missing: float, limited: Array) -> Value:
+        """Return the value where so much of the rate is missing, 1/s, near what was found."""
+        time = asked.time(self.whole.settled_offset, 1 - ROOM)
+        over = [missing / asked.rate, *limited, *self._unseen(found, asked)]
+        return Value(math.log(time) if 0 < time < math.inf else FAILED, np.array(over), found)
+
+    def _unseen(self, found: Found, asked: Asked) -> list[float]:
+        """Return how far beyond the half angle of the camera points may be, rad, if it is said."""
+        half = self.whole.half_angle
+        if half is None:
+            return []
+        cone = float(np.interp(asked.x[0] + math.log(found.offset), *self.whole.views))
+        return [angle_seen(cone, min(found.tilt * asked.limits.tilt, 1.0)) + KEEPS - half]
+
+
+def soonest(question: Question, first: Candidate, starts: Array, evaluations: int) -> Candidate:
+    """Make the time short in which the starts have settled, from a candidate.
+
+    Parameters
+    ----------
+    question : Question
+    first : Candidate
+    starts : (k, 11)
+        See `Question.terms`.
+    evaluations : int
+        The largest number of places that are looked at.
+    """
+    first = _faster(question, first, starts)
+    times, z = Times.of(question, starts), np.array([*first.x, math.log(first.rate)])
+    likely = first.solution.tight
+    at = times.value(z, likely)
+    if at is None:
+        return first
+    highest = np.array([math.log(question.highest * question.scene.wanted) - 1e-9, np.inf, np.inf])
+    descent = Descent(lambda z: times.value(z, likely), times.slopes, highest)
+    z, at = descent.run(z, at, evaluations)
+    for part in SLOWER:
+        found = question.at(z[:2], part * math.exp(z[2]), starts, at.found.solution.tight)
+        if found is not None and question.holds(found):
+            return found
+    return first
+
+
+def _faster(question: Question, found: Candidate, starts: Array) -> Candidate:
+    """Return the same place with as fast a rate as holds the starts, within a factor."""
+    for _ in range(MOST_RATES):
+        new = question.at(found.x, FASTER * found.rate, starts, found.solution.tight)
+        if new is None or not question.holds(new):
+            break
+        found = new
+    return found
