@@ -125,7 +125,13 @@ class Scene:
             A bare number, dimensionless.
         """
         directions, radii, far = self._rays
-        return np.asarray(directions * radii[np.argmax(far >= offset, axis=1)][:, None])
+        last, row = np.argmax(far >= offset, axis=1), np.arange(len(far))
+        before = np.maximum(last - 1, 0)
+        low, high = far[row, before], far[row, last]
+        known = np.isfinite(high) & (high > low)
+        part = np.divide(offset - low, high - low, out=np.ones(len(far)), where=known)
+        ends = radii[before] + part.clip(0, 1) * (radii[last] - radii[before])
+        return np.asarray(directions * ends[:, None])
 
     @cached_property
     def _rays(self) -> tuple[Array, Array, Array]:

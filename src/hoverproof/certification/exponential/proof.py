@@ -38,7 +38,7 @@ from hoverproof.servo.law import Law
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
-ROUGH, WHOLE = 12, 40
+ROUGH, WHOLE = 10, 30
 """So many places are looked at to know how closely the ball of J is laid, and then to the end."""
 ROOMS = (0.35, 0.838), (0.6, 0.835), (0.6, 0.7), (1.0, 0.55)
 """By which share the ball of J is widened for the proof, and the share of s3* that d is at most,

@@ -31,7 +31,7 @@ KEEPS = 2e-3
 does not let be exceeded, it is spared."""
 FASTER, MOST_RATES = 1.6, 20
 """By which factor the rate is made faster, and how often, before a descent."""
-SLOWER = 1.0, 0.99, 0.96, 0.9
+SLOWER = 0.9995, 0.998, 0.99, 0.96, 0.9
 """Parts of the rate that was found, of which the first is taken with which the starts are held."""
 
 
@@ -164,9 +164,12 @@ def soonest(question: Question, first: Candidate, starts: Array, evaluations: in
     descent = Descent(lambda z: times.value(z, likely), times.slopes, highest)
     z, at = descent.run(z, at, evaluations)
     for part in SLOWER:
-        found = question.at(z[:2], part * math.exp(z[2]), starts, at.found.solution.tight)
-        if found is not None and question.holds(found):
-            return found
+        at = times.value(z + [0, 0, math.log(part)], likely)
+        if at is not None and at.over[0] <= 0:
+            found: Found = at.found
+            candidate = found.asked.with_weights(found.solution)
+            if question.holds(candidate):
+                return candidate
     return first
 
 
