@@ -15,7 +15,7 @@ from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import preset_names
 from hoverproof.cli.console import Json, at_work, warn
 from hoverproof.cli.questions import OWN, Answers, Given
-from hoverproof.cli.reading import mission_name, refuse_given
+from hoverproof.cli.reading import file_to_write, mission_name, refuse_given
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
@@ -126,10 +126,9 @@ def new(
         raise InputError(
             "--tag", "", "does not go with --target, which tells the size of the target"
         )
+    file_to_write(path, "mine.toml")
     if path.exists() and not force:
         raise InputError(str(path), "", "exists already; --force replaces it")
-    if not path.parent.is_dir():
-        raise InputError(str(path), "", f"there is no folder {path.parent}")
     name = mission_name(path)
     found = None if target is None else read_target(target, target_name)
     asks = not (yes or json_ or preset) and sys.stdin.isatty() and sys.stdout.isatty()
