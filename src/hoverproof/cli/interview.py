@@ -77,7 +77,11 @@ def interview(
     return _answered(given, asked, known or {})
 
 
-def without_asking(given: Answers, known: Answers | None = None) -> Answers:
+def without_asking(
+    given: Answers,
+    known: Answers | None = None,
+    assume: Callable[[Question, str], str] = lambda question, default: default,
+) -> Answers:
     """Return the answers as TOML, defaults where none is given.
 
     Parameters
@@ -86,8 +90,10 @@ def without_asking(given: Answers, known: Answers | None = None) -> Answers:
         Answers that were given as options.
     known : dict, optional
         What a target file answers: see `answers_of_target`.
+    assume : callable
+        Gives the answer to a question, from its default, where there is none.
     """
-    return _answered(given, lambda question, default: default, known or {})
+    return _answered(given, assume, known or {})
 
 
 def answers_of_target(found: TargetFile) -> Answers:

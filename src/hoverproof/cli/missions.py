@@ -14,7 +14,7 @@ from cyclopts import Parameter
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import preset_names
 from hoverproof.cli.console import Json, at_work, warn
-from hoverproof.cli.questions import OWN, Answers, Given
+from hoverproof.cli.questions import OWN, Answers, Given, Question
 from hoverproof.cli.reading import file_to_write, mission_name, refuse_given
 from hoverproof.errors import InputError
 
@@ -134,12 +134,14 @@ def new(
     asks = not (yes or json_ or preset) and sys.stdin.isatty() and sys.stdout.isatty()
     with replacing(path) as beside, _told_of(path, beside):
         own = beside, name, answers, asks, found, described
-        text = _copied(preset, name, found) if preset else _own(*own)
+        text, assumed = (_copied(preset, name, found), []) if preset else _own(*own)
         beside.write_text(with_conditions(text), encoding="utf-8", newline="\n")
         made = load(beside)  # nothing is put in place that does not load
     made = made.model_copy(update={"source": str(path)})
     warn(made)
-    return tell(NewAnswer(path, made, preset or "own vehicle", _read(described, found)), json_)
+    return tell(
+        NewAnswer(path, made, preset or "own vehicle", _read(described, found), assumed), json_
+    )
 
 
 @contextlib.contextmanager
@@ -195,7 +197,8 @@ def _own(
     asks: bool,
     target: TargetFile | None,
     vehicle: VehicleFile | None,
-) -> str:
+) -> tuple[str, list[str]]:
+    """Return a mission of one's own, and which of its answers nobody gave."""
     from hoverproof.cli.described import answers_of_vehicle, in_layout_of
     from hoverproof.cli.first_mission import make
     from hoverproof.cli.interview import answers_of_target, interview, without_asking
@@ -204,9 +207,16 @@ def _own(
     if vehicle is not None:
         known |= answers_of_vehicle(vehicle) | {"vehicle": f'"{OWN}"'}
     known = {key: value for key, value in known.items() if key not in given}
-    answers = interview(given, known=known) if asks else without_asking(given, known)
+    assumed = []
+
+    def assume(question: Question, default: str) -> str:
+        if not default.startswith('"'):  # no autopilot, no lens: nothing is assumed
+            assumed.append(question.assumed(default))
+        return default
+
+    answers = interview(given, known=known) if asks else without_asking(given, known, assume)
     if vehicle is not None and vehicle.layout:
         answers["placed"] = in_layout_of(vehicle, answers["rotor_distance"])
     with at_work() as doing:
         doing("looking for gains that hold the start")
-        return make(beside, name, answers)
+        return make(beside, name, answers, assumed), assumed
