@@ -14,7 +14,7 @@ from cyclopts import Parameter
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import preset_names
 from hoverproof.cli.console import Json, at_work, warn
-from hoverproof.cli.questions import OWN, Answers, Given, Question
+from hoverproof.cli.questions import OWN, Answers, Given
 from hoverproof.cli.reading import file_to_write, mission_name, refuse_given
 from hoverproof.errors import InputError
 
@@ -207,14 +207,8 @@ def _own(
     if vehicle is not None:
         known |= answers_of_vehicle(vehicle) | {"vehicle": f'"{OWN}"'}
     known = {key: value for key, value in known.items() if key not in given}
-    assumed = []
-
-    def assume(question: Question, default: str) -> str:
-        if not default.startswith('"'):  # no autopilot, no lens: nothing is assumed
-            assumed.append(question.assumed(default))
-        return default
-
-    answers = interview(given, known=known) if asks else without_asking(given, known, assume)
+    assumed: list[str] = []
+    answers = interview(given, known=known) if asks else without_asking(given, known, assumed)
     if vehicle is not None and vehicle.layout:
         answers["placed"] = in_layout_of(vehicle, answers["rotor_distance"])
     with at_work() as doing:
