@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from command_line import run
+from command_line import refusal, run
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 
@@ -78,3 +78,24 @@ def test_arithmetic_that_gives_up_is_one_line_and_proves_nothing(monkeypatch, ca
     assert status == 3
     assert err.startswith("hoverproof: undecided: these numbers are beyond")
     assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (
+            "new mine.toml --yes --height 0.001",
+            "--height: must be from 0.1 to 1000 sides of the tag",
+        ),
+        ("new mine.toml --yes --height 1e5", "--height: must be from 0.1 to 1000 sides of the tag"),
+        ("new mine.toml --yes --tag 1e-5", "--tag: must be from 0.001 to 100 m, not"),
+        ("atlas x4-flyer --x-range=1e-300,1e300", "--x-range: must be two numbers in order, from"),
+        ("atlas x4-flyer --y-range=1,1e308", "--y-range: must be two numbers in order, from 1e-12"),
+        (
+            "atlas x4-flyer --theorem start --x thrust --x-range=0,1e300",
+            "--x-range: thrust: must be from 0 to 0.999",
+        ),
+    ],
+)
+def test_what_nobody_computes_with_is_refused_in_words_of_the_option(words, reason, capsys):
+    assert reason in refusal(capsys, *words.split())

@@ -213,7 +213,7 @@ import resource, sys
 from hoverproof import cli
 resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
 cli.main(["simulate", "x4-flyer", "--runs", "1000", "--duration", "10",
-          "--set", "scatter.position=[1,1,1]"])
+          "--set", "scatter.position=[1,1,1]", "--out", "x4-flyer.flights.nc"])
 """
 
 
@@ -245,7 +245,7 @@ def until_the_disk_is_full(self, block):
 
 results.RunsFile.write = until_the_disk_is_full
 cli.main(["simulate", "x4-flyer", "--runs", "100", "--duration", "1", "--every", "1",
-          "--set", "scatter.position=[1,1,1]"])
+          "--set", "scatter.position=[1,1,1]", "--out", "x4-flyer.flights.nc"])
 """
 
 
@@ -269,6 +269,7 @@ def test_a_disk_that_fails_later_keeps_what_is_complete():
 def test_ctrl_c_keeps_what_is_complete():
     command = [sys.executable, "-m", "hoverproof", "simulate", "x4-flyer", "--runs", "100000"]
     options = ["--duration", "400", "--every", "20000", "--set", "scatter.mass=0.001", "--json"]
+    options += ["--out", "x4-flyer.flights.nc"]
     process = subprocess.Popen(
         [*command, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )

@@ -41,7 +41,7 @@ def command(*words, **options):
 # --- the disk -------------------------------------------------------------------------------------
 
 
-MANY = ("--runs", "20", "--set", "scatter.position=[1,1,1]")
+MANY = ("--runs", "20", "--set", "scatter.position=[1,1,1]", "--out", "x4-flyer.flights.nc")
 
 
 def small_files():
@@ -171,7 +171,7 @@ LONG = [
     "simulate x4-flyer --duration 9e5 --no-figures --set wind.drag=0.01 --every 80000000",
     "simulate x4-flyer --duration 9e5 --no-figures --controller firmware",
     "simulate x4-flyer --duration 9e5 --no-figures --runs 64 --every 80000000"
-    " --set scatter.position=[1,1,1]",
+    " --set scatter.position=[1,1,1] --out x4-flyer.flights.nc",
     "simulate crazyflie-2.1 --no-figures --animate flight.html",
     "attraction x4-flyer --objective volume",
     "tune x4-flyer --objective decay --pareto 8",

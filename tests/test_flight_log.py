@@ -122,9 +122,9 @@ def printed(capsys, *arguments):
 
 
 def test_the_command_tells_one_time_of_a_flight_that_ends_early(capsys):
-    status, lines = printed(capsys, "x4-flyer", "--set", "model_error.mass=0.005")
+    status, lines = printed(capsys, "x4-flyer", "--set", "model_error.mass=0.005", "--out", "f.nc")
     assert status == 1
-    told = summary(xr.open_dataset("x4-flyer.flight.nc", engine="h5netcdf"))
+    told = summary(xr.open_dataset("f.nc", engine="h5netcdf"))
     time = f"{told['duration']:g} s"
     assert lines[0] == f"x4-flyer: hit the height of the target at {time}"
     ideal = "without sensors, rotors, wind and errors: not within"

@@ -58,15 +58,15 @@ FEW = ("--runs", 2, "--duration", 0.1, "--no-figures", "--set", "scatter.positio
 
 
 def test_a_second_run_into_the_same_file_is_refused_while_the_first_one_writes(capsys):
-    with locked("x4-flyer.flights.nc"):
-        status, out, err = run(capsys, "simulate", "x4-flyer", *FEW)
+    with locked("few.nc"):
+        status, out, err = run(capsys, "simulate", "x4-flyer", *FEW, "--out", "few.nc")
         assert (status, out) == (2, "")
-        assert "x4-flyer.flights.nc: is being written by another run" in err
-        status, _, err = run(capsys, "simulate", "x4-flyer", *FEW, "--resume")
+        assert "few.nc: is being written by another run" in err
+        status, _, err = run(capsys, "simulate", "x4-flyer", *FEW, "--out", "few.nc", "--resume")
         assert status == 2
         assert "is being written by another run" in err
         assert run(capsys, "simulate", "x4-flyer", *FEW, "--out", "other.nc")[0] == 0
-    assert run(capsys, "simulate", "x4-flyer", *FEW)[0] == 0
+    assert run(capsys, "simulate", "x4-flyer", *FEW, "--out", "few.nc")[0] == 0
     assert not list(Path.cwd().glob(".*"))
 
 
@@ -74,11 +74,11 @@ def test_a_second_run_into_the_same_file_is_refused_while_the_first_one_writes(c
 def test_the_lock_of_a_process_that_was_killed_holds_nobody_up(capsys):
     child = os.fork()
     if not child:
-        with locked("x4-flyer.flights.nc"):
+        with locked("few.nc"):
             os._exit(0)  # without a word, as when killed
     os.waitpid(child, 0)
-    assert Path(".x4-flyer.flights.nc.lock").exists()
-    assert run(capsys, "simulate", "x4-flyer", *FEW)[0] == 0
+    assert Path(".few.nc.lock").exists()
+    assert run(capsys, "simulate", "x4-flyer", *FEW, "--out", "few.nc")[0] == 0
 
 
 # --- verdicts -----------------------------------------------------------------------------------
@@ -122,7 +122,7 @@ def test_a_mission_changed_in_its_file_replaces_its_own_certificate(capsys):
     for k4 in ("3 ", "4 "):
         Path("my.toml").write_text(text.replace("k4 = 3 ", f"k4 = {k4}"))
         assert run(capsys, "certify", "my.toml")[0] == 0
-    assert [p.name for p in Path.cwd().glob("*.json")] == ["x4-flyer.cert.json"]
+    assert [p.name for p in Path.cwd().glob("*.json")] == ["my.cert.json"]
 
 
 def test_a_condition_that_nothing_meets_is_said_so_and_not_by_infinity(capsys):

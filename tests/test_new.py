@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
 import random
@@ -299,3 +300,32 @@ def test_sensible_answers_at_random_are_proved_and_fly_there(number):
     became = outcome(number)
     assert became.startswith("proved"), became
     assert "flown in" in became, became
+
+
+def test_what_nobody_said_is_told_and_stands_in_the_file(capsys):
+    words = ("new", "light.toml", "--mass", "0.03", "--yes", "--json")
+    with pytest.raises(SystemExit):
+        cli.main([*words])
+    told = json.loads(capsys.readouterr().out)["assumed"]
+    assert "--rotor-lag 0.05 s" in told
+    assert not any(item.startswith("--mass") for item in told)
+    shown = [
+        f"--{q.name.replace('_', '-')} " for q in QUESTIONS[2:] if '"' not in q.default(DEFAULTS)
+    ]
+    assert [item.split()[0] + " " for item in told] == shown
+    head = " ".join(
+        Path("light.toml").read_text("utf-8").split("name =")[0].replace("\n#", "").split()
+    )
+    assert f"as nobody said them: {', '.join(told)}" in head
+    with pytest.raises(SystemExit):
+        cli.main([*words, "--force", "--rotor-lag", "0.02"])
+    said = json.loads(capsys.readouterr().out)["assumed"]
+    assert said == [item for item in told if "--rotor-lag" not in item]
+
+
+def test_a_light_vehicle_is_not_taken_to_have_quicker_rotors_than_a_crazyflie():
+    lag = {
+        mass: float(without_asking({"mass": mass})["rotor_lag"]) for mass in ("0.02", "0.09", "0.5")
+    }
+    crazyflie = float(load("crazyflie-2.1").rotors.time_constant)
+    assert lag == {"0.02": crazyflie, "0.09": crazyflie, "0.5": 0.03}

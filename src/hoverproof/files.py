@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import stat
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -67,7 +68,8 @@ def replacing(path: Path | str) -> Iterator[Path]:
     Parameters
     ----------
     path : Path or str
-        The file to make or replace. On any error the old file stays as it was.
+        The file to make or replace; of a link, what it points to. On any error the old file stays
+        as it was.
 
     Raises
     ------
@@ -76,11 +78,10 @@ def replacing(path: Path | str) -> Iterator[Path]:
     """
     import tempfile
 
-    path = Path(path)
-    if path.is_dir():
-        raise InputError(str(path), "", "is a directory, not a file to write")
+    require_file(path)
+    whole = Path(os.path.realpath(path))
     try:
-        handle, name = tempfile.mkstemp(prefix=f".{path.name[:100]}.", dir=path.parent)
+        handle, name = tempfile.mkstemp(prefix=f".{whole.name[:50]}.", dir=whole.parent)
         os.close(handle)
     except OSError as error:
         raise InputError(str(path), "", f"cannot be written: {error.strerror}") from None
@@ -89,7 +90,7 @@ def replacing(path: Path | str) -> Iterator[Path]:
     try:
         yield beside
         beside.chmod(0o666 & ~_umask())
-        beside.replace(path)
+        beside.replace(whole)
     except OSError as error:
         raise InputError(str(path), "", f"cannot be written: {error.strerror or error}") from error
     finally:
@@ -97,7 +98,7 @@ def replacing(path: Path | str) -> Iterator[Path]:
         _unfinished.discard(beside)
 
 
-def require_folder(path: Path | str) -> None:
+def require_file(path: Path | str) -> None:
     """Refuse a file that cannot be made, before the work of which it would hold the outcome.
 
     Parameters
@@ -108,13 +109,48 @@ def require_folder(path: Path | str) -> None:
     Raises
     ------
     InputError
-        If its folder does not exist or may not be written to.
+        If it is something else than a file, or its folder is not there or may not be written to.
     """
-    folder = Path(path).absolute().parent
+    path = Path(path)
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        mode = stat.S_IFREG
+    except (OSError, ValueError) as error:  # as for too long a name, or a null byte
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(str(path), "", f"cannot be written: {reason}") from None
+    if stat.S_ISDIR(mode):
+        raise InputError(str(path), "", "is a directory, not a file to write")
+    if not stat.S_ISREG(mode):
+        raise InputError(str(path), "", "cannot be written: it is a device, not a file")
+    folder = Path(os.path.realpath(path)).parent
     if not folder.is_dir():
         raise InputError(str(path), "", "cannot be written: its folder is not there")
     if not os.access(folder, os.W_OK):
         raise InputError(str(path), "", "cannot be written: its folder may not be written to")
+
+
+def require_folder(path: Path | str) -> None:
+    """Refuse a folder that cannot be made or written to, before the work on what is to be in it.
+
+    Parameters
+    ----------
+    path : Path or str
+
+    Raises
+    ------
+    InputError
+    """
+    try:
+        ways = [Path(path), *Path(os.path.realpath(path)).parents]
+        there = next(way for way in ways if way.exists())
+    except (OSError, ValueError) as error:  # as for too long a name, or a null byte
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(str(path), "", f"cannot be made: {reason}") from None
+    if not there.is_dir():
+        raise InputError(str(path), "", f"cannot be made: {there} is no folder")
+    if not os.access(there, os.W_OK):
+        raise InputError(str(path), "", f"cannot be made: {there} may not be written to")
 
 
 def write_bytes(path: Path | str, content: bytes | memoryview) -> None:

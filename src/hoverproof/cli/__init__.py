@@ -90,9 +90,8 @@ def run(arguments: list[str] | None) -> object:
     except BrokenPipeError:
         sys.stderr.close()
         return 0
-    except _numerical() as error:  # nothing is proved of numbers that cannot be computed with
-        words = " ".join(str(error).split())
-        fail(f"undecided: these numbers are beyond what can be computed with ({words})", status=3)
+    except _numerical():  # nothing is proved of numbers that cannot be computed with
+        fail("undecided: these numbers are beyond what can be computed with", status=3)
     except OSError as error:  # files are written by functions that say which; this is the output
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # flushed again at the exit
         fail(f"the output cannot be written: {error}")

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
-from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, load_mission, progress
-from hoverproof.cli.reading import parse_weights, picture_path, refuse_given
+from hoverproof.cli.console import Json, MissionName, Set, load_mission, progress
+from hoverproof.cli.reading import default_stem, file_to_write, parse_weights, refuse_given
 from hoverproof.errors import InputError
-from hoverproof.files import require_folder
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,14 +66,10 @@ def atlas(
         str | None, Parameter(help="Work on a Dask cluster: tcp://host:8786 (extra cluster).")
     ] = None,
     weights: Annotated[str | None, Parameter(help="Weights of L: w1,w2,w3,w4.")] = None,
-    out: Annotated[
-        Path | None, Parameter(help="Map file to write, netCDF-4.", validator=NO_FOLDER)
-    ] = None,
+    out: Annotated[Path | None, Parameter(help="Map file to write, netCDF-4.")] = None,
     figure: Annotated[
         Path | None,
-        Parameter(
-            help="Figure to write, PNG or SVG; by default beside the map.", validator=NO_FOLDER
-        ),
+        Parameter(help="Figure to write, PNG or SVG; by default beside the map."),
     ] = None,
     set_: Set = None,
     json_: Json = False,
@@ -82,7 +77,8 @@ def atlas(
     """Map the certified decay rate over two gains or bounds, or the settling time from the start.
 
     The map is in floating point; with --exact-boundary each cell that has a neighbour on the other
-    side is decided exactly, as `certify` does. Writes NAME.atlas.nc and a figure.
+    side is decided exactly, as `certify` does. Writes NAME.atlas.nc and a figure; NAME is
+    as for `certify`.
 
     With --theorem start the map says in how many seconds every vehicle within [uncertainty] has
     settled from the mission's start, as found by search; each cell takes about half a second. With
@@ -111,9 +107,9 @@ def atlas(
         refuse_given({"--weights": weights, "--show": show}, "is for --theorem gains")
     asked = ("--x", x, x_range, x_scale), ("--y", y, y_range, y_scale)
     across, along = (_axis(loaded, one, cells, of_start=of_start) for one in asked)
-    path = out or Path(f"{loaded.name}.{'start-atlas' if of_start else 'atlas'}.nc")
-    require_folder(path)
-    picture = picture_path(figure or path.with_suffix(".png"))
+    kind = "start-atlas" if of_start else "atlas"
+    path = file_to_write(out, f"{default_stem(loaded, mission, set_, proof=True)}.{kind}.nc")
+    picture = file_to_write(figure, f"{path.with_suffix('.png')}", ".svg")
     with progress("atlas") as report:
         drawn = draw_map(
             loaded,

@@ -10,16 +10,14 @@ from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.console import (
-    NO_FOLDER,
     Json,
     MissionName,
     Set,
     at_work,
     load_mission,
 )
-from hoverproof.cli.reading import as_named, certificate_stem, refuse_given
+from hoverproof.cli.reading import as_named, default_stem, file_to_write, refuse_given
 from hoverproof.errors import InputError
-from hoverproof.files import require_folder
 from hoverproof.mission.tolerances import Tolerance
 
 if TYPE_CHECKING:
@@ -61,9 +59,7 @@ def attraction(
             "proved."
         ),
     ] = None,
-    out: Annotated[
-        Path | None, Parameter(help="Certificate file to write.", validator=NO_FOLDER)
-    ] = None,
+    out: Annotated[Path | None, Parameter(help="Certificate file to write.")] = None,
     figure: Annotated[bool, Parameter(help="Draw the region beside the file.")] = True,
     set_: Set = None,
     json_: Json = False,
@@ -91,8 +87,7 @@ def attraction(
     from hoverproof.design.unproved import unproved
 
     loaded = load_mission(mission, set_)
-    if out is not None:
-        require_folder(out)
+    file_to_write(out, f"{default_stem(loaded, mission, set_, proof=True)}.json")
     given = {"speed": speed, "tilt": tilt, "rate": rate, "thrust": thrust}
     sizes = {name: _number(f"--{name}", text) for name, text in given.items()}
     if start is None and any(sizes.values()):
@@ -112,7 +107,7 @@ def attraction(
                 loaded, objective=objective, starts=starts, barrier=barrier, progress=doing
             )
         told = unproved(verdict, starts, doing) if objective == "start" else None
-    stem = f"{certificate_stem(loaded, mission, set_)}.attraction"
+    stem = f"{default_stem(loaded, mission, set_, proof=True)}.attraction"
     path, picture, search = _saved(verdict, told, out, stem), None, None
     if path is not None and figure and verdict.proved:
         picture = _draw(verdict.proved, path)

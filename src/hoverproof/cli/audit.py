@@ -10,8 +10,8 @@ from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import mission_names
-from hoverproof.cli.console import NO_FOLDER, Json, Set, at_work, load_mission
-from hoverproof.cli.reading import mission_name, stretch
+from hoverproof.cli.console import Json, Set, at_work, load_mission
+from hoverproof.cli.reading import default_stem, file_to_write, mission_name, refuse_given, stretch
 from hoverproof.cli.written import certificate_beside, write_mission
 from hoverproof.errors import InputError
 
@@ -63,15 +63,14 @@ def audit(
     ] = None,
     out: Annotated[
         Path | None,
-        Parameter(help="Page to write; by default LOG.audit.html, here.", validator=NO_FOLDER),
+        Parameter(help="Page to write; by default LOG.audit.html, here."),
     ] = None,
     page: Annotated[bool, Parameter(help="Write the page.")] = True,
     certify: Annotated[
         Path | None,
         Parameter(
             help="Mission file to write, with the tolerances that would cover the flight, proved "
-            "with its gains or else with tuned ones; its certificate to FILE.audit.cert.json.",
-            validator=NO_FOLDER,
+            "with its gains or else with tuned ones; its certificate to FILE.audit.cert.json."
         ),
     ] = None,
     topic: Topics = None,
@@ -100,15 +99,20 @@ def audit(
     """
     from hoverproof.audit.verdict import audit as hold
     from hoverproof.cli.answers.audit import AuditAnswer
-    from hoverproof.files import require_folder
 
+    if not page:
+        refuse_given({"--out": out}, "does not go with --no-page")
     loaded = load_mission(mission, set_)
-    for file in filter(None, (out, certify)):
-        require_folder(file)
+    path = (
+        file_to_write(out, f"{default_stem(loaded, mission, set_, of=log.stem)}.audit.html")
+        if page
+        else None
+    )
+    if certify is not None:
+        file_to_write(certify, "wider.toml")
     flight = _log(log, topic, between)
     claim, reason = _claim(loaded, certificate)
     found = hold(flight, loaded, claim)
-    path = (out or Path(f"{log.stem}.audit.html")) if page else None
     tolerances = found.covering()
     words = ["hoverproof", "attraction", mission]
     asked = [f"uncertainty.{key}={value}" for key, value in tolerances.items()]
@@ -155,7 +159,7 @@ def replay(
     ] = None,
     out: Annotated[
         Path | None,
-        Parameter(help="netCDF to write; by default LOG.replay.nc, here.", validator=NO_FOLDER),
+        Parameter(help="netCDF to write; by default LOG.replay.nc, here."),
     ] = None,
     figure: Annotated[bool, Parameter(help="Draw the commands beside the file.")] = True,
     topic: Topics = None,
@@ -176,12 +180,11 @@ def replay(
     from hoverproof.audit.replaying import replayed
     from hoverproof.cli.answers.replay import ReplayAnswer
     from hoverproof.export.binding import Firmware
-    from hoverproof.files import require_folder, write_bytes
+    from hoverproof.files import write_bytes
     from hoverproof.firmware.exporting import exported
 
     loaded = load_mission(mission, set_)
-    path = out or Path(f"{log.stem}.replay.nc")
-    require_folder(path)
+    path = file_to_write(out, f"{default_stem(loaded, mission, set_, of=log.stem)}.replay.nc")
     flight = _log(log, topic, between)
     firmware = exported(loaded, camera=True) if package is None else Firmware(package)
     found = replayed(flight, loaded, firmware)

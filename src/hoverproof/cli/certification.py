@@ -10,7 +10,6 @@ from cyclopts import Parameter
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import mission_names
 from hoverproof.cli.console import (
-    NO_FOLDER,
     Box,
     Boxes,
     Json,
@@ -20,7 +19,7 @@ from hoverproof.cli.console import (
     load_mission,
     warn_of,
 )
-from hoverproof.cli.reading import as_named, box_sides, certificate_stem, parse_weights
+from hoverproof.cli.reading import as_named, box_sides, default_stem, file_to_write, parse_weights
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
@@ -33,9 +32,7 @@ def certify(
     *,
     out: Annotated[
         Path | None,
-        Parameter(
-            help="Certificate to write; by default named after the mission.", validator=NO_FOLDER
-        ),
+        Parameter(help="Certificate to write; by default named after the mission."),
     ] = None,
     over_box: Annotated[
         bool,
@@ -53,9 +50,10 @@ def certify(
     """Prove or refute that the gains work for every Q and thrust in the mission's bounds.
 
     Writes a certificate (NAME.cert.json), or a counterexample (NAME.refutation.json), that `check`
-    verifies without trusting this program; NAME is the name in the mission, with eight digits of
-    its hash if --set makes another mission of it. With --over-box it is NAME.over-box.cert.json,
-    with --weights NAME.weighted.cert.json. If it is undecided, status 3, nothing is written.
+    verifies without trusting this program; NAME is that of the preset or mission file, with eight
+    digits of its hash if --set makes another mission of it. With --over-box it is
+    NAME.over-box.cert.json, with --weights NAME.weighted.cert.json. If it is undecided, status 3,
+    nothing is written.
 
     What it assumes: the eigenvalues of Q (with the scaled feature: J in a ball) and the thrust stay
     in the mission's bounds, and the vehicle does not turn about its vertical axis. See `region` for
@@ -72,10 +70,11 @@ def certify(
     from hoverproof.plausibility import slow_motion
 
     loaded = load_mission(mission, set_)
-    stem = certificate_stem(loaded, mission, set_)
+    stem = default_stem(loaded, mission, set_, proof=True)
     over_box = over_box or box is not None
     stem += ".over-box" if over_box else ""
     stem += ".weighted" if weights is not None else ""
+    file_to_write(out, f"{stem}.json")
     verdict = _over_box(loaded, box, boxes, weights) if over_box else _as_assumed(loaded, weights)
     path = None
     if verdict.certificate is not None:
@@ -122,9 +121,7 @@ def region(
     box: Box = None,
     out: Annotated[
         Path | None,
-        Parameter(
-            help="Certificate to write; by default named after the mission.", validator=NO_FOLDER
-        ),
+        Parameter(help="Certificate to write; by default named after the mission."),
     ] = None,
     boxes: Boxes = None,
     figure: Annotated[bool, Parameter(help="Draw the region beside the file.")] = True,
@@ -146,8 +143,10 @@ def region(
     from hoverproof.cli.answers.region import RegionAnswer
 
     loaded = load_mission(mission, set_)
+    stem = default_stem(loaded, mission, set_, proof=True)
+    file_to_write(out, f"{stem}.json")
     verdict = certify_region(loaded, box_sides(loaded, box), boxes)
-    path = out or Path(f"{certificate_stem(loaded, mission, set_)}.region.{verdict.ending}.json")
+    path = out or Path(f"{stem}.region.{verdict.ending}.json")
     stem = path.name.removesuffix(".json").removesuffix(f".{verdict.ending}")
     picture = path.with_name(f"{stem}.png")
     if verdict.certificate is not None:

@@ -85,8 +85,6 @@ Boxes = Annotated[
         validator=validators.Number(gte=1),
     ),
 ]
-NO_FOLDER = validators.Path(dir_okay=False)
-"""Of options that name a file to write."""
 
 
 def fail(message: str, status: int = 2) -> NoReturn:

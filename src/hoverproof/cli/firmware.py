@@ -65,8 +65,8 @@ def export(
 ) -> int:
     """Certify a mission, and write its control law as C99 firmware with the certificate.
 
-    The folder gets the C with a self-test, a README for whoever flashes it, an example that flies
-    (CMake), adapters for Crazyflie, PX4 and ArduPilot, and a manifest with hashes. Where the gains
+    The folder gets the C with a self-test, a README for whoever flashes it, an example that flies,
+    adapters for Crazyflie, PX4 and ArduPilot, and a manifest with hashes. Where the gains
     alone are undecided, it is looked for a proof that the vehicle converges from its start, as by
     `attraction`. Exit status 1 or 3 if that is refuted or undecided; then nothing is written.
 

@@ -6,6 +6,7 @@ import json
 import math
 import re
 import string
+from collections.abc import Sequence
 from fractions import Fraction
 from importlib import resources
 from pathlib import Path
@@ -17,6 +18,7 @@ from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import candidate
 from hoverproof.certification.exponential.question import HIGHEST, ROOM
+from hoverproof.cli.described import comment
 from hoverproof.cli.questions import CONTROL_RATES, NONE, Answers, in_layout
 from hoverproof.design.limits import designed_gains
 from hoverproof.errors import InputError
@@ -59,6 +61,7 @@ def decided(name: str, answers: Answers) -> Answers:
     weight = float(mass * gravity)
     half = None if answers["half_angle"] == f'"{NONE}"' else answers["half_angle"]
     return answers | {
+        "assumed": "",
         "name": json.dumps(name),
         "placed": answers.get("placed", in_layout("x", answers["rotor_distance"])),
         "gravity": decimal(gravity),
@@ -149,7 +152,7 @@ def written(decisions: Answers, gains: Gains | None = None) -> str:
     return _aligned(string.Template(template).substitute(decisions | values))
 
 
-def make(path: Path, name: str, answers: Answers) -> str:
+def make(path: Path, name: str, answers: Answers, assumed: Sequence[str] = ()) -> str:
     """Return the mission of some answers, with gains that are found to hold its start.
 
     Parameters
@@ -160,13 +163,16 @@ def make(path: Path, name: str, answers: Answers) -> str:
         Of the mission.
     answers : dict
         As TOML.
+    assumed : sequence of str
+        Which of them nobody gave, in words.
 
     Raises
     ------
     InputError
         If the answers do not go together, or no gains are found that hold the start.
     """
-    decisions = decided(name, answers)
+    told = f"Assumed by `hoverproof new`, as nobody said them: {', '.join(assumed)}"
+    decisions = decided(name, answers) | ({"assumed": comment(told)} if assumed else {})
     path.write_text(written(decisions), encoding="utf-8", newline="\n")
     mission = load(path)
     held = first_gains(mission)

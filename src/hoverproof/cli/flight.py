@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import tell
-from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, load_mission, progress
+from hoverproof.cli.console import Json, MissionName, Set, load_mission, progress
 from hoverproof.cli.pixels import ByImages
-from hoverproof.cli.reading import as_named, refuse_given
+from hoverproof.cli.reading import as_named, default_stem, file_to_write, refuse_given
 from hoverproof.cli.runs import fly_many
 from hoverproof.errors import InputError
 
@@ -40,9 +40,7 @@ def simulate(
     ] = None,
     out: Annotated[
         Path | None,
-        Parameter(
-            help="Flight file to write; by default named after the mission.", validator=NO_FOLDER
-        ),
+        Parameter(help="Flight file to write; by default named after the mission."),
     ] = None,
     figures: Annotated[
         list[Literal["motion", "features", "path"]] | None,
@@ -53,7 +51,7 @@ def simulate(
     ] = None,
     animate: Annotated[
         Path | None,
-        Parameter(help="Animation to write: FILE.mp4, FILE.gif or FILE.html.", validator=NO_FOLDER),
+        Parameter(help="Animation to write: FILE.mp4, FILE.gif or FILE.html."),
     ] = None,
     speed_up: Annotated[
         float | None,
@@ -85,9 +83,10 @@ def simulate(
 ) -> int:
     """Fly a mission from its start, with the camera in the loop.
 
-    Writes NAME.flight.nc (netCDF-4, with units and the mission inside) and draws the flight beside
-    it, in NAME.flight.motion.png, features and path; where the gains are proved for the mission's
-    bounds, and the flight keeps to them, with the certified decay of L as a line.
+    Writes NAME.flight.nc (netCDF-4, with units and the mission inside), NAME as for `certify`, and
+    draws the flight beside it, in NAME.flight.motion.png, features and path; where the gains are
+    proved for the mission's bounds, and the flight keeps to them, with the certified decay of L as
+    a line.
 
     With --runs, fly it many times, into NAME.flights.nc: starts and vehicles are drawn from
     [scatter] of the mission, and the file depends on mission, seed and times alone, not on threads
@@ -105,6 +104,8 @@ def simulate(
     Example: `hoverproof simulate my-flyer.toml --pixels --tag 36h11:0:0.2 --film seen.avi`
     """
     loaded = load_mission(mission, set_)
+    stem = default_stem(loaded, mission, set_)
+    path = file_to_write(out, f"{stem}.{'flight' if runs is None else 'flights'}.nc")
     if runs is None:
         for_runs = {"--resume": resume, "--scheduler": scheduler, "--threads": threads}
         refuse_given(for_runs, "is for --runs")
@@ -113,7 +114,6 @@ def simulate(
 
         timing = Timing(duration, step, every)
         flight = _fly(loaded, seed, timing, images or ByImages(), firmware=controller == "firmware")
-        path = out or Path(f"{loaded.name}.flight.nc")
         named = as_named(mission, set_)
         told = _keep(loaded, named, flight, path, figures, animate, speed_up)
         return tell(told, json_, loaded)
@@ -123,7 +123,7 @@ def simulate(
     (images or ByImages()).refuse("is for a single flight, with --pixels")
     answer = fly_many(
         loaded,
-        out or Path(f"{loaded.name}.flights.nc"),
+        path,
         draw=figures is None or bool(figures),
         runs=runs,
         seed=seed,

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import EXIT, print_json, print_line, tell
-from hoverproof.cli.console import NO_FOLDER, MissionName, Set, fail, load_mission
+from hoverproof.cli.console import MissionName, Set, fail, load_mission
 from hoverproof.cli.interruption import interruption
-from hoverproof.cli.reading import refuse_given
+from hoverproof.cli.reading import file_to_write, refuse_given
 from hoverproof.errors import InputError
-from hoverproof.files import require_folder
 
 if TYPE_CHECKING:
     from hoverproof.mavlink.flight import Flight
@@ -60,9 +59,7 @@ def fly(
         float,
         Parameter(help="How far the vehicle's clock may run from ours; a simulator's: 0.02, s/s."),
     ] = 0.0002,
-    log: Annotated[
-        Path | None, Parameter(help="Log to write at the end, netCDF-4.", validator=NO_FOLDER)
-    ] = None,
+    log: Annotated[Path | None, Parameter(help="Log to write at the end, netCDF-4.")] = None,
     seed: Annotated[int, Parameter(help="Of the noise of a rehearsal.")] = 0,
     allow_uncertified: Annotated[
         bool, Parameter(negative="", help="Fly gains of which nothing is proved.")
@@ -122,7 +119,7 @@ def _check(
         if wish.duration is None:
             raise InputError("--duration", "", "must be given for a rehearsal, in s")
     if log is not None:
-        require_folder(log)
+        file_to_write(log, "log.nc")
     wish.check(mission)
 
 

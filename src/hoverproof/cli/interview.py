@@ -28,6 +28,10 @@ from hoverproof.mission.writing import decimal
 
 MODEL = "x4-flyer"
 """An answer is tried in its place."""
+SIDES_OF_TAGS = 0.001, 100.0
+"""m: of tags that are printed, or painted on a field."""
+SIDES_ABOVE = 0.1, 1000.0
+"""Height over the side of the tag: nearer, corners are 82° off the axis; farther, it is a pixel."""
 LAW = {"law.feature": "scaled", "law.goal": "inertial", "law.force": "measured"}
 
 
@@ -60,7 +64,7 @@ def interview(
     for line in (known or {}).get("target", "").splitlines():
         say(f"  target: {line.removeprefix('# ')}")
 
-    def asked(question: Question, default: str) -> str:
+    def asked(question: Question, default: str, answers: Answers) -> str:
         while True:
             shown = default.strip('"[]')
             try:
@@ -69,7 +73,7 @@ def interview(
                 say("")
                 raise KeyboardInterrupt from None
             answer = _toml(typed, like=default) if typed else default
-            reason = refusal(question, answer)
+            reason = refusal(question, answer, answers)
             if reason is None:
                 return answer
             say(f"    {reason}")
@@ -77,7 +81,11 @@ def interview(
     return _answered(given, asked, known or {})
 
 
-def without_asking(given: Answers, known: Answers | None = None) -> Answers:
+def without_asking(
+    given: Answers,
+    known: Answers | None = None,
+    assumed: list[str] | None = None,
+) -> Answers:
     """Return the answers as TOML, defaults where none is given.
 
     Parameters
@@ -86,8 +94,16 @@ def without_asking(given: Answers, known: Answers | None = None) -> Answers:
         Answers that were given as options.
     known : dict, optional
         What a target file answers: see `answers_of_target`.
+    assumed : list of str, optional
+        Gets what nobody said, in words, but for what an answer of none leaves out.
     """
-    return _answered(given, lambda question, default: default, known or {})
+
+    def assume(question: Question, default: str, answers: Answers) -> str:
+        if assumed is not None and not default.startswith('"'):
+            assumed.append(question.assumed(default))
+        return default
+
+    return _answered(given, assume, known or {})
 
 
 def answers_of_target(found: TargetFile) -> Answers:
@@ -119,7 +135,9 @@ def points_text(found: TargetFile) -> str:
     return "[\n" + "".join(f"  {line},\n" for line in lines) + "]"
 
 
-def _answered(given: Answers, asked: Callable[[Question, str], str], known: Answers) -> Answers:
+def _answered(
+    given: Answers, asked: Callable[[Question, str, Answers], str], known: Answers
+) -> Answers:
     """Go through the questions: what is given, what is known of the vehicle, and what is asked."""
     answers: Answers = dict(known)
     for question in QUESTIONS:
@@ -127,12 +145,12 @@ def _answered(given: Answers, asked: Callable[[Question, str], str], known: Answ
         if name in given:
             like = '"' if name in ("vehicle", "autopilot") else question.default(answers)
             answers[name] = _toml(given[name], like=like)
-            if (reason := refusal(question, answers[name])) is not None:
+            if (reason := refusal(question, answers[name], answers)) is not None:
                 raise InputError(f"--{name.replace('_', '-')}", "", reason)
             if name == "rotor_distance":
                 answers.pop("placed", None)
         elif name not in answers:
-            answers[name] = asked(question, question.default(answers))
+            answers[name] = asked(question, question.default(answers), answers)
         if name == "vehicle" and json.loads(answers[name]) != OWN:
             answers |= {
                 n: t for n, t in _known(json.loads(answers[name])).items() if n not in given
@@ -157,14 +175,16 @@ def _known(source: str) -> Answers:
     return known | ({"rotor_lag": decimal(lag)} if lag else {})
 
 
-def refusal(question: Question, answer: str) -> str | None:
-    """Say what a mission file would say of this answer; None if nothing.
+def refusal(question: Question, answer: str, before: Answers) -> str | None:
+    """Say what a mission file would say of this answer, or why nobody sees by it; None if nothing.
 
     Parameters
     ----------
     question : Question
     answer : str
         TOML.
+    before : dict
+        The answers before it.
     """
     key = question.key
     if question.name == "vehicle":
@@ -176,8 +196,21 @@ def refusal(question: Question, answer: str) -> str | None:
         return None
     if question.name == "tag":  # a length above 0, as a height is
         key, points = "goal.height", "[[1e-7, 0, 0], [-1e-7, 0, 0]]"
-        return _refused({"target.points": points, key: answer}, key)
-    return _refused({key: answer}, key)
+        low, high = SIDES_OF_TAGS
+        reason = _refused({"target.points": points, key: answer}, key)
+        return reason or (
+            None
+            if low <= float(answer) <= high
+            else f"must be from {low:g} to {high:g} m, not {answer}"
+        )
+    reason = _refused({key: answer}, key)
+    if question.name == "height" and reason is None:
+        least, most = (sides * float(before["tag"]) for sides in SIDES_ABOVE)
+        if not least <= float(answer) <= most:
+            low, high = SIDES_ABOVE
+            reason = f"must be from {low:g} to {high:g} sides of the tag, {least:g} to {most:g} m, "
+            reason += f"not {answer}"
+    return reason
 
 
 def _refused(settings: Answers, key: str) -> str | None:

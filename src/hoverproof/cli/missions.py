@@ -15,7 +15,7 @@ from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.completion import preset_names
 from hoverproof.cli.console import Json, at_work, warn
 from hoverproof.cli.questions import OWN, Answers, Given
-from hoverproof.cli.reading import mission_name, refuse_given
+from hoverproof.cli.reading import file_to_write, mission_name, refuse_given
 from hoverproof.errors import InputError
 
 if TYPE_CHECKING:
@@ -126,21 +126,22 @@ def new(
         raise InputError(
             "--tag", "", "does not go with --target, which tells the size of the target"
         )
+    file_to_write(path, "mine.toml")
     if path.exists() and not force:
         raise InputError(str(path), "", "exists already; --force replaces it")
-    if not path.parent.is_dir():
-        raise InputError(str(path), "", f"there is no folder {path.parent}")
     name = mission_name(path)
     found = None if target is None else read_target(target, target_name)
     asks = not (yes or json_ or preset) and sys.stdin.isatty() and sys.stdout.isatty()
     with replacing(path) as beside, _told_of(path, beside):
         own = beside, name, answers, asks, found, described
-        text = _copied(preset, name, found) if preset else _own(*own)
+        text, assumed = (_copied(preset, name, found), []) if preset else _own(*own)
         beside.write_text(with_conditions(text), encoding="utf-8", newline="\n")
         made = load(beside)  # nothing is put in place that does not load
     made = made.model_copy(update={"source": str(path)})
     warn(made)
-    return tell(NewAnswer(path, made, preset or "own vehicle", _read(described, found)), json_)
+    return tell(
+        NewAnswer(path, made, preset or "own vehicle", _read(described, found), assumed), json_
+    )
 
 
 @contextlib.contextmanager
@@ -196,7 +197,8 @@ def _own(
     asks: bool,
     target: TargetFile | None,
     vehicle: VehicleFile | None,
-) -> str:
+) -> tuple[str, list[str]]:
+    """Return a mission of one's own, and which of its answers nobody gave."""
     from hoverproof.cli.described import answers_of_vehicle, in_layout_of
     from hoverproof.cli.first_mission import make
     from hoverproof.cli.interview import answers_of_target, interview, without_asking
@@ -205,9 +207,10 @@ def _own(
     if vehicle is not None:
         known |= answers_of_vehicle(vehicle) | {"vehicle": f'"{OWN}"'}
     known = {key: value for key, value in known.items() if key not in given}
-    answers = interview(given, known=known) if asks else without_asking(given, known)
+    assumed: list[str] = []
+    answers = interview(given, known=known) if asks else without_asking(given, known, assumed)
     if vehicle is not None and vehicle.layout:
         answers["placed"] = in_layout_of(vehicle, answers["rotor_distance"])
     with at_work() as doing:
         doing("looking for gains that hold the start")
-        return make(beside, name, answers)
+        return make(beside, name, answers, assumed), assumed

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from hoverproof.cli.console import NO_FOLDER, progress
+from hoverproof.cli.console import progress
 from hoverproof.cli.reading import refuse_given
 from hoverproof.cli.see import Printed
 from hoverproof.errors import InputError
@@ -45,9 +45,7 @@ class ByImages(Printed):
     ] = None
     film: Annotated[
         Path | None,
-        Parameter(
-            help="Write the images: FILE.avi or .mkv, lossless, or .mp4.", validator=NO_FOLDER
-        ),
+        Parameter(help="Write the images: FILE.avi or .mkv, lossless, or .mp4."),
     ] = None
 
     def refuse(self, reason: str = "is for --pixels") -> None:

@@ -1,7 +1,7 @@
 """The questions of `new`, in their order: what to ask, and what Enter stands for.
 
-What Enter stands for suits vehicles from 20 g to 20 kg: lengths and times go with the cube root of
-the mass, inertias and drag with what was measured of such vehicles.
+What Enter stands for suits vehicles from 20 g to 20 kg: lengths and the lag of brushless motors go
+with the cube root of the mass, inertias and drag with what was measured of such vehicles.
 """
 
 from __future__ import annotations
@@ -25,6 +25,9 @@ CONTROL_RATES = {"none": 0, "crazyflie": 500, "px4": 400, "ardupilot": 400}
 """Hz at which an autopilot runs its attitude control, unless it is told otherwise."""
 USUAL_MASS, USUAL_ARM, USUAL_LAG = 0.5, 0.17, 0.03
 """kg, m, s: a vehicle to which others are compared."""
+BRUSHED, BRUSHED_LAG = 0.1, 0.05
+"""kg, s: lighter vehicles have brushed motors, which no ESC spurs on: that of the preset
+crazyflie-2.1. (RotorPy has 0.072 s for the rotor speed of a Crazyflie.)"""
 GYRATION = 0.28, 0.28, 0.52
 """Inertia over mass and squared distance of a rotor: 0.25 to 0.38 and 0.49 to 0.56 of vehicles that
 were measured."""
@@ -56,9 +59,18 @@ class Question(NamedTuple):
     words: str
     default: Callable[[Answers], str]
 
+    def assumed(self, answer: str) -> str:
+        """Say what is assumed if nobody answers: the option, the number, the unit."""
+        _, comma, unit = self.words.rpartition(", ")
+        return f"--{self.name.replace('_', '-')} {answer}{f' {unit}' if comma else ''}"
+
 
 def _scale(a: Answers) -> float:
     return math.cbrt(float(a["mass"]) / USUAL_MASS)
+
+
+def _lag(a: Answers) -> str:
+    return text(BRUSHED_LAG if float(a["mass"]) < BRUSHED else USUAL_LAG * _scale(a))
 
 
 def _inertia(a: Answers) -> str:
@@ -93,7 +105,7 @@ QUESTIONS = (
         "rotor_lag",
         "uncertainty.rotor_lag",
         "lag of the rotors, s",
-        lambda a: text(USUAL_LAG * _scale(a)),
+        _lag,
     ),
     Question("tag", "", "side of the square tag, m", lambda a: "0.2"),
     Question(
@@ -116,7 +128,7 @@ QUESTIONS = (
         lambda a: f'"{NONE}"',
     ),
     Question("thrust", "uncertainty.thrust", "thrust may be off by this share", lambda a: "0.2"),
-    Question("torque", "uncertainty.torque", "torque, inertia: by this share", lambda a: "0.1"),
+    Question("torque", "uncertainty.torque", "torque and inertia: by this share", lambda a: "0.1"),
     Question("wind", "uncertainty.wind", "steady wind, its force over mass, m/s²", lambda a: "0.2"),
     Question("yaw_rate", "uncertainty.yaw_rate", "largest yaw rate, rad/s", lambda a: "0.3"),
     Question("autopilot", "", "autopilot: crazyflie, px4, ardupilot or none", lambda a: '"none"'),

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hoverproof.errors import InputError
+from hoverproof.files import require_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -102,34 +103,85 @@ def parse_weights(
     return weights
 
 
-def picture_path(path: Path) -> Path:
-    """Refuse a figure in another format than .png or .svg before the work is done."""
-    if path.suffix.lower() not in (".png", ".svg"):
-        raise InputError(str(path), "", "a figure must end in .png or .svg")
-    return path
-
-
 def mission_name(path: Path) -> str:
     """Return a mission's name for a file."""
     return re.sub(r"[^A-Za-z0-9._-]", "-", path.stem).lstrip("._-")[:64] or "mission"
 
 
-def certificate_stem(mission: Mission, source: str, settings: list[str] | None) -> str:
-    """Return how the names of certificates begin: with the mission's name.
+def default_stem(
+    mission: Mission,
+    source: str,
+    settings: list[str] | None,
+    *,
+    of: str | None = None,
+    proof: bool = False,
+) -> str:
+    """Return how the names of files begin that a command writes: as the preset or mission file.
 
     Where --set makes another mission of it, eight digits of its hash follow, so that it does not
-    replace a certificate of the mission itself.
+    replace what was written of the mission itself; a name that --set gives stands alone.
+
+    Parameters
+    ----------
+    mission : Mission
+        As changed by `settings`.
+    source : str
+        The preset or the file.
+    settings : list of str, optional
+        Those of --set.
+    of : str, optional
+        What the files are about, if not the mission: the name of a log.
+    proof : bool
+        Whether the files are about what a certificate holds of a mission alone.
     """
     from hoverproof.checker import digest
+    from hoverproof.mission.presets import presets
     from hoverproof.mission.reading import load
 
+    stem = of or (source if source in presets() else Path(source).stem)
     if not settings:
-        return mission.name
+        return stem
+    told = mission.exact() if proof else _said(mission)
     with contextlib.suppress(InputError):  # it may be of use with --set alone
         plain = load(source)
-        if plain.name != mission.name or plain.exact() == mission.exact():
+        if of is None and plain.name != mission.name:
             return mission.name
-    return f"{mission.name}.{digest(mission.exact())[:8]}"
+        if told == (plain.exact() if proof else _said(plain)):
+            return stem
+    return f"{stem}.{digest(told)[:8]}"
+
+
+def _said(mission: Mission) -> dict[str, Any]:
+    """Return all that a mission says, each number an exact string."""
+    from hoverproof.mission.fields import as_text
+
+    interface = mission.interface.model_dump(exclude_defaults=True)
+    return mission.exact() | mission.conditions() | {"interface": as_text(interface)}
+
+
+def file_to_write(given: Path | None, default: str, *endings: str) -> Path:
+    """Return where a command writes, and refuse what it could not write, before any work.
+
+    Parameters
+    ----------
+    given : Path, optional
+        As an option says; by default `default`, here.
+    default : str
+        A file name; what is given has its ending.
+    *endings : str
+        Or one of these.
+
+    Raises
+    ------
+    InputError
+        If the ending is another one, or a file cannot be made there.
+    """
+    path = Path(default) if given is None else given
+    require_file(path)
+    endings = (Path(default).suffix, *endings)
+    if path.suffix.lower() not in endings:
+        raise InputError(str(path), "", f"must end in {' or '.join(endings)}")
+    return path
 
 
 def stretch(option: str, text: str) -> tuple[float, float]:

@@ -10,7 +10,8 @@ from typing import Annotated, Literal
 from cyclopts import Parameter, validators
 
 from hoverproof.cli.answers.answer import tell
-from hoverproof.cli.console import NO_FOLDER, Json, MissionName, Set, load_mission
+from hoverproof.cli.console import Json, MissionName, Set, load_mission
+from hoverproof.cli.reading import default_stem, file_to_write
 
 
 def report(
@@ -20,8 +21,7 @@ def report(
         Path | None,
         Parameter(
             name=["--out", "-o"],
-            help="File to write; default NAME.report.html.",
-            validator=NO_FOLDER,
+            help="File to write; default NAME.report.html, NAME as for `certify`.",
         ),
     ] = None,
     without: Annotated[
@@ -60,7 +60,7 @@ def report(
     words += [w for setting in set_ or [] for w in ("--set", setting)]
     words += [w for part in without or [] for w in ("--without", part)]
     words += [] if runs is None else ["--runs", str(runs)]
-    path = out or Path(f"{loaded.name}.report.html")
+    path = file_to_write(out, f"{default_stem(loaded, mission, set_)}.report.html")
     written = write(
         loaded,
         path,

@@ -13,9 +13,10 @@ from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import print_line, tell
 from hoverproof.cli.completion import mission_names
-from hoverproof.cli.console import NO_FOLDER, Json, Set, load_mission, progress
-from hoverproof.cli.reading import refuse_given, stretch
+from hoverproof.cli.console import Json, Set, load_mission, progress
+from hoverproof.cli.reading import default_stem, file_to_write, refuse_given, stretch
 from hoverproof.errors import InputError
+from hoverproof.files import require_file
 
 if TYPE_CHECKING:
     from hoverproof.eyes.sightings import Viewer
@@ -90,15 +91,12 @@ def see(
     ] = None,
     out: Annotated[
         Path | None,
-        Parameter(
-            help="FILE.nc or FILE.csv; by default SOURCE.seen.nc, here.", validator=NO_FOLDER
-        ),
+        Parameter(help="FILE.nc or FILE.csv; by default SOURCE.seen.nc, here."),
     ] = None,
     overlay: Annotated[
         Path | None,
         Parameter(
-            help="The images with what was found: FILE.png, or FILE.avi, .mkv or .mp4 of several.",
-            validator=NO_FOLDER,
+            help="The images with what was found: FILE.png, or FILE.avi, .mkv or .mp4 of several."
         ),
     ] = None,
     stream: Annotated[
@@ -135,13 +133,14 @@ def see(
     from hoverproof.eyes.sightings import Sightings
     from hoverproof.eyes.video import open_source
 
-    path = out or Path(f"{Path(source).stem or 'camera'}.seen.nc")
-    if path.suffix.lower() not in (".nc", ".csv"):
-        raise InputError(str(path), "", "must end in .nc or .csv")
     part = None if still is None else stretch("--still", still)
     loaded = None if mission is None else load_mission(mission, set_)
     if loaded is None and set_:
         raise InputError("--set", "", "goes with --mission")
+    stem = Path(source).stem or "camera"
+    if loaded is not None and mission is not None:
+        stem = default_stem(loaded, mission, set_, of=stem)
+    path = file_to_write(out, f"{stem}.seen.nc", ".csv")
     viewer = _viewer(loaded, camera, (printed or Printed()).board())
     if stream:
         of_files = {"--out": out, "--overlay": overlay, "--still": still, "--json": json_}
@@ -208,6 +207,7 @@ def _overlay(path: Path | None, viewer: Viewer, source: Source) -> Iterator[Call
     if path is None:
         yield lambda image, pixels: None
         return
+    require_file(path)
     of_one = path.suffix.lower() == ".png"
     if of_one and source.expected != 1:
         raise InputError(str(path), "", "is for a single image; of several: .avi, .mkv or .mp4")

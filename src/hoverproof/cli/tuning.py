@@ -11,7 +11,6 @@ from cyclopts import Parameter
 
 from hoverproof.cli.answers.answer import Answer, tell
 from hoverproof.cli.console import (
-    NO_FOLDER,
     Json,
     MissionName,
     Set,
@@ -20,9 +19,8 @@ from hoverproof.cli.console import (
     progress,
     warn,
 )
-from hoverproof.cli.reading import mission_name, parse_weights, picture_path
+from hoverproof.cli.reading import default_stem, file_to_write, mission_name, parse_weights
 from hoverproof.errors import InputError
-from hoverproof.files import require_folder
 
 if TYPE_CHECKING:
     from hoverproof.cli.answers.curve import CurveAnswer
@@ -93,9 +91,7 @@ def tune(
     ] = None,
     out: Annotated[
         Path | None,
-        Parameter(
-            help="Mission file to write; with --pareto the figure, PNG or SVG.", validator=NO_FOLDER
-        ),
+        Parameter(help="Mission file to write; with --pareto the figure, PNG or SVG."),
     ] = None,
     set_: Set = None,
     json_: Json = False,
@@ -121,10 +117,14 @@ def tune(
     """
     loaded = load_mission(mission, set_)
     pareto = VALUES if pareto is None and trade is not None else pareto
-    if out is not None:
-        require_folder(out)
-    if pareto is None and out is not None and out.suffix in (".png", ".svg"):
-        raise InputError("--out", "", f"{out} is no mission file: --pareto and --trade draw")
+    picture = None
+    if pareto is not None:
+        stem = default_stem(loaded, mission, set_)
+        picture = file_to_write(out, f"{stem}.pareto.png", ".svg")
+    elif out is not None:
+        if out.suffix in (".png", ".svg"):
+            raise InputError("--out", "", f"{out} is no mission file: --pareto and --trade draw")
+        file_to_write(out, "tuned.toml")
     if pareto is not None and at_least is not None:
         raise InputError("--at-least", "", "does not go with --pareto")
     from hoverproof.design.tuning import Wish
@@ -140,10 +140,9 @@ def tune(
         minimum_decay=minimum_decay,
         trade=trade,
     )
-    if pareto is None:
+    if pareto is None or picture is None:
         found, written, certificate = _tune(loaded, out, wish)
         return tell(_answer(found, written, certificate), json_, found.mission)
-    picture = picture_path(out or Path(f"{loaded.name}.pareto.png"))
     return tell(_curve(loaded, pareto, picture, wish), json_, loaded)
 
 

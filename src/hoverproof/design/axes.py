@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.errors import InputError
+from hoverproof.mission.fields import LEAST
 from hoverproof.mission.reading import with_tolerance
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.task import Bounds, Gains
@@ -98,6 +99,8 @@ OF_START = GAINS | {
 """What the theorem of a start is mapped over."""
 NOT_ASKED = -128
 """In the verdicts of a map, of a cell that was not decided exactly."""
+MOST = 1e9
+"""In any unit: what a gain, an eigenvalue or a level of a mission is at most."""
 FACTOR, OF_START_FACTOR = 10, 3
 """By which a gain is divided and multiplied, for the ends of its range."""
 
@@ -183,9 +186,10 @@ def axis(
         ends = _ends(mission, name, float(held), OF_START_FACTOR if of_start else FACTOR)
     low, high = ends
     from_zero = quantity.key.startswith("uncertainty") and scale == "linear"
-    begins = low >= 0 if from_zero else low > 0
-    if not begins or not low < high < math.inf:
-        what = f"two numbers in order, {'0 or more' if from_zero else f'above 0 {quantity.unit}'}"
+    least, most = (0.0, math.inf) if from_zero else (float(LEAST), MOST)
+    if not least <= low < high <= most or math.isinf(high):
+        within = "0 or more" if from_zero else f"from {LEAST} to {MOST:g} {quantity.unit}"
+        what = f"two numbers in order, {within.removesuffix(' 1')}"
         raise InputError(f"{option}-range", "", f"must be {what}, not {low:g},{high:g}")
     line = np.geomspace(low, high, cells) if scale == "log" else np.linspace(low, high, cells)
     digits = DIGITS + max(0, math.ceil(math.log10(cells * high / (high - low))) - 3)

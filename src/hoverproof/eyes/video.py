@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hoverproof.errors import InputError
 from hoverproof.eyes.opencv import opencv
-from hoverproof.files import replacing, write_bytes
+from hoverproof.files import replacing, require_file, write_bytes
 
 Image = NDArray[np.uint8]
 
@@ -199,6 +199,7 @@ def check_video(path: Path) -> None:
     ----------
     path : Path
     """
+    require_file(path)
     if path.suffix.lower() not in CODECS:
         raise InputError(str(path), "", f"must end in {' or '.join(CODECS)}")
 

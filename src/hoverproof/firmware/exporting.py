@@ -13,6 +13,7 @@ from hoverproof.certification.problem import pose
 from hoverproof.export.binding import Firmware
 from hoverproof.export.package import NotCertified, check_options, write_package
 from hoverproof.export.standing import Standing
+from hoverproof.files import require_folder
 from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
@@ -69,6 +70,7 @@ def export_c(
     InputError
         If an argument cannot be used or the folder cannot be written to.
     """
+    require_folder(out)
     own, law = flown_law(mission), law and law.flying(mission)
     if law is not None and law != own:
         if not allow_uncertified:

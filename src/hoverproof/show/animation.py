@@ -78,14 +78,14 @@ def save_animation(
     check_request(path, speed_up)
     duration = float(flight["time"].values[-1])
     speed = natural_speed_up(duration) if speed_up is None else speed_up
-    shown = math.ceil(duration / speed * RATE) + 1
-    if shown > MOST_PICTURES:
+    if duration / speed * RATE > MOST_PICTURES - 1:
         least = duration * RATE / (MOST_PICTURES - 1)
         raise InputError(
             "--speed-up",
             "",
             f"must be at least {least:.2g} for a flight of {duration:g} s, not {speed:g}",
         )
+    shown = math.ceil(duration / speed * RATE) + 1
     stage = Stage(flight, speed)
     total = shown + round(HOLD * RATE)
     with film(path, stage.pixels(duration), rate=RATE) as add:

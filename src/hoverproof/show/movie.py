@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from hoverproof.errors import InputError
-from hoverproof.files import replacing
+from hoverproof.files import replacing, require_file
 
 Pixels = NDArray[np.uint8]
 
@@ -38,6 +38,7 @@ def check_file(path: Path) -> None:
     InputError
         If the ending is none of `ENDINGS`, or is ``.mp4`` and there is no ffmpeg.
     """
+    require_file(path)
     ending = path.suffix.lower()
     if ending not in ENDINGS:
         raise InputError(str(path), "", f"must end in {' or '.join(ENDINGS)}")

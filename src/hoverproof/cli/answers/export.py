@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -54,7 +55,8 @@ class ExportAnswer(Answer):
         yield f"  {manifest['law_sha256']}"
         for sha256 in manifest["theorems"].values():
             yield f"  {sha256}"
-        yield f"Next: cd {self.out} && cmake -B build && cmake --build build --target fly"
+        folder = shlex.quote(str(self.out))
+        yield f"Next: cd {folder} && cc -std=c99 -O2 -I. *.c example/*.c -lm -o fly && ./fly"
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""

@@ -76,7 +76,8 @@ class NewAnswer(Answer):
     path: Path
     mission: Mission
     source: str
-    target: Sequence[str] = ()
+    read: Sequence[str] = ()
+    assumed: Sequence[str] = ()
 
     @property
     def _for_start(self) -> bool:
@@ -88,8 +89,13 @@ class NewAnswer(Answer):
         path, tuned = self.path, self.path.with_stem(f"{self.path.stem}-tuned")
         own = self.source == "own vehicle"
         yield f"{path}: written, {self.source if own else f'from preset {self.source}'}"
-        for words in self.target:
+        for words in self.read:
             yield from textwrap.wrap(words, 80, initial_indent="  ", subsequent_indent="    ")
+        if self.assumed:
+            words = f"assumed: {', '.join(self.assumed)}"
+            yield from textwrap.wrap(
+                words, 80, initial_indent="  ", subsequent_indent="    ", break_on_hyphens=False
+            )
         if self.mission.asks_to_cover():
             words = f"for every vehicle within {', '.join(self.mission.asks_to_cover())}"
             yield from textwrap.wrap(words, 80, initial_indent="  ", subsequent_indent="    ")
@@ -101,6 +107,10 @@ class NewAnswer(Answer):
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""
-        return {"out": str(self.path), "name": self.mission.name, "from": self.source} | (
-            {"target": list(self.target)} if self.target else {}
-        )
+        return {
+            "out": str(self.path),
+            "name": self.mission.name,
+            "from": self.source,
+            "target": list(self.read),
+            "assumed": list(self.assumed),
+        }

@@ -1,0 +1,126 @@
+"""Where commands write: names of their own, and what cannot be written is refused first."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from command_line import refusal, run
+from hoverproof.errors import InputError
+from hoverproof.files import require_file, write_text
+from hoverproof.mission.presets import preset_text
+from hoverproof.simulation import flight
+
+BRIEF = ("--duration", "0.1", "--no-figures", "--json")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def nothing_flown(monkeypatch):
+    def flown(*_, **__):
+        raise AssertionError("flown before it was refused")
+
+    monkeypatch.setattr(flight, "flown", flown)
+
+
+def test_missions_that_differ_write_files_of_other_names(capsys):
+    for name in ("mine", "copied"):
+        Path(f"{name}.toml").write_text(preset_text("x4-flyer"))
+    asked = (
+        ("mine.toml",),
+        ("copied.toml",),
+        ("mine.toml", "--set", "gains.k1=0.3"),
+        ("mine.toml", "--set", "sensors.latency=0.1"),
+        ("mine.toml", "--set", "interface.rate_bandwidth=25"),
+        ("mine.toml", "--set", "name=third"),
+    )
+    told = [json.loads(run(capsys, "simulate", *words, *BRIEF)[1])["out"] for words in asked]
+    assert len({*told}) == len(asked)
+    assert told[:2] + told[-1:] == ["mine.flight.nc", "copied.flight.nc", "third.flight.nc"]
+    same = ("mine.toml", "--set", "sensors.latency=0")
+    assert json.loads(run(capsys, "simulate", *same, *BRIEF)[1])["out"] == "mine.flight.nc"
+
+
+def test_a_log_held_against_another_mission_has_a_page_of_its_own(capsys):
+    run(capsys, "simulate", "crazyflie-2.1", *BRIEF)
+    words = ("replay", "crazyflie-2.1.flight.nc", "--mission", "crazyflie-2.1", "--no-figure")
+    for more in ((), ("--set", "gains.k1=0.01")):
+        assert run(capsys, *words, *more)[0] == 0
+    found = sorted(path.name for path in Path.cwd().glob("*.replay.nc"))
+    assert len(found) == 2
+    assert "crazyflie-2.1.flight.replay.nc" in found
+
+
+@pytest.mark.usefixtures("nothing_flown")
+@pytest.mark.parametrize(
+    ("words", "ending"),
+    [
+        ("simulate x4-flyer --out x.txt", ".nc"),
+        ("simulate x4-flyer --runs 3 --set scatter.mass=0.1 --out x.txt", ".nc"),
+        ("atlas x4-flyer --out x.png", ".nc"),
+        ("atlas x4-flyer --figure x.nc", ".png or .svg"),
+        ("replay log.nc --mission x4-flyer --out x.txt", ".nc"),
+        ("tune x4-flyer --out t.json", ".toml"),
+        ("tune x4-flyer --trade latency --out t.toml", ".png or .svg"),
+        ("certify x4-flyer --out c.toml", ".json"),
+        ("region x4-flyer --out c.nc", ".json"),
+        ("attraction x4-flyer --out c.png", ".json"),
+        ("report x4-flyer --out r.pdf", ".html"),
+        ("audit log.nc --mission x4-flyer --out a.pdf", ".html"),
+        ("audit log.nc --mission x4-flyer --certify w.json", ".toml"),
+        ("fly crazyflie-2.1 --rehearse px4 --duration 1 --log log.ulg", ".nc"),
+        ("new mine.json --yes", ".toml"),
+    ],
+)
+def test_another_ending_than_that_of_what_is_written_is_refused(words, ending, capsys):
+    assert f"must end in {ending}\n" in refusal(capsys, *words.split())
+    assert not list(Path.cwd().iterdir())
+
+
+@pytest.mark.usefixtures("nothing_flown")
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        ("simulate x4-flyer --out no/f.nc", "its folder is not there"),
+        ("simulate x4-flyer --animate no/f.html", "its folder is not there"),
+        ("simulate x4-flyer --out held.nc", "is a directory"),
+        ("simulate x4-flyer --out file/f.nc", "Not a directory"),
+        (f"simulate x4-flyer --out {'n' * 300}.nc", "File name too long"),
+        ("atlas x4-flyer --figure no/f.png", "its folder is not there"),
+        ("report x4-flyer --out no/r.html", "its folder is not there"),
+        ("certify x4-flyer --out no/c.json", "its folder is not there"),
+        ("new no/mine.toml --yes", "its folder is not there"),
+        ("export x4-flyer --out file/fw", "file is no folder"),
+        (f"export x4-flyer --out {'n' * 300}", "File name too long"),
+    ],
+)
+def test_what_cannot_be_written_is_refused_before_the_work(words, reason, capsys, folder):
+    (folder / "held.nc").mkdir()
+    (folder / "file").touch()
+    assert reason in refusal(capsys, *words.split())
+
+
+def test_a_page_that_is_not_written_has_no_name(capsys):
+    words = ("audit", "log.nc", "--mission", "x4-flyer", "--no-page", "--out", "a.html")
+    assert "--out: does not go with --no-page" in refusal(capsys, *words)
+
+
+def test_a_link_stays_and_what_it_points_to_is_replaced(folder):
+    (folder / "far").mkdir()
+    (folder / "far" / "a.txt").write_text("old")
+    (folder / "a.txt").symlink_to("far/a.txt")
+    write_text(folder / "a.txt", "new")
+    assert (folder / "a.txt").is_symlink()
+    assert (folder / "far" / "a.txt").read_text() == "new"
+
+
+def test_no_file_takes_the_place_of_a_device():
+    with pytest.raises(InputError, match="a device, not a file"):
+        require_file("/dev/null")
