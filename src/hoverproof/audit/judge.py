@@ -166,7 +166,7 @@ def rotors_alike(v: Vehicle) -> Finding:
     at = int(np.nanargmax(worst))
     rotor = int(np.argmax(abs(off[at] - 1)))
     label = v.mission.vehicle.frame.names[rotor]
-    words = f"rotor {label} gives {off[at, rotor]:.3g} of what the others do, of what it is asked"
+    words = f"rotor {label}: thrust over command {off[at, rotor]:.3g} times the median of all"
     return Finding(**{**vars(found), "words": words})
 
 

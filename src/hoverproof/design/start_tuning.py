@@ -150,7 +150,7 @@ def _narrower(search: StartSearch, point: Point) -> tuple[StartSearch, Point] | 
 
 def _closely_proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | str:
     """Prove gains with as close a ball of J as few cells show, or else with the ball as it is."""
-    tell("searching for gains with a closer ball of J")
+    tell("searching for gains with closer bounds of J")
     closer = _closer(search, point)
     found = "" if closer is None else _proved(*closer, tell)
     return found if isinstance(found, StartTuned) else _proved(search, point, tell)

@@ -44,8 +44,9 @@ def claim_text(j: Judgement) -> str:
         ("reason", j.reason),
         ("printed", j.printed.text()),
         ("derived", j.derived.text()),
-        ("difference", j.difference or "none"),
     ]
+    if len(j.difference) < len(j.printed.text() + j.derived.text()):  # else it is both again
+        rows.append(("difference", j.difference or "none"))
     if j.counterexample:
         point = ", ".join(f"{name}={value}" for name, value in j.counterexample.items())
         rows.append(("printed form fails at", point))

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hoverproof.cli.answers.answer import Answer
-from hoverproof.cli.answers.words import number
+from hoverproof.cli.answers.words import about, number
 from hoverproof.design.atlas import Axis
 from hoverproof.design.atlas_summary import AtlasSummary
 
@@ -38,11 +38,11 @@ class AtlasAnswer(Answer):
             "(floating point)"
         )
         if found.best is not None:
-            words = ", ".join(f"{name} = {number(value)}" for name, value in found.best.items())
+            words = ", ".join(f"{name} = {about(value)}" for name, value in found.best.items())
             axes = ((self.x.name, self.x.values), (self.y.name, self.y.values))
             at_edge = any(found.best[name] in (ends[0], ends[-1]) for name, ends in axes)
             yield f"  best cell               {words}{', at the edge of the map' * at_edge}"
-            yield f"  its decay rate          {number(found.best_decay_rate)} 1/s"
+            yield f"  its decay rate          {about(found.best_decay_rate)} 1/s"
         if self.exact:
             words = ", ".join(f"{n} {word}" for word, n in found.decided.items())
             yield f"  at the boundary         {words}, exactly; {found.disagree} unlike the map"
