@@ -127,7 +127,7 @@ def test_the_command_tells_one_time_of_a_flight_that_ends_early(capsys):
     told = summary(xr.open_dataset("x4-flyer.flight.nc", engine="h5netcdf"))
     time = f"{told['duration']:g} s"
     assert lines[0] == f"x4-flyer: hit the height of the target at {time}"
-    ideal = "without sensors, rotors, wind and errors: not within"
+    ideal = "with ideal sensors and rotors, no wind or errors: not within"
     assert f"  {ideal} {time}, to which the two are compared" in lines
 
 

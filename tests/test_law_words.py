@@ -73,7 +73,8 @@ def test_certify_and_region_say_their_law_and_what_is_bounded(law, capsys):
         assert status in (0, 1), err
         first, second, *rest = out.splitlines()
         assert first.startswith("small: ")
-        assert (second == f"  law                     {name}") == (law != PAPERS)
+        says = f"  law                     {name} (feature/goal/force)"
+        assert (second == says) == (law != PAPERS)
         text = "\n".join([second, *rest])
         assert ("symmetric Q" in text) == (of == "Q" and command == "certify")
         assert ("eigenvalues" in text) == (of == "Q")

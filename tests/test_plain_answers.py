@@ -39,7 +39,7 @@ def test_runs_of_which_none_is_complete_tell_nothing_of_settling(capsys, monkeyp
         (
             (),
             "[0, 47.04] N each (--rotor-limits)\n"
-            "          an assumption: half the weight; the mission does not say",
+            "          assumed: half the weight, as the mission names none",
         ),
         (("--rotor-limits", "0,40"), "[0, 40] N each\n          given to the export"),
         (

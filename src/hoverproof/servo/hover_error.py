@@ -101,7 +101,7 @@ class HoverError:
                 leaves,
                 f"{percent(1 / leaving - 1)} more thrust or {percent(leaving - 1)} less mass"
                 if leaving > 0
-                else "never, by such an error",
+                else "never",
             ),
         ]
 

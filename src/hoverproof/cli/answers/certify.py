@@ -83,7 +83,7 @@ class CertifyAnswer(Answer):
     def _demanded(self) -> Iterator[str]:
         if self.demands is None:
             return
-        yield "The theorem as the paper prints it (false, see hoverproof derive) asks for:"
+        yield "The printed theorem of the paper (false, see hoverproof derive) asks for:"
         # broken between conditions, not within
         whole = "; ".join(d.text().replace(" ", "\xa0") for d in self.demands)
         for line in textwrap.wrap(whole, 76):

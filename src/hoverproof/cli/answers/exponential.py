@@ -102,7 +102,7 @@ def beyond(verdict: Exponential) -> list[str]:
         if most is not None and high > most:
             above[of] = max(high - most, above.get(of, high - most))
     return [
-        f"{limit}{of} may be passed, by up to {at_most(far)} N: the proof has no such limit"
+        f"{limit}{of} may be violated by up to {at_most(far)} N"
         for limit, beside in (("min_thrust", below), ("max_thrust", above))
         for of, far in beside.items()
     ]
