@@ -178,7 +178,7 @@ def test_the_command_proves_it_where_the_gains_alone_are_not_and_takes_a_file(
     assert "certified (theorem 5)" in told
     assert "not considered" not in told
     assert Path("a/manifest.json").read_bytes() == Path("b/manifest.json").read_bytes()
-    assert "not shown to be kept" in Path("a/README.md").read_text()
+    assert "not proved to be respected" in Path("a/README.md").read_text()
 
     mission, open_ = load(), Undecided(mission=load(), reason="no proof")
     monkeypatch.setattr(exporting, "attraction", lambda mission, progress: open_)
