@@ -156,7 +156,7 @@ def test_what_is_about_the_law_of_the_paper_alone_refuses_another(law, capsys):
     status, out, err = run(capsys, *words)
     assert (status, out) == (2, "")
     assert err.splitlines()[-1].startswith(f"hoverproof: small.toml: law: {'/'.join(law)} is ")
-    assert "for which alone gains are searched by their region of attraction" in err
+    assert "gains are searched by their region of attraction for that law alone" in err
     assert len(re.findall("(?m)^hoverproof: ", err)) == 1
 
 

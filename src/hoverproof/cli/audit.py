@@ -38,8 +38,8 @@ Topics = Annotated[
     Parameter(
         name="--topic",
         negative="",
-        help="Topic of a bag, PART=NAME, where its type does not tell (repeatable); the part is imu, "
-        "odometry, pose, feature, sightings, rates, thrust or rotors.",
+        help="Topic of a bag, PART=NAME, where its type does not tell (repeatable); the part is "
+        "imu, odometry, pose, feature, sightings, rates, thrust or rotors.",
     ),
 ]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hoverproof.cli.answers.answer import Answer
-from hoverproof.cli.answers.words import about, number
+from hoverproof.cli.answers.words import about
 from hoverproof.design.atlas import Axis
 from hoverproof.design.atlas_summary import AtlasSummary
 
@@ -31,7 +31,7 @@ class AtlasAnswer(Answer):
         share = 100 * found.certified / found.cells
         yield f"{self.mission}: a map of what is certified"
         for one in (self.x, self.y):
-            ends = f"{number(one.values[0])} to {number(one.values[-1])} {one.quantity.unit}"
+            ends = f"{about(one.values[0])} to {about(one.values[-1])} {one.quantity.unit}"
             yield f"  {one.name:23} from {ends}"
         yield (
             f"  certified               {found.certified} of {found.cells} cells, {share:.1f} % "

@@ -97,7 +97,7 @@ class FlightAnswer(Answer):
         if "ideal_settled_at" in facts:
             settled = _since(facts["ideal_settled_at"])
             if facts["ideal_settled_at"] is None:
-                settled = f"not within {facts['compared_until']:g} s, to which the two are compared"
+                settled = f"not before {facts['compared_until']:g} s"
             yield f"  with ideal sensors and rotors, no wind or errors: {settled}"
             most = about(facts["greatest_distance_from_ideal"])
             last = about(facts["final_distance_from_ideal"])

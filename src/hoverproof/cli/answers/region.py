@@ -94,4 +94,4 @@ class RegionAnswer(Answer):
 def _asked(verdict: BoundsVerdict) -> str:
     flow = flow_of(verdict.mission)
     within = flow.within(verdict.bounds, number)
-    return f"bounds {within} of {flow.words}" if flow.symbol == "Q" else f"ball {within}"
+    return f"bounds {within} of {flow.words}" if flow.symbol == "Q" else f"bounds {within}"

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hoverproof.cli.answers.answer import Answer
-from hoverproof.cli.answers.words import about, at_most, number, wrapped
+from hoverproof.cli.answers.words import about, at_most, wrapped
 from hoverproof.design.atlas import Axis
 from hoverproof.design.atlas_summary import StartSummary
 from hoverproof.mission.sections import Mission
@@ -51,7 +51,7 @@ class StartAtlasAnswer(Answer):
         yield from wrapped("for every vehicle", ", ".join(self.covers) or "just as modelled")
         for one in self.axes:
             unit = "" if one.quantity.unit == "1" else f" {one.quantity.unit}"
-            ends = f"{number(one.values[0])} to {number(one.values[-1])}{unit}"
+            ends = f"{about(one.values[0])} to {about(one.values[-1])}{unit}"
             yield f"  {one.name:23} from {ends}"
         share = f"{found.found} of {found.cells} cells, {100 * found.found / found.cells:.1f} %"
         yield f"  start held              {share} (found by search, not proved)"
@@ -68,7 +68,7 @@ class StartAtlasAnswer(Answer):
             words = "cells at the boundary, and the soonest: exact certificates"
             yield f"  proved                  {found.proved} of {found.asked} {words}"
         elif found.found:
-            yield "  proved                  none was asked for: --exact-boundary"
+            yield "  proved                  none asked for (--exact-boundary)"
         yield f"  map                     {self.path}"
         yield f"  figure                  {self.picture}"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -76,7 +77,8 @@ class InfeasibleAnswer(Answer):
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""
         yield f"{self.found.mission.name}: infeasible"
-        yield from ("  " + part for part in self.found.reason.replace("; ", ";\n").split("\n"))
+        for part in self.found.reason.replace("; ", ";\n").split("\n"):
+            yield from textwrap.wrap(part, 80, initial_indent="  ", subsequent_indent="    ")
         for advice in self.found.advice:
             yield f"  would help: {advice.words}"
             yield f"    proved to settle within {at_most(advice.time)} s, with"
