@@ -22,6 +22,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from hoverproof.cli import console
+from hoverproof.cli.answers.glossary import SYMBOLS
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.sections import Mission
 
@@ -53,7 +54,7 @@ def write(source: Path) -> None:
 
 
 def commands() -> str:
-    """Return the reference of the commands, from the help of each."""
+    """Return the reference of the commands, from the help of each, and of their symbols."""
     with mock.patch.object(sys, "argv", ["hoverproof"]):  # else the usage names this build
         text = console.app.generate_docs(output_format="markdown")
     _, *sections = re.split(r"(?m)^## hoverproof ", text)
@@ -63,6 +64,8 @@ def commands() -> str:
         name = name.strip()
         title = f"`{name}`" if name.startswith("-") else name
         parts.append(f"(command-{name})=\n## {title}\n{_examples_as_code(body)}")
+    meanings = [(symbol, _plain(means)) for symbol, means in SYMBOLS.items()]
+    parts += ["(symbols)=\n## Symbols of the answers", _table(("symbol", "meaning"), meanings)]
     return "\n\n".join(parts) + "\n"
 
 

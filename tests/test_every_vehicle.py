@@ -197,7 +197,7 @@ def test_it_is_said_why_a_proof_takes_more_than_four_times_as_long_as_a_flight(p
     said = why_longer(proved, time / 8)
     assert said.startswith("8 times as long as in a flight")
     assert 0 < float(re.search(r"the tolerances cost ([\d.]+) %", said)[1]) < 20
-    assert f"holds J all the way, from {float(proved.slope[0]):.3g} to" in said
+    assert f"it bounds J once for all the way, from {float(proved.slope[0]):.3g} to" in said
     exact = replace(
         proved, mission=proved.mission.model_copy(update={"uncertainty": Uncertainty()})
     )

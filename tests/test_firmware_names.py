@@ -129,7 +129,7 @@ def test_an_export_under_a_taken_name_writes_nothing(tmp_path):
 @pytest.mark.parametrize(
     ("overrides", "options", "words"),
     [
-        ({}, {}, "0 to 47.04 N each (an assumption: half the weight; the mission does not say)"),
+        ({}, {}, "0 to 47.04 N each (assumed: half the weight, as the mission names none)"),
         (
             {"rotors.min_thrust": 1, "rotors.max_thrust": 40},
             {},

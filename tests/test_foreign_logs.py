@@ -359,7 +359,7 @@ def test_a_log_goes_on_behind_damage(ardupilot, px4, tmp_path):
 @pytest.mark.parametrize(
     ("name", "content", "reason"),
     [
-        ("a.bin", b"\xa3\x95\x80" + bytes(300), "tells the layout of no message"),
+        ("a.bin", b"\xa3\x95\x80" + bytes(300), "holds the layout of no message"),
         ("a.bin", b"\xa3\x95\x80" + struct.pack("<BB4s16s64s", 9, 11, b"MSG", b"Q", b"TimeUS"), ""),
         ("a.mcap", b"\x89MCAP0\r\n" + bytes(99), "is damaged or cut short"),
         ("a.log", b"\x89MCAP0\r\n" + bytes(99), "must end in .mcap or .db3"),

@@ -118,19 +118,20 @@ def test_the_controller_rests_where_it_is_told_to_hover(overrides, error):
 
 def test_it_is_told_in_words_with_the_signs_of_a_vehicle(x4):
     rows = dict(hover_error(load(CRAZYFLIE)).rows())
-    assert rows["hover, 1 % less thrust"] == "0.558 m, not 1 m (1 % heavier: 0.561 m)"
-    assert rows["hover, 1 % more thrust"] == "none: it leaves (1 % lighter: none)"
-    assert rows["reaches the target"] == "at latest from 6.96 % less thrust, or 7.48 % heavier"
-    assert rows["leaves"] == "from 0.649 % more thrust, or 0.645 % lighter"
+    assert rows["hover, 1 % less thrust"] == "at 0.558 m, not 1 m (1 % more mass: at 0.561 m)"
+    assert rows["hover, 1 % more thrust"] == "none: it climbs away (1 % less mass: none)"
+    sinks = "6.96 % less thrust or 7.48 % more mass, at the latest"
+    assert rows["sinks to the target"] == sinks
+    assert rows["climbs away"] == "0.649 % more thrust or 0.645 % less mass"
     soft = dict(hover_error(x4).rows())
-    assert soft["hover, 1 % less thrust"] == "none: it reaches the target (1 % heavier: none)"
+    assert soft["hover, 1 % less thrust"] == "none: it sinks to the target (1 % more mass: none)"
 
 
 def test_stiff_gains_never_leave(x4):
     stiff = load("x4-flyer", {"gains.k1": "50", "gains.k2": "80"})
     told = hover_error(stiff)
     assert told.leaving_load <= 0
-    assert dict(told.rows())["leaves"] == "never, by such an error"
+    assert dict(told.rows())["climbs away"] == "never"
     assert abs(told.heavier - 3) < 0.01
     soft = hover_error(x4)
     assert soft.heavier is soft.more_thrust is None
@@ -154,7 +155,7 @@ def test_tune_and_the_firmware_say_what_an_error_does(tmp_path, capsys):
 
 def test_the_report_says_what_an_error_does():
     (table,) = hover_error_tables(load(CRAZYFLIE))
-    assert ("hover, 1 % more thrust", "none: it leaves (1 % lighter: none)") in table.rows
+    assert ("hover, 1 % more thrust", "none: it climbs away (1 % less mass: none)") in table.rows
 
 
 def test_any_target_has_an_answer():

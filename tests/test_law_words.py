@@ -73,7 +73,8 @@ def test_certify_and_region_say_their_law_and_what_is_bounded(law, capsys):
         assert status in (0, 1), err
         first, second, *rest = out.splitlines()
         assert first.startswith("small: ")
-        assert (second == f"  law                     {name}") == (law != PAPERS)
+        says = f"  law                     {name} (feature/goal/force)"
+        assert (second == says) == (law != PAPERS)
         text = "\n".join([second, *rest])
         assert ("symmetric Q" in text) == (of == "Q" and command == "certify")
         assert ("eigenvalues" in text) == (of == "Q")
@@ -155,7 +156,7 @@ def test_what_is_about_the_law_of_the_paper_alone_refuses_another(law, capsys):
     status, out, err = run(capsys, *words)
     assert (status, out) == (2, "")
     assert err.splitlines()[-1].startswith(f"hoverproof: small.toml: law: {'/'.join(law)} is ")
-    assert "for which alone gains are searched by their region of attraction" in err
+    assert "gains are searched by their region of attraction for that law alone" in err
     assert len(re.findall("(?m)^hoverproof: ", err)) == 1
 
 

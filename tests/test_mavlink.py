@@ -188,11 +188,11 @@ FAULTS = {
     "heartbeats stop": (silence(HEARTBEAT), HEARTBEAT_LOST, "no heartbeat", True),
     "monitor": (spoiled, 0.0, "an input is out of its box", True),
     "no number": (not_a_number, STALE["specific_force"], "no specific force", True),
-    "restart": (restarted, 0.0, "has started anew", True),
+    "restart": (restarted, 0.0, "has restarted", True),
     "mode": (left, 0.1, "another mode", False),
     "disarmed": (disarmed, 0.1, "disarmed", False),
     "no thrust": (without_thrust, 0.05, "none is felt", True),
-    "stopped": (stopped, 0.0, "kept the flight from running", True),
+    "stopped": (stopped, 0.0, "stalled the flight", True),
     "mistake": (mistaken, 0.0, "an error of the program", True),
     "unplugged": (unplugged, 0.0, "failed: no such device", True),
     "Ctrl-C": (interrupted, 0.0, "interrupted", False),
@@ -286,7 +286,7 @@ def test_a_vehicle_that_is_in_the_mode_already_is_not_taken_over(world):
     flown.vehicle.enter(TAKES)
     flown.step(1.5)
     assert flown.flight.phase == "waiting"
-    assert "to leave GUIDED and enter it anew" in flown.flight.why
+    assert "to leave GUIDED and enter it again" in flown.flight.why
     flown.vehicle.enter(HOLD)
     flown.step(1.2)
     flown.vehicle.enter(TAKES)

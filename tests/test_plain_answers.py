@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,8 @@ from command_line import run
 from hoverproof.certification.attraction.verdict import Sinks, not_covered
 from hoverproof.certification.over_box import enclose
 from hoverproof.certification.region import default_box
+from hoverproof.cli.answers.glossary import SYMBOLS, legend
+from hoverproof.cli.answers.words import angle, at_least, at_most, enclosure
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.reading import load
 from hoverproof.simulation import runs
@@ -39,7 +42,7 @@ def test_runs_of_which_none_is_complete_tell_nothing_of_settling(capsys, monkeyp
         (
             (),
             "[0, 47.04] N each (--rotor-limits)\n"
-            "          an assumption: half the weight; the mission does not say",
+            "          assumed: half the weight, as the mission names none",
         ),
         (("--rotor-limits", "0,40"), "[0, 40] N each\n          given to the export"),
         (
@@ -138,3 +141,39 @@ def test_over_a_box_the_bounds_of_the_mission_are_said_to_be_unused(capsys):
     assert "not used" not in run(capsys, "certify", "x4-flyer")[1]
     auto = ("--set", "bounds.eigenvalues=auto")
     assert "not used" not in run(capsys, "certify", "x4-flyer", "--over-box", *auto)[1]
+
+
+def test_bounds_are_written_on_the_safe_side():
+    value = Fraction(123456, 1000)
+    assert (at_least(value), at_most(value)) == ("123.4", "123.5")
+    assert (at_least(-value), at_most(-value)) == ("-123.5", "-123.4")
+    assert enclosure((Fraction(1, 3), Fraction(2, 3))) == "[0.3333, 0.6667]"
+    assert angle(Fraction(1, 10)) == "0.1 rad (5.73°)"
+    assert at_most(Fraction(1, 30000)) == "3.334×10⁻⁵"
+
+
+def test_symbols_are_explained_at_the_foot_where_they_stand_alone():
+    assert legend(["x4-flyer: proved", "written to  L.toml, Q-tuned.toml"]) == []
+    words = " ".join(legend(["  XᵀΣX <= -1, every Q", "  Ψ falls"]))
+    assert [s for s in SYMBOLS if f"{s}: " in words] == ["Q", "Σ", "Ψ"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "symbols"),
+    [
+        (("certify", "x4-flyer"), "QTLΣ"),
+        (("certify", "x4-flyer", "--set", "gains.k4=0.1"), "QTLΣf"),
+        (("attraction", "x4-flyer", "--no-figure"), "Λ"),
+        (("presets",), ""),
+        (("presets", "x4-flyer"), ""),
+        (("derive", "--equation", "31"), ""),
+    ],
+    ids=" ".join,
+)
+def test_an_answer_explains_its_symbols_before_what_comes_next(arguments, symbols, capsys):
+    out = run(capsys, *arguments)[1]
+    foot = re.search(r"(?ms)^Symbols: (.*?)(?=^Next:|\Z)", out)
+    assert (foot is None) == (not symbols)
+    if foot is not None:
+        told = " ".join(foot[1].split())
+        assert [s for s in SYMBOLS if f"{s}: {SYMBOLS[s]}" in told] == [*symbols]

@@ -150,7 +150,7 @@ def test_the_command_writes_map_and_figure_and_says_what_is_found_and_what_prove
     assert xr.open_dataset(said["out"]).equals(drawn[2])
     assert Path(said["figure"]).stat().st_size > 0
     out = run(capsys, *words)[1]
-    assert "(found by search, floating point)" in out
+    assert "(found by search, not proved)" in out
     assert f"{said['proved']} of {said['asked_exactly']} cells at the boundary" in out
 
 

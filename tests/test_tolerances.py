@@ -148,7 +148,7 @@ def test_a_certificate_says_that_it_considers_none_of_it(capsys):
 def test_every_answer_about_the_mission_says_what_it_leaves_out(capsys):
     asked = ("x4-flyer", "--set", "uncertainty.torque=0.2")
     _, out, _ = run(capsys, "simulate", *asked, "--no-figures")
-    assert out.splitlines()[1] == "  one of all with         torque ±20 %"
+    assert out.splitlines()[1] == "  one vehicle within      torque ±20 %"
     _, out, _ = run(capsys, "certify", *asked, "--json")
     assert "not considered: torque ±20 %" in json.loads(out)["warnings"]
     _, out, _ = run(capsys, "certify", "x4-flyer")

@@ -1,9 +1,23 @@
-"""Short numbers on a chosen side of a number: decimals, and multiples of a power of two."""
+"""Short numbers, written or on a chosen side of a number: decimals, multiples of powers of two."""
 
 from __future__ import annotations
 
 import math
 from fractions import Fraction
+
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def written(value: float | Fraction, digits: int) -> str:
+    """Write a number with so many significant digits: 3.488×10⁻⁵.
+
+    Parameters
+    ----------
+    value : float or Fraction
+    digits : int
+    """
+    text, _, power = f"{float(value):.{digits}g}".partition("e")
+    return f"{text}×10{str(int(power)).translate(SUPERSCRIPT)}" if power else text
 
 
 def decimal_below(value: float | Fraction, digits: int) -> Fraction:

@@ -100,7 +100,7 @@ def read(path: Path, between: tuple[float, float] = EVER) -> FlightLog:
         if {"TimeUS", *COLUMNS[form.name]} <= rows.keys():
             _add(tracks, form.name, rows)
     if not messages.formats:
-        raise InputError(str(path), "", "is damaged: it tells the layout of no message")
+        raise InputError(str(path), "", "is damaged: it holds the layout of no message")
     return log_of(
         tracks,
         str(path),

@@ -47,8 +47,8 @@ def thrust(v: Vehicle) -> Finding:
     gain = float(whole.value[0])
     by_wind = float(asked.wind + asked.gust) / float(v.mission.vehicle.gravity)
     words = (
-        f"the thrust is {gain:.4g} ± {whole.deviation[0]:.1g} of what is commanded, as by a mass "
-        f"of {v.mass / gain:.4g} kg (vertical wind is not told from it)"
+        f"thrust over command: {gain:.4g} ± {whole.deviation[0]:.1g}, as with a mass of "
+        f"{v.mass / gain:.4g} kg (a vertical wind would look the same)"
     )
     return over_time(
         name,
@@ -97,7 +97,7 @@ def torque(v: Vehicle) -> Finding:
         return untold(name, AFTER)
     fit = v.torque_gain
     if not fit.deviation.max() <= TOLD:
-        return untold(name, "roll and pitch were asked for too little to tell it")
+        return untold(name, "too little roll and pitch was commanded to tell it")
     times, off, spread = v.torque_gains
     sure = spread <= TOLD / SURE
     roll, pitch = fit.value
@@ -110,7 +110,7 @@ def torque(v: Vehicle) -> Finding:
         bound,
         "1",
         deviation=spread_of,
-        words=f"roll {roll:.4g}, pitch {pitch:.4g} of what is commanded (± {spread_of:.1g})",
+        words=f"torque over command: roll {roll:.4g}, pitch {pitch:.4g} (± {spread_of:.1g})",
         allowed=SURE * spread[sure],
     )
 
@@ -130,7 +130,7 @@ def rotor_lag(v: Vehicle) -> Finding:
     lag, spread = float(v.lag.value[0]), float(v.lag.deviation[0])
     resolution = float(np.median(np.diff(v.log.times)))
     if not spread <= max(resolution, 0.01):
-        return untold(name, "roll and pitch were asked for too little to tell it")
+        return untold(name, "too little roll and pitch was commanded to tell it")
     broken = lag > bound + SURE * spread + resolution / 4
     return Finding(
         name,
@@ -166,7 +166,7 @@ def rotors_alike(v: Vehicle) -> Finding:
     at = int(np.nanargmax(worst))
     rotor = int(np.argmax(abs(off[at] - 1)))
     label = v.mission.vehicle.frame.names[rotor]
-    words = f"rotor {label} gives {off[at, rotor]:.3g} of what the others do, of what it is asked"
+    words = f"rotor {label}: thrust over command {off[at, rotor]:.3g} times the median of all"
     return Finding(**{**vars(found), "words": words})
 
 
@@ -208,7 +208,7 @@ def wind(v: Vehicle) -> Iterator[Finding]:
         float(asked.gust),
         "m/s²",
         allowed=noise,
-        words=f"what is felt across the thrust changes by {np.nanmax(gust):.3g} m/s² (with drag)",
+        words=f"the force across the thrust changes by {np.nanmax(gust):.3g} m/s² (with drag)",
     )
 
 
@@ -310,7 +310,7 @@ def rotor_limits(v: Vehicle) -> Finding:
     lows = np.array([-np.inf if low is None else float(low) for low, _ in each])
     highs = np.array([np.inf if high is None else float(high) for _, high in each])
     if not (np.isfinite(lows).any() or np.isfinite(highs).any()):
-        return untold(name, "the mission tells no limits")
+        return untold(name, "the mission gives no limits")
     use = np.fmax((command - highs), (lows - command)).max(axis=1)
     times, known = v.log.times, np.isfinite(use)
     at_limit = known & (use >= -1e-6 * np.abs(command).max(axis=1))

@@ -173,7 +173,7 @@ def replayed(log: FlightLog, mission: Mission, firmware: Firmware) -> Replay:
     whole = np.asarray(np.isfinite(np.hstack([*columns.values()])).all(axis=1))
     rows, outs, seconds = np.flatnonzero(whole), [], []
     if len(rows) < 2:
-        raise InputError(log.source, "", "never tells all that is needed at two times: no replay")
+        raise InputError(log.source, "", "holds all that a replay needs at fewer than two times")
     firmware.reset(_first_thrust(log, int(rows[0])))
     periods = np.clip(np.diff(log.times[rows], append=np.nan), 1e-6, LONGEST)
     periods[-1] = periods[-2]

@@ -17,6 +17,10 @@ from hoverproof.errors import InputError
 from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
 
+STEPS = "control in steps (give uncertainty.control_period, or noise that stands for it)"
+LAGS = "an accelerometer with a low-pass (give uncertainty.force_lag, or such noise)"
+"""What is not covered without the tolerance that is named."""
+
 Converges = Attraction | Exponential | Sinks | Undecided
 Progress = Callable[[str], None]
 
@@ -31,8 +35,8 @@ def not_covered(verdict: Converges) -> tuple[str, ...]:
     if isinstance(verdict, Exponential) or verdict.mission.law.feature == "scaled":
         proved = isinstance(verdict, Exponential) and verdict.mission.camera.half_angle is not None
         may = verdict.mission.uncertainty
-        steps = [] if may.control_period else ["control in steps, but for noise given for it"]
-        lags = [] if may.force_lag else ["an accelerometer that lags, but for noise given for it"]
+        steps = [] if may.control_period else [STEPS]
+        lags = [] if may.force_lag else [LAGS]
         rest = (*NOT_COVERED[:-1], HIDDEN) if proved else NOT_COVERED
         return (rest[0], *steps, *lags, *rest[1:])
     return of_potential.not_covered(verdict)

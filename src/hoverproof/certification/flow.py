@@ -184,7 +184,7 @@ class OfJ:
     symbol: str = "J"
     words: str = "the ball [j - ϱ, j + ϱ] of J"
     named: str = "J"
-    bounds: str = "ball"
+    bounds: str = "bounds of J"
     every: str = "every 3 x 3 matrix J with"
     cost: int = 15
     slacks: tuple[str, ...] = ("0.05", "0.1", "0.25", "0.5", "1")

@@ -38,13 +38,14 @@ Topics = Annotated[
     Parameter(
         name="--topic",
         negative="",
-        help="Of a bag, PART=NAME, where its type does not tell (repeatable); the part is imu, "
-        "odometry, pose, feature, sightings, rates, thrust or rotors.",
+        help="Topic of a bag, PART=NAME, where its type does not tell (repeatable); the part is "
+        "imu, odometry, pose, feature, sightings, rates, thrust or rotors.",
     ),
 ]
 
 Between = Annotated[
-    str | None, Parameter(help="FROM,TO in s: that part of the log alone, more closely if long.")
+    str | None,
+    Parameter(help="FROM,TO in s: only this part of the log, in more detail."),
 ]
 
 
@@ -53,13 +54,11 @@ def audit(
     *,
     mission: Annotated[
         str,
-        Parameter(
-            help="Whose theorem it is held against: preset or file.", completer=mission_names
-        ),
+        Parameter(help="Mission whose proof the flight is compared with.", completer=mission_names),
     ],
     certificate: Annotated[
         Path | None,
-        Parameter(help="That of `attraction` for this mission; by default proved now."),
+        Parameter(help="Certificate of `attraction` for this mission; by default proved now."),
     ] = None,
     out: Annotated[
         Path | None,
@@ -78,12 +77,12 @@ def audit(
     set_: Set = None,
     json_: Json = False,
 ) -> int:
-    """Say which assumptions of a mission's proof held in a flight that happened.
+    """Say which assumptions of a mission's proof held in a recorded flight.
 
     The proof is theorem 5: every vehicle within [uncertainty] converges. Thrust gain, torque gain
     and rotor lag are identified by least squares from what was commanded and felt, latency and
     gaps from time stamps, wind from what is felt across the thrust, Ψ and the field of view from
-    estimated positions. What a log does not tell is said to be untold, never to hold.
+    estimated positions. What a log does not show is said to be "not told", never to hold.
 
     Names what broke first, when and by how much, and the tolerances that would cover it, as a
     command that asks for their proof; --certify asks for it now. Status 0 if all that is told
@@ -151,7 +150,7 @@ def replay(
     *,
     mission: Annotated[
         str,
-        Parameter(help="Whose controller it is: preset or file.", completer=mission_names),
+        Parameter(help="Mission whose controller is run.", completer=mission_names),
     ],
     package: Annotated[
         Path | None,

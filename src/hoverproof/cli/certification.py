@@ -130,7 +130,7 @@ def region(
 ) -> int:
     """Prove or refute that the eigenvalue bounds of Q hold for the real target over a box.
 
-    With the scaled feature they are the ends of a ball that holds J in place of Q. Encloses the
+    With the scaled feature the bounds are a ball that contains J, in place of Q. Encloses the
     eigenvalues, or J, over the box, and draws where the bounds hold in a cross-section.
     Writes a certificate (NAME.region.cert.json), or a position where a bound breaks
     (NAME.region.refutation.json), and the figure NAME.region.png; NAME is as for `certify`.
@@ -190,8 +190,8 @@ def check(
     The theorem names the target points and the SHA-256 of the mission's numbers. With --mission,
     status 1 also if the certificate is about another mission, with what differs.
 
-    With --coq, what is accepted is decided anew by a program that Coq has proved right, and it is
-    said what that covers; status 3 if Coq does not know the kind. The first time takes a minute.
+    With --coq, a program that Coq has proved correct decides what is accepted again, and the answer
+    says what that covers; status 3 if Coq does not know the kind. The first time takes a minute.
 
     Example: `hoverproof check x4-flyer.cert.json`
 

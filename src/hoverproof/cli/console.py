@@ -41,7 +41,7 @@ app = App(
     name="hoverproof",
     version=__version__,
     help="From a camera, a target and a hovering vehicle to gains with a proof, a flight and C.\n\n"
-    "Example: `hoverproof certify x4-flyer` (a vehicle that comes along; see `presets`)\n\n"
+    "Example: `hoverproof certify x4-flyer` (a vehicle that is included; see `presets`)\n\n"
     "Example: `hoverproof new my-flyer.toml` (a mission file for your own)\n\n"
     "Each command has its own --help, with examples.",
     help_epilogue="Exit status: 0 done or proved, 1 refuted, rejected or a flight cut short, "
@@ -70,7 +70,7 @@ Set = Annotated[
     Parameter(
         name="--set",
         negative="",
-        help="Put a value in place: gains.k4=0.1 (repeatable).",
+        help="Override a value: gains.k4=0.1 (repeatable).",
         completer=settings,
     ),
 ]

@@ -54,7 +54,7 @@ def export(
     ] = None,
     certificate: Annotated[
         Path | None,
-        Parameter(help="Certificate of `attraction` about it, to be checked and put beside."),
+        Parameter(help="Certificate of `attraction` for this mission, to be checked and included."),
     ] = None,
     allow_uncertified: Annotated[
         bool,
@@ -67,7 +67,7 @@ def export(
 
     The folder gets the C with a self-test, a README for whoever flashes it, an example that flies,
     adapters for Crazyflie, PX4 and ArduPilot, and a manifest with hashes. Where the gains
-    alone are undecided, it is looked for a proof that the vehicle converges from its start, as by
+    alone are undecided, a proof is searched that the vehicle converges from its start, as by
     `attraction`. Exit status 1 or 3 if that is refuted or undecided; then nothing is written.
 
     Example: `hoverproof export x4-flyer --out firmware`

@@ -177,7 +177,7 @@ def make(path: Path, name: str, answers: Answers, assumed: Sequence[str] = ()) -
     mission = load(path)
     held = first_gains(mission)
     if held is None:
-        raise InputError("start", "", f"no gains are found that hold it: {_would_do(mission)}")
+        raise InputError("start", "", f"no gains were found that hold it: {_would_do(mission)}")
     return written(decisions, held.gains)
 
 
@@ -194,7 +194,8 @@ def _would_do(mission: Mission) -> str:
             nearer = f"({shown}) would be held, {100 * (1 - part):.0f} % nearer to the goal"
             return nearer + _lens_binds(mission)
     covered = ", ".join(mission.asks_to_cover())
-    none = f"nor one that is {100 * (1 - NEARER[-1]):.0f} % nearer; would help: less of {covered}"
+    near = f"{100 * (1 - NEARER[-1]):.0f} % nearer to the goal"
+    none = f"nor would one {near} be held; smaller tolerances would help: {covered}"
     return none + _lens_binds(mission)
 
 

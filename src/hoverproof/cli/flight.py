@@ -36,7 +36,7 @@ def simulate(
     ] = None,
     every: Annotated[
         int | None,
-        Parameter(help="Keep every so many steps; by default about 2000 are kept, of runs 200."),
+        Parameter(help="Store every so many steps; by default about 2000 are stored, of runs 200."),
     ] = None,
     out: Annotated[
         Path | None,
@@ -58,20 +58,21 @@ def simulate(
         Parameter(help="Flight seconds in a second of animation; by default about 12 s in all."),
     ] = None,
     runs: Annotated[
-        int | None, Parameter(help="Fly so often, drawn from [scatter] of the mission.")
+        int | None, Parameter(help="Number of flights, drawn from [scatter] of the mission.")
     ] = None,
-    seed: Annotated[int, Parameter(help="Of all that is drawn: noise, wind, scatter.")] = 0,
+    seed: Annotated[int, Parameter(help="Seed of all that is drawn: noise, wind, scatter.")] = 0,
     threads: Annotated[
-        int | None, Parameter(help="For runs; by default as many as processors.")
+        int | None, Parameter(help="Threads for runs; by default as many as processors.")
     ] = None,
     scheduler: Annotated[
         str | None, Parameter(help="Fly runs on a Dask cluster: tcp://host:8786 (extra cluster).")
     ] = None,
     resume: Annotated[
-        bool, Parameter(negative="", help="Go on with a file of runs that was cut short.")
+        bool, Parameter(negative="", help="Continue a file of runs that was cut short.")
     ] = False,
     precision: Annotated[
-        Literal["float32", "float64"], Parameter(help="Of the numbers kept over time, of runs.")
+        Literal["float32", "float64"],
+        Parameter(help="Type of the numbers stored, of runs."),
     ] = "float32",
     controller: Annotated[
         Literal["model", "firmware"],

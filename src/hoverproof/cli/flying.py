@@ -31,11 +31,11 @@ def fly(
     *,
     mavlink: Annotated[
         str | None,
-        Parameter(help="Of the vehicle: udp:HOST:PORT, udpout:HOST:PORT, serial:DEVICE:BAUD."),
+        Parameter(help="Vehicle at udp:HOST:PORT, udpout:HOST:PORT, serial:DEVICE:BAUD."),
     ] = None,
     rehearse: Annotated[
         Literal["px4", "ardupilot"] | None,
-        Parameter(help="Fly a vehicle that is not there, by real messages, with its pilot."),
+        Parameter(help="Fly a simulated vehicle and pilot, over real MAVLink messages."),
     ] = None,
     features: Annotated[
         str | None,
@@ -45,7 +45,7 @@ def fly(
         Path | None,
         Parameter(help="Package to fly, exported with --camera; by default exported now."),
     ] = None,
-    rate: Annotated[float, Parameter(help="Of the law and its setpoints, Hz.")] = 100.0,
+    rate: Annotated[float, Parameter(help="Rate of the law and its setpoints, Hz.")] = 100.0,
     hover_throttle: Annotated[
         float | None, Parameter(help="Throttle of hover, 0 to 1; by default learned in a hover.")
     ] = None,
@@ -53,14 +53,14 @@ def fly(
         int | None, Parameter(help="MAVLink system of the vehicle; by default the first heard.")
     ] = None,
     duration: Annotated[
-        float | None, Parameter(help="Hand back after so long, s; by default fly on.")
+        float | None, Parameter(help="Hand control back after this time, s; by default fly on.")
     ] = None,
     clock_drift: Annotated[
         float,
-        Parameter(help="How far the vehicle's clock may run from ours; a simulator's: 0.02, s/s."),
+        Parameter(help="Largest drift of the vehicle's clock, s/s; for a simulator 0.02."),
     ] = 0.0002,
     log: Annotated[Path | None, Parameter(help="Log to write at the end, netCDF-4.")] = None,
-    seed: Annotated[int, Parameter(help="Of the noise of a rehearsal.")] = 0,
+    seed: Annotated[int, Parameter(help="Seed of the noise of a rehearsal.")] = 0,
     allow_uncertified: Annotated[
         bool, Parameter(negative="", help="Fly gains of which nothing is proved.")
     ] = False,

@@ -88,7 +88,7 @@ def new(
     """Write a commented mission file for your vehicle, or from a preset.
 
     In a terminal it asks for vehicle, tag, camera, tolerances and start, each with its unit and a
-    default, but for what is given as an option. An answer that cannot be used is asked for again.
+    default, except for what is given as an option. What cannot be used is asked for again.
     With --yes or --json, or if it is not run in a terminal, nothing is asked.
 
     The mission has the law that needs neither depth nor thrust to be known, and gains that are

@@ -29,19 +29,19 @@ class ByImages(Printed):
         bool,
         Parameter(
             negative="",
-            help="See by rendered images in which the tag is looked for (extra vision): the "
+            help="See through rendered images in which the tag is detected (extra vision): the "
             "mission has a lens; its frame rate and latency count, its pixel noise does not.",
         ),
     ] = False
-    exposure: Annotated[float | None, Parameter(help="Of an image, s; by default 0.004.")] = None
+    exposure: Annotated[float | None, Parameter(help="Exposure time, s; by default 0.004.")] = None
     grey_noise: Annotated[
         float | None, Parameter(help="Deviation of a pixel, grey levels of 255; by default 2.")
     ] = None
     light: Annotated[
-        float | None, Parameter(help="Over that of an image that is well lit: 0.1; by default 1.")
+        float | None, Parameter(help="Light, as a share of a well lit image: 0.1; by default 1.")
     ] = None
     jitter: Annotated[
-        float | None, Parameter(help="Images are late by up to about 3 times this, s, besides.")
+        float | None, Parameter(help="Images are late by up to about 3 times this more, s.")
     ] = None
     film: Annotated[
         Path | None,

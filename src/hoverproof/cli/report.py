@@ -31,7 +31,7 @@ def report(
     runs: Annotated[
         int | None,
         Parameter(
-            help="Fly so often too, drawn from [scatter] of the mission.",
+            help="Also fly this many times, drawn from [scatter] of the mission.",
             validator=validators.Number(gte=1),
         ),
     ] = None,

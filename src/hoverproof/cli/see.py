@@ -76,7 +76,8 @@ def see(
     mission: Annotated[
         str | None,
         Parameter(
-            help="Whose law looks at its target: its feature, its error.", completer=mission_names
+            help="Mission whose target and law it is about.",
+            completer=mission_names,
         ),
     ] = None,
     rate: Annotated[

@@ -61,7 +61,7 @@ def tune(
         Parameter(help="Largest thrust of a rotor in N at the start; by default the mission's."),
     ] = None,
     at_least: Annotated[
-        float | None, Parameter(help="Certified decay rate of L that is wished for, in 1/s.")
+        float | None, Parameter(help="Certified decay rate of L that is required, in 1/s.")
     ] = None,
     minimum_decay: Annotated[
         float | None,
@@ -98,10 +98,10 @@ def tune(
 ) -> int:
     """Find the best gains within a vehicle's limits that can be proved.
 
-    By default these are the gains with which every vehicle within the mission's tolerances has
-    soonest settled, from its start, within what its camera sees, its rotors give and its controller
-    samples. The gains are rounded to short decimals and then certified exactly, so what is printed
-    is what is proved. A wish that cannot be met has status 1, and says what binds, by how much, and
+    By default these are the gains with the shortest proved settling time from the mission's start,
+    of every vehicle within its tolerances, and within the limits of its camera, rotors and control
+    rate. The gains are rounded to short decimals and then certified exactly, so what is printed
+    is what is proved. What cannot be met ends with status 1, and says what binds, by how much, and
     what would help. With --out FILE.toml, the certificate of the start or the region is written
     to FILE.tuned.cert.json.
 

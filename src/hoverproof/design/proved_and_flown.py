@@ -48,8 +48,8 @@ def why_longer(verdict: Exponential, flown: float | None) -> str | None:
     symbol = "J" if verdict.mission.law.feature == "scaled" else "Q"
     low, high = map(float, verdict.slope)
     whole = (
-        f"one ball about a multiple of I holds {symbol} all the way, from {low:.3g} to {high:.3g} "
-        "1/m, and the errors are taken to fall as slowly as anywhere in it"
+        f"it bounds {symbol} once for all the way, from {low:.3g} to {high:.3g} 1/m, and takes "
+        "the slowest decay in these bounds"
     )
     words = f"{time / flown:.2g} times as long as in a flight of the vehicle as modelled: "
     if not verdict.mission.uncertainty.covers():
@@ -59,4 +59,4 @@ def why_longer(verdict: Exponential, flown: float | None) -> str | None:
     if alone is None or alone.time > time or alone.radius != verdict.settling.radius:
         return words + whole
     share = 100 * (1 - float(alone.time) / time)
-    return f"{words}the tolerances cost {share:.2g} % (found by search); beside that, {whole}"
+    return f"{words}the tolerances cost {share:.2g} % (found by search); besides, {whole}"

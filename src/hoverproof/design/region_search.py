@@ -104,8 +104,8 @@ class GainRegionSearch:
             raise InputError(
                 mission.source,
                 "law",
-                f"{mission.law.name} is not the paper's law, for which alone gains are searched by "
-                "their region of attraction",
+                f"{mission.law.name} is not the paper's law: gains are searched by their region "
+                "of attraction for that law alone",
             )
         return cls(mission, limits, FirstCommand.of(mission), Potential.of(mission), floor)
 

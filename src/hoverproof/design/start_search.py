@@ -255,7 +255,7 @@ class StartSearch:
         tell : callable
             Is told what is being done.
         """
-        tell("looking for gains to set out from")
+        tell("looking for first gains")
         likely, tried = Likely(), []
         for z in guesses(self.whole, self.limits, self.ends):
             at = self.value(z, likely)
@@ -321,4 +321,4 @@ class StartSearch:
         """
         if cost >= OUTSIDE:
             return f"the best rate is {100 * (cost - OUTSIDE):.3g} % short"
-        return f"settled after {math.exp(cost):.3g} s (floating point)"
+        return f"settled after {math.exp(cost):.3g} s, not yet proved"

@@ -150,7 +150,7 @@ def _narrower(search: StartSearch, point: Point) -> tuple[StartSearch, Point] | 
 
 def _closely_proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | str:
     """Prove gains with as close a ball of J as few cells show, or else with the ball as it is."""
-    tell("searching for gains with a closer ball of J")
+    tell("searching for gains with closer bounds of J")
     closer = _closer(search, point)
     found = "" if closer is None else _proved(*closer, tell)
     return found if isinstance(found, StartTuned) else _proved(search, point, tell)
@@ -258,9 +258,8 @@ def _why_not(search: StartSearch, point: Point | None) -> Iterator[str]:
         most = search.known
         away = float(np.sqrt(2 * search.whole.terms()[:, 0].max()))
         yield (
-            f"no gains were searched: at the start the feature is {away:.3g} from the one wanted, "
-            f"and {most:.3g} is the most of which the search knows a bound of "
-            f"{search.whole.scene.flow.symbol}"
+            f"no gains were searched: at the start the feature is {away:.3g} off its goal, and "
+            f"the search bounds {search.whole.scene.flow.symbol} up to {most:.3g}"
         )
         return
     fours = np.exp(np.array(search.tried)[:, :4])
@@ -269,13 +268,13 @@ def _why_not(search: StartSearch, point: Point | None) -> Iterator[str]:
         f"{sets} sets of gains were searched, k4/m from {fast.min():.3g} to {fast.max():.3g} 1/s"
     )
     if point is None or point.cost >= FAILED:
-        yield f"{searched}, and for none of them were weights found"
+        yield f"{searched}, and no weights were found for any of them"
         return
     at = search.value(point.z)
     assert at is not None
     rate = math.exp(point.z[6])
     yield (
-        f"{searched}: with none of them the start is held; of the best, Ψ falls only at a rate "
+        f"{searched}: none of them holds the start; with the best, Ψ falls only at a rate "
         f"{100 * max(at.over[0], 0):.3g} % below the {rate:.3g} 1/s asked for"
     )
     names = search.held_to.names()

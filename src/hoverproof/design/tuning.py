@@ -333,7 +333,7 @@ def _short_of(best: Tuned, limits: Limits, at_least: float, command: FirstComman
     bounds = f"the bounds of {best.verdict.problem.flow.symbol} and of the thrust"
     words = ", ".join(binding) if binding else f"{bounds} alone"
     if needed is None:
-        more = f"no bandwidth would do (floating point): {bounds} bind"
+        more = f"no larger bandwidth reaches it (floating point): {bounds} bind"
     else:
         more = f"a bandwidth of about {needed:.3g} rad/s would do"
     reason = (

@@ -187,5 +187,5 @@ def _origin_of_limits(mission: Mission, *, given: bool) -> str:
     if high is None:
         half = "half the weight" if len(mission.vehicle.frame.names) == 4 else "twice its share"
         half += "" if low is None else " at most"
-        return f"an assumption: {half}; the mission does not say"
+        return f"assumed: {half}, as the mission names none"
     return "from [rotors] of the mission" + ("" if low is not None else ", which names no lowest")

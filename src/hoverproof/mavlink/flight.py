@@ -207,13 +207,13 @@ class Flight:
         if beat is None or now - beat.at > HEARTBEAT_LOST:
             return "no heartbeat", True
         if self.told.restarted:
-            return "the autopilot has started anew", True
+            return "the autopilot has restarted", True
         if not beat.armed:
             return "disarmed", False
         if not beat.in_mode:
             return "the vehicle is in another mode", False
         if late:
-            return "this computer kept the flight from running", True
+            return "this computer stalled the flight", True
         if self.duration is not None and now - self._took_over >= self.duration:
             return f"flown for {self.duration:g} s", False
         return "", False
@@ -249,7 +249,7 @@ class Flight:
         if not in_mode:
             self._outside = not why
         elif not why:
-            why = f"the pilot to leave {self._mode} and enter it anew"
+            why = f"the pilot to leave {self._mode} and enter it again"
         self.phase = "waiting" if why else "ready"
         self.why = why or f"the pilot to enter {self._mode}"
         if self.phase == "ready" and wanted is not None and self._streams_first():

@@ -139,7 +139,7 @@ def _board(
 ) -> Board:
     numbers = tuple(each.number for each in prints)
     if len(set(numbers)) < len(numbers):
-        raise InputError(where, "", "has one tag twice: it cannot be told which is seen")
+        raise InputError(where, "", "has one tag twice: which of them is seen cannot be told")
     turned = np.array([4 * i + k for i, each in enumerate(prints) for k in each.order])
     corners = np.array(points)[turned].reshape(-1, 4, 3)
     return Board(family, prints[0].border, numbers, corners, np.argsort(turned))

@@ -60,7 +60,7 @@ def checked(found: VehicleFile, where: str) -> VehicleFile:
         raise InputError(where, "", f"{found.kind} holds neither mass nor rotors of a vehicle")
     numbers = [found.mass or 1.0, *(c for r in found.rotors for c in r.position)]
     if not all(map(math.isfinite, numbers)) or not 0 < numbers[0] < 1e6:
-        raise InputError(where, "", "has a number that is none, or no mass above 0 kg")
+        raise InputError(where, "", "has a number that is not finite, or no mass above 0 kg")
     least, most = ROTORS
     if found.rotors and not least <= len(found.rotors) <= most:
         said = (

@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import casadi as ca
 
+from hoverproof.algebra.decimals import written
 from hoverproof.algebra.definite import is_positive_definite
 from hoverproof.algebra.identity import prove_equal, prove_zero
 from hoverproof.algebra.surd import sqrt_enclosure
@@ -191,7 +192,7 @@ def _judge_paper_gains(claim: Claim) -> Judgement:
         return claim.judged(Verdict.UNPROVED, "the condition on k3 holds")
     return claim.judged(
         Verdict.FALSE,
-        f"the condition on k3 asks for more than {float(needed):.3g} kg/s, not {float(k.k3):g}; "
+        f"the condition on k3 asks for more than {written(needed, 3)} kg/s, not {float(k.k3):g}; "
         "it is not needed either: see `hoverproof certify x4-flyer`",
         counterexample=exact_point(k3=k.k3, needed=needed),
     )

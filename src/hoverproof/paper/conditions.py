@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.algebra.decimals import written
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import Interval, hover_goal
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
@@ -55,7 +56,7 @@ class Demand:
         if not self.possible:
             return f"{self.name}: none is enough with such a k2 ({self.value:.3g}: not met)"
         sign, met = (">" if self.above else "<"), ("met" if self.met else "not met")
-        return f"{self.name} {sign} {self.limit:.3g} ({self.value:.3g}: {met})"
+        return f"{self.name} {sign} {written(self.limit, 3)} ({written(self.value, 3)}: {met})"
 
 
 def demands_of(mission: Mission, eigenvalues: Interval) -> list[Demand] | None:

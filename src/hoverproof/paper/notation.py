@@ -15,6 +15,7 @@ from fractions import Fraction
 
 import casadi as ca
 
+from hoverproof.algebra.decimals import SUPERSCRIPT
 from hoverproof.paper.units import Unit, UnitError
 
 World = Mapping[str, ca.SX]
@@ -303,13 +304,10 @@ class Power(Formula):
         return self.base.unit() ** self.exponent
 
     def text(self) -> str:
-        return f"{bracketed(self.base, 3, 'text')}{str(self.exponent).translate(_SUPERSCRIPTS)}"
+        return f"{bracketed(self.base, 3, 'text')}{str(self.exponent).translate(SUPERSCRIPT)}"
 
     def latex(self) -> str:
         return f"{_latex_base(self.base)}^{{{self.exponent}}}"
-
-
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass(frozen=True)

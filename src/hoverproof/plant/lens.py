@@ -321,7 +321,7 @@ def seeing(lens: LensModel, where: str, key: str) -> tuple[LensModel, Sight]:
     if sight is None:
         reason = (
             "leaves pixels of the image without a direction of their own: the model folds over "
-            "within it, or sees beyond 80 degrees from the axis; crop the image or calibrate anew"
+            "within it, or sees beyond 80 degrees from the axis; crop the image or calibrate again"
         )
         raise InputError(where, key, reason)
     return lens, sight

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from decimal import Decimal
 from fractions import Fraction
 
@@ -152,7 +152,8 @@ def attraction_claim(region: Attraction) -> list[str]:
     return [
         rf"{symbol} = W(\xi) + \tfrac12\left("
         rf"{a2} \left|\delta_2\right|^2 + {a3} \left|\delta_3\right|^2 + "
-        rf"{a4} \left|\delta_4\right|^2\right){_of_vehicles(region)}",
+        rf"{a4} \left|\delta_4\right|^2\right)",
+        *_of_vehicles(region),
         r"W(\xi) = \sum_i \left|P'_i - \xi\right| + q_3^* e_3^T \xi - W_0",
         rf"{symbol}(0) \le {decimal(region.level)}{above}\quad\Longrightarrow\quad "
         r"\xi(t) \to \xi^*",
@@ -175,7 +176,8 @@ def exponential_claim(verdict: Exponential) -> list[str]:
     return [
         r"\Psi = \tfrac12\left(\left|\delta_1\right|^2 + "
         rf"{w2} \left|\delta_2\right|^2 + {w3} \left|\delta_3\right|^2 + "
-        rf"{w4} \left|\delta_4\right|^2\right){_of_vehicles(verdict)}",
+        rf"{w4} \left|\delta_4\right|^2\right)",
+        *_of_vehicles(verdict),
         rf"\Psi(0) \le {decimal(verdict.level)}\quad\Longrightarrow\quad "
         rf"\Psi(t) \le \Psi(0)\, e^{{-r t}},\quad r = {decimal(verdict.rate)}\ \mathrm{{s}}^{{-1}}",
         rf"\Psi(0) \le {decimal(verdict.start_level)}\quad\Longrightarrow\quad "
@@ -184,17 +186,16 @@ def exponential_claim(verdict: Exponential) -> list[str]:
     ]
 
 
-def _of_vehicles(verdict: Attraction | Exponential) -> str:
-    """Return what lag of the rotors and latency add to the Lyapunov function, as LaTeX."""
-    content, more = verdict.certificate.content, ""
+def _of_vehicles(verdict: Attraction | Exponential) -> Iterator[str]:
+    """Yield what lag of the rotors and latency add to the Lyapunov function, as LaTeX."""
+    content = verdict.certificate.content
     if content.get("lag"):
         a5, a6 = (decimal(Fraction(content["lag"][name])) for name in ("torque", "thrust"))
-        more += rf" + \tfrac\tau 2 \left({a5} \left|\mu\right|^2 + {a6} \mu_T^2\right)"
+        yield rf"\qquad +\, \tfrac\tau 2 \left({a5} \left|\mu\right|^2 + {a6} \mu_T^2\right)"
     if content.get("memory"):
         weight = r"e^{r (x - t)} " if content["kind"] == "exponential" else ""
         memory = decimal(Fraction(content["memory"]))
-        more += rf" + {memory} \iint {weight}\left|y(x)\right|^2"
-    return more
+        yield rf"\qquad +\, {memory} \iint {weight}\left|y(x)\right|^2"
 
 
 def fraction(x: Fraction) -> str:

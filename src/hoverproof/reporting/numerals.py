@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from hoverproof.algebra.decimals import decimal_above, decimal_below
+from hoverproof.algebra.decimals import decimal_above, decimal_below, written
 from hoverproof.certification.flow import flow_of
 from hoverproof.mission.sections import Mission
 
 DIGITS = 4
-SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def short(value: float | Fraction, digits: int = DIGITS) -> str:
@@ -23,9 +22,7 @@ def short(value: float | Fraction, digits: int = DIGITS) -> str:
     digits : int
         Number of digits.
     """
-    text, _, power = f"{float(value):.{digits}g}".partition("e")
-    text = text.replace("-", "−")
-    return f"{text}×10{str(int(power)).translate(SUPERSCRIPT)}" if power else text
+    return written(value, digits).replace("-", "−")
 
 
 def at_least(value: Fraction, digits: int = DIGITS) -> str:

@@ -267,7 +267,7 @@ def exponential_table(verdict: Exponential) -> Table:
         ("height above the target", f"{at_least(low)} to {at_most(high)} m"),
         ("tilt on the way", f"{at_most(verdict.tilt)} rad or less"),
         (
-            "thrust on the way, over the true mass times the modelled",
+            "thrust on the way, × true / modelled mass",
             f"{at_least(verdict.thrust[0], 5)} to {at_most(verdict.thrust[1], 5)} N",
         ),
     ]

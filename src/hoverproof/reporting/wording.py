@@ -12,8 +12,8 @@ from hoverproof.reporting.numerals import at_least, at_most, bounded, inside, pl
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts
 
 YAW_RATE = (
-    "Anything about a vehicle that turns about its vertical axis: Ω3 = 0 is supposed, which the "
-    "controller keeps if it holds at the start.",
+    "Anything about a vehicle that turns about its vertical axis: Ω3 = 0 is assumed, which the "
+    "controller maintains if it holds at the start.",
 )
 ALWAYS_BEYOND = (
     "Anything about sampling, noise, delay, limits of the rotors, wind, or errors of the model.",
@@ -60,7 +60,7 @@ def heading(words: str, parts: Parts) -> str:
     parts : Parts
     """
     of_q = parts.verdict.problem.flow.symbol == "Q"
-    return words if of_q else words.replace("Eigenvalue region", "Where the ball holds J")
+    return words if of_q else words.replace("Eigenvalue region", "Bounds of J")
 
 
 def not_said(parts: Parts) -> Sequence[str]:
@@ -112,7 +112,7 @@ def theorem(parts: Parts) -> str:
         what = "Q, the matrix of the unknown depths," if of_q else "a 3 x 3 matrix J"
         return (
             f"Let {what} and the thrust T be anything within the bounds below. Then Σ is positive "
-            "definite, with a margin; so while they keep to these bounds, the Lyapunov function "
+            "definite, with a margin; so while they stay within bounds, the Lyapunov function "
             f"falls exponentially.{'' if of_q else f' {OF_J}'}"
         )
     if parts.verdict.status == "refuted":
@@ -148,9 +148,9 @@ def supposed(parts: Parts) -> str:
     parts : Parts
     """
     flow = parts.verdict.problem.flow
-    keep = "the eigenvalues of Q keep to their bounds" if flow.symbol == "Q" else "J is in its ball"
+    keep = f"{flow.named} {'stay' if flow.symbol == 'Q' else 'stays'} within the bounds"
     return (
-        f"The theorem supposes that {keep}. {flow.symbol} depends on where the vehicle is; here it "
+        f"The theorem assumes that {keep}. {flow.symbol} depends on where the vehicle is; here it "
         "is decided for the real target, over a box of positions around start and goal."
     )
 
@@ -257,8 +257,8 @@ def atlas(found: Map) -> str:
     """
     margin = found.data["margin"].values
     return (
-        "How the verdict changes with two of the gains, from a tenth to ten times of what the "
-        f"mission has: of {margin.size} cells, {int((margin > 0).sum())} are certified."
+        "How the verdict changes with two of the gains, from a tenth to ten times their "
+        f"values in the mission: of {margin.size} cells, {int((margin > 0).sum())} are certified."
     )
 
 

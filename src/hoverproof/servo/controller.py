@@ -113,6 +113,6 @@ def _without_depth(residual: ca.SX, depth_flow: ca.SX, law: Law) -> ca.SX:
         raise InputError(
             law.name,
             "wanted_rates",
-            "what it wants can be had only by a controller with the depths",
+            "its wanted rates would need a controller that knows the depths",
         )
     return ca.substitute(residual, depth_flow, ca.SX.zeros(3))

@@ -73,37 +73,35 @@ class HoverError:
         """Return it in words: (name, value), heights above the mean of the target."""
 
         def hover(height: float | None, end: str) -> str:
-            return (
-                f"none: it {end}" if height is None else f"{height:.3g} m, not {self.height:.3g} m"
-            )
+            return f"none: it {end}" if height is None else f"{at(height)}, not {self.height:.3g} m"
 
-        def other(height: float | None) -> str:
-            return "none" if height is None else f"{height:.3g} m"
+        def at(height: float | None) -> str:
+            return "none" if height is None else f"at {height:.3g} m"
 
         def percent(share: float) -> str:
             return f"{abs(share) / PERCENT:.3g} %"
 
         target, leaving = self.target_load, self.leaving_load
-        sinks, leaves = "reaches the target", "leaves"
+        sinks, leaves = "sinks to the target", "climbs away"
         return [
             (
                 "hover, 1 % less thrust",
-                f"{hover(self.less_thrust, sinks)} (1 % heavier: {other(self.heavier)})",
+                f"{hover(self.less_thrust, sinks)} (1 % more mass: {at(self.heavier)})",
             ),
             (
                 "hover, 1 % more thrust",
-                f"{hover(self.more_thrust, leaves)} (1 % lighter: {other(self.lighter)})",
+                f"{hover(self.more_thrust, leaves)} (1 % less mass: {at(self.lighter)})",
             ),
             (
                 sinks,
-                f"at latest from {percent(1 / target - 1)} less thrust, or "
-                f"{percent(target - 1)} heavier",
+                f"{percent(1 / target - 1)} less thrust or {percent(target - 1)} more mass, "
+                "at the latest",
             ),
             (
                 leaves,
-                f"from {percent(1 / leaving - 1)} more thrust, or {percent(leaving - 1)} lighter"
+                f"{percent(1 / leaving - 1)} more thrust or {percent(leaving - 1)} less mass"
                 if leaving > 0
-                else "never, by such an error",
+                else "never",
             ),
         ]
 

@@ -43,9 +43,10 @@ def claim_text(j: Judgement) -> str:
         ("verdict", str(j.verdict)),
         ("reason", j.reason),
         ("printed", j.printed.text()),
-        ("derived", j.derived.text()),
-        ("difference", j.difference or "none"),
+        ("derived", "the same" if j.derived is j.printed else j.derived.text()),
     ]
+    if j.difference and len(j.difference) < len(j.printed.text() + j.derived.text()):
+        rows.append(("difference", j.difference))  # else it is both forms again
     if j.counterexample:
         point = ", ".join(f"{name}={value}" for name, value in j.counterexample.items())
         rows.append(("printed form fails at", point))

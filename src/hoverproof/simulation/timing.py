@@ -61,7 +61,7 @@ def flight_step(mission: Mission, step: float | None, law: Law | None = None) ->
             "--step",
             "",
             f"{step:g} s is too long for this loop, whose fastest motion takes {1 / fastest:.3g} s:"
-            f" computed so, it would diverge; {_default_step(mission, fastest):g} s will do",
+            f" the computation would diverge; {_default_step(mission, fastest):g} s will do",
         )
     return step
 

@@ -116,7 +116,7 @@ class _Question:
             )
             rows.append(found * 1.001)
         if not np.isfinite(rows).all():
-            raise InputError("--start", "", "is at a target point, or a hair's breadth from it")
+            raise InputError("--start", "", "is at a target point, or almost")
         return np.unique(np.concatenate(rows), axis=0) if rows else self._no_terms()
 
     def _no_terms(self) -> np.ndarray[Any, Any]:

@@ -9,7 +9,7 @@ from hoverproof.certification.attraction.starts import Start, State
 from hoverproof.certification.verdict import Proved, Refuted, Undecided
 
 NOT_COVERED = (
-    "goals whose centroid is not straight below",
+    "goals from which the centroid is not seen straight below",
     "sampling, delay and noise of measurements",
     "errors of the model: mass, inertia, wind, drag, limits of the rotors",
     "a camera that loses the target: every point is taken to be seen at all times",
@@ -17,9 +17,9 @@ NOT_COVERED = (
 """What no theorem says, in words."""
 
 OF_TOLERANT = (
-    "goals whose centroid is not straight below",
-    "noise of measurements, gusts, and a controller that runs in steps",
-    "frames that bend, ground effect, drag, limits of the rotors",
+    "goals from which the centroid is not seen straight below",
+    "noise of measurements, gusts, and control in steps",
+    "flexible frames, ground effect, drag, limits of the rotors",
     "a camera that loses the target: every point is taken to be seen at all times",
 )
 """What no theorem about every vehicle within tolerance says, in words."""

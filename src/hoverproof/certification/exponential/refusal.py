@@ -272,15 +272,15 @@ class Refusal:
     def words(self) -> str:
         """What it shows."""
         states, (j, radius) = sum(len(c.states) for c in self.corners), self.asked.ball
-        beside = ""
+        left = ""
         if self.left_out:
-            beside = f" (even without {' and '.join(self.left_out)}, with which it asks for more)"
+            left = f" (even without {' and '.join(self.left_out)}, with which it asks for more)"
         return (
-            f"all weights of theorem 5 are refused by {_count(states, 'state')} of "
-            f"{_count(len(self.corners), 'vehicle')} within tolerance, by exact arithmetic, for "
-            f"this start{beside}, |J - {float(j):.3g} I| <= {float(radius):.3g} 1/m, r = "
-            f"{float(self.asked.rate):.3g} 1/s and the bounds of the errors in the file: so "
-            "it proves nothing there, which is not to say that a vehicle does not converge"
+            f"theorem 5 proves nothing of this start{left} with |J - {float(j):.3g} I| <= "
+            f"{float(radius):.3g} 1/m, r = {float(self.asked.rate):.3g} 1/s and the bounds of the "
+            f"errors in the file: {_count(states, 'state')} of "
+            f"{_count(len(self.corners), 'vehicle')} within tolerance refuse all its weights, in "
+            "exact arithmetic; the vehicles may converge all the same"
         )
 
     def content(self) -> dict[str, Any]:

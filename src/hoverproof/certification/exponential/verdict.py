@@ -11,9 +11,9 @@ from hoverproof.certification.verdict import Proved
 from hoverproof.plant.lens import cone_in_image
 
 NOT_COVERED = (
-    "goals whose centroid is not straight below",
-    "thrust that is commanded in steps, not at a rate",
-    "frames that bend, ground effect, drag, limits of the rotors",
+    "goals from which the centroid is not seen straight below",
+    "thrust commanded in steps, not by its rate",
+    "flexible frames, ground effect, drag, limits of the rotors",
     "a camera that loses the target: every point is taken to be seen at all times",
 )
 """What no theorem about vehicles within tolerance says, in words."""

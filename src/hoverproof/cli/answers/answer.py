@@ -6,8 +6,9 @@ import json
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from hoverproof.cli.answers.glossary import legend
 from hoverproof.cli.answers.words import wrapped
 
 if TYPE_CHECKING:
@@ -17,7 +18,9 @@ EXIT = {"proved": 0, "refuted": 1, "undecided": 3}
 
 
 class Answer(ABC):
-    """What a command has to say."""
+    """What a command has to say; its symbols are explained at the foot, if not told otherwise."""
+
+    explained: ClassVar[bool] = True
 
     @property
     def status(self) -> int:
@@ -54,13 +57,16 @@ def tell(answer: Answer, json_: bool, mission: Mission | None = None) -> int:
     if json_:
         print_json(answer.as_json(), mission, [f"{label}: {words}" for words in left])
     else:
-        for number, line in enumerate(answer.text()):
+        first, *rest = answer.text()
+        print(first)
+        if mission is not None and not mission.law.is_papers:
+            print(f"  law                     {mission.law.name} (feature/goal/force)")
+        if left:
+            print(*wrapped(label, ", ".join(left)), sep="\n")
+        foot = next((n for n, line in enumerate(rest) if line.startswith("Next:")), len(rest))
+        explained = legend([first, *rest]) if answer.explained else []
+        for line in (*rest[:foot], *explained, *rest[foot:]):
             print(line)
-            if number == 0 and mission is not None:
-                if not mission.law.is_papers:
-                    print(f"  law                     {mission.law.name}")
-                if left:
-                    print(*wrapped(label, ", ".join(left)), sep="\n")
     return answer.status
 
 

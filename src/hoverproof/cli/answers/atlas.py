@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hoverproof.cli.answers.answer import Answer
-from hoverproof.cli.answers.words import number
+from hoverproof.cli.answers.words import about
 from hoverproof.design.atlas import Axis
 from hoverproof.design.atlas_summary import AtlasSummary
 
@@ -31,18 +31,18 @@ class AtlasAnswer(Answer):
         share = 100 * found.certified / found.cells
         yield f"{self.mission}: a map of what is certified"
         for one in (self.x, self.y):
-            ends = f"{number(one.values[0])} to {number(one.values[-1])} {one.quantity.unit}"
+            ends = f"{about(one.values[0])} to {about(one.values[-1])} {one.quantity.unit}"
             yield f"  {one.name:23} from {ends}"
         yield (
             f"  certified               {found.certified} of {found.cells} cells, {share:.1f} % "
             "(floating point)"
         )
         if found.best is not None:
-            words = ", ".join(f"{name} = {number(value)}" for name, value in found.best.items())
+            words = ", ".join(f"{name} = {about(value)}" for name, value in found.best.items())
             axes = ((self.x.name, self.x.values), (self.y.name, self.y.values))
             at_edge = any(found.best[name] in (ends[0], ends[-1]) for name, ends in axes)
             yield f"  best cell               {words}{', at the edge of the map' * at_edge}"
-            yield f"  its decay rate          {number(found.best_decay_rate)} 1/s"
+            yield f"  its decay rate          {about(found.best_decay_rate)} 1/s"
         if self.exact:
             words = ", ".join(f"{n} {word}" for word, n in found.decided.items())
             yield f"  at the boundary         {words}, exactly; {found.disagree} unlike the map"

@@ -17,7 +17,17 @@ from hoverproof.certification.largest import Largest
 from hoverproof.certification.verdict import Undecided
 from hoverproof.cli.answers import exponential, unproved
 from hoverproof.cli.answers.answer import EXIT, Answer
-from hoverproof.cli.answers.words import goal_as_json, goal_text, interval, number, numbers
+from hoverproof.cli.answers.words import (
+    angle,
+    at_least,
+    at_most,
+    enclosure,
+    goal_as_json,
+    goal_text,
+    interval,
+    number,
+    numbers,
+)
 from hoverproof.design.unproved import Unproved
 from hoverproof.mission.tolerances import UNITS
 from hoverproof.mission.uncertainty import Uncertainty
@@ -178,11 +188,11 @@ def _proved(verdict: Attraction | Exponential) -> Iterator[str]:
 
 
 def _states(verdict: Attraction) -> str:
-    inside = f"{'Ψ' if verdict.tolerant else 'Λ'} <= {number(verdict.level)}"
+    inside = f"{'Ψ' if verdict.tolerant else 'Λ'} <= {at_least(verdict.level)}"
     if verdict.barrier_height is None:
-        return f"in every state with {inside} and T > 0; from hover, about the goal:"
-    above = f"at least {number(verdict.barrier_height)} m above the target"
-    return f"in every level hover with {inside} {above}, so about the goal"
+        return f"in every state with {inside} and T > 0; the hovers of these reach from the goal"
+    above = f"at least {at_most(verdict.barrier_height)} m above the target"
+    return f"in every level hover {above} with {inside}; these reach from the goal"
 
 
 def _turning(may: Uncertainty) -> str:
@@ -195,20 +205,17 @@ def _turning(may: Uncertainty) -> str:
 
 def _region(verdict: Attraction) -> Iterator[str]:
     reach, height = verdict.reach, verdict.barrier_height
-    symbol = "Ψ" if verdict.tolerant else "Λ"
-    yield f"  sideways, all round     {number(reach.sideways)} m"
-    yield f"  up                      {number(reach.up)} m"
-    yield f"  down                    {number(reach.down)} m"
+    yield f"  sideways, all round     {at_least(reach.sideways)} m"
+    yield f"  up                      {at_least(reach.up)} m"
+    yield f"  down                    {at_least(reach.down)} m"
+    yield "  (by the model, whose camera sees every target point from any distance)"
     for start in verdict.starts:
         yield f"  and from                {describe(start)}"
     yield "  On the way:"
-    yield f"  weights a2, a3, a4      {', '.join(map(number, verdict.weights))}"
-    yield f"  {symbol}' <= -(k1/m) ε |Y|²    ε = {number(verdict.rate)}"
-    yield f"  tilt                    {number(verdict.tilt)} rad or less"
-    yield f"  thrust                  in {interval(verdict.thrust)} N"
-    yield f"  eigenvalues of Q        {number(verdict.largest_eigenvalue)} 1/m or less"
+    yield f"  tilt                    {angle(verdict.tilt)} or less"
+    yield f"  thrust                  in {enclosure(verdict.thrust)} N"
     if height is not None:
-        yield f"  height                  {number(height)} m or more above the target"
+        yield f"  height                  {at_least(height)} m or more above the target"
 
 
 def _motion(verdict: Sinks) -> Iterator[str]:

@@ -10,8 +10,8 @@ from hoverproof.mission.flown import beyond_tolerances
 from hoverproof.mission.sections import Mission
 
 WORDS = {
-    "thrust": "thrust off by a share of",
-    "torque": "torque off by a share of",
+    "thrust": "a relative thrust error of",
+    "torque": "a relative torque error of",
     "latency": "images as old as",
     "rotor_lag": "rotors that lag by",
     "wind": "wind of",
@@ -28,7 +28,7 @@ UNITS = {
 def beyond_text(mission: Mission) -> Iterator[str]:
     """Yield, for each tolerance that is too small, what is flown with and what is covered."""
     for name, flown, covered in beyond_tolerances(mission):
-        has = f"is {covered:g}" if covered else "is not named"
+        has = f"is {covered:g}" if covered else "is not given"
         yield f"{WORDS[name]} {flown:.3g}{UNITS[name]}; uncertainty.{name} {has}"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,9 @@ from hoverproof.certification.gains import (
 from hoverproof.certification.region import Box
 from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import (
+    about,
+    at_least,
+    at_most,
     bounds_as_json,
     goal_as_json,
     goal_text,
@@ -28,7 +32,11 @@ from hoverproof.cli.answers.words import (
 from hoverproof.paper.conditions import Demand
 from hoverproof.plausibility import Finding
 
-CLAIM = {"proved": "", "refuted": "not ", "undecided": "not known: whether "}
+CLAIM = {
+    "proved": "{} ≻ 0 for",
+    "refuted": "{} ≻ 0 does not hold for",
+    "undecided": "not known whether {} ≻ 0 for",
+}
 
 
 @dataclass(frozen=True)
@@ -65,7 +73,7 @@ class CertifyAnswer(Answer):
             case UndecidedGains() as undecided:
                 yield f"  {undecided.reason}"
                 if undecided.margin_above is not None:
-                    yield _worst(undecided)
+                    yield _worst(undecided.margin_above)
         yield from self._demanded()
         if self.path is not None:
             yield f"Next: hoverproof check {self.path}"
@@ -75,7 +83,7 @@ class CertifyAnswer(Answer):
     def _demanded(self) -> Iterator[str]:
         if self.demands is None:
             return
-        yield "Asked for by the printed theorem (which is false, see hoverproof derive):"
+        yield "The printed theorem of the paper (false, see hoverproof derive) asks for:"
         # broken between conditions, not within
         whole = "; ".join(d.text().replace(" ", "\xa0") for d in self.demands)
         for line in textwrap.wrap(whole, 76):
@@ -85,10 +93,11 @@ class CertifyAnswer(Answer):
         problem = self.verdict.problem
         flow, thrust = problem.flow, interval(problem.thrust)
         if self.asked is not None and problem.box != self.asked:  # nothing is known over that box
-            yield f"  not known: whether Σ({flow.symbol}, T) ≻ 0 with bounds over the box"
+            yield f"  not known whether Σ({flow.symbol}, T) ≻ 0 with bounds over the box"
             yield f"  {sides_text(self.asked)} m and every thrust T in {thrust} N"
             return
-        yield f"  {CLAIM[self.verdict.status]}Σ({flow.symbol}, T) ≻ 0 for {flow.every}"
+        claim = CLAIM[self.verdict.status].format(f"Σ({flow.symbol}, T)")
+        yield f"  {claim} {flow.every}"
         yield f"  {flow.within(problem.eigenvalues, number)} and every thrust T in {thrust} N"
         if problem.box is not None:
             yield f"  ({flow.bounds} proved over the box"
@@ -103,20 +112,20 @@ class CertifyAnswer(Answer):
             yield f"  weights of L            {', '.join(map(number, problem.weights))}"
 
     def _proved(self, verdict: ProvedGains) -> Iterator[str]:
-        gap = float(verdict.margin_above / verdict.margin - 1)
+        ends = f"from {at_least(verdict.margin)} to {at_most(verdict.margin_above)}"
         what = "margin, Σ ⪰ margin·W   " if self.weighted else "worst eigenvalue of Σ  "
-        yield f"  {what} {number(verdict.margin)} kg/s, proved (tight to {gap:.0e})"
-        yield f"  decay rate of L         {number(verdict.decay_rate)} 1/s, proved"
+        yield f"  {what} {ends} kg/s, proved"
+        yield f"  decay rate of L         {at_least(verdict.decay_rate)} 1/s, proved"
         yield f"  certificate             {self.path}"
 
     def _refuted(self, verdict: RefutedGains) -> Iterator[str]:
-        yield _worst(verdict)
+        yield _worst(verdict.margin_above)
         yield "  counterexample, exact:"
         rows = "; ".join(", ".join(map(str, row)) for row in verdict.Q)
         yield f"    {verdict.problem.flow.symbol} = [{rows}] 1/m"
         yield f"    f = {verdict.f} 1/m"
         yield f"    X = ({', '.join(map(str, verdict.X))})"
-        yield f"    XᵀΣX <= {verdict.value} (about {number(verdict.value)}) < 0"
+        yield f"    XᵀΣX <= {verdict.value} (about {about(verdict.value)}) < 0"
         yield f"  written to              {self.path}"
 
     def as_json(self) -> dict[str, Any]:
@@ -154,5 +163,5 @@ class CertifyAnswer(Answer):
         }
 
 
-def _worst(verdict: RefutedGains | UndecidedGains) -> str:
-    return f"  worst eigenvalue of Σ   {number(verdict.margin_above)} kg/s or less, proved"
+def _worst(margin_above: Fraction) -> str:
+    return f"  worst eigenvalue of Σ   {at_most(margin_above)} kg/s or less, proved"

@@ -12,7 +12,7 @@ from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.region_tuned import WAYS, region_tuned_as_json
 from hoverproof.cli.answers.start_tuned import StartTunedAnswer
 from hoverproof.cli.answers.tuned import infeasible_as_json, tuned_as_json
-from hoverproof.cli.answers.words import number
+from hoverproof.cli.answers.words import about, at_least, number
 from hoverproof.design.outcome import Infeasible, RegionTuned, StartTuned, Tuned
 from hoverproof.servo.variables import Design
 
@@ -71,7 +71,7 @@ class DecayCurveAnswer(CurveAnswer):
         """Write a point of the curve."""
         if not isinstance(found, Tuned):
             return nothing_row(f"{at:8.4g}", found)
-        rate = number(found.verdict.decay_rate)
+        rate = at_least(found.verdict.decay_rate)
         return "  ".join(["", f"{at:8.4g}", f"{rate:>11}", *gains_row(found, 9)])
 
 
@@ -91,9 +91,10 @@ class RegionCurveAnswer(CurveAnswer):
     def row(self, at: float, found: Found) -> str:
         """Write a point of the curve."""
         if not isinstance(found, RegionTuned):
-            return nothing_row(f"{number(at):>10}", found)
-        far = [found.slowest_rate, *(getattr(found.region.reach, way) for way in WAYS)]
-        return "  ".join(["", *(f"{number(x):>10}" for x in far), *gains_row(found, 6)])
+            return nothing_row(f"{about(at):>10}", found)
+        far = (at_least(getattr(found.region.reach, way)) for way in WAYS)
+        row = (about(found.slowest_rate), *far)
+        return "  ".join(["", *(f"{x:>10}" for x in row), *gains_row(found, 6)])
 
 
 def gains_row(found: Tuned | RegionTuned | StartTuned, width: int) -> list[str]:

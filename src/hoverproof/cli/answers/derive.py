@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.paper.judge import Judgement
@@ -15,6 +15,8 @@ from hoverproof.show.ledger import claim_text, ledger_latex, ledger_markdown, le
 @dataclass(frozen=True)
 class DeriveAnswer(Answer):
     """The paper's claims, judged, as a table or each ``in_full``."""
+
+    explained: ClassVar[bool] = False
 
     judgements: Sequence[Judgement]
     format: str

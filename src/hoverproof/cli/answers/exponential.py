@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
 from hoverproof.certification.certificate import exact
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.cli.answers.words import interval, number, numbers
+from hoverproof.cli.answers.words import angle, at_least, at_most, enclosure, numbers
+
+PER_MASS = "N × true / modelled mass"
+"""After bounds of the thrust of vehicles whose mass is not the modelled one."""
 
 
 def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
@@ -21,35 +23,28 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     starts : sequence of str
         Its starts in words.
     """
-    settling, (low, high) = verdict.settling, verdict.slope
+    settling = verdict.settling
     for start in starts:
         yield f"  start                   {start}"
-    yield f"  settled                 after {number(settling.time)} s: from then on within"
-    yield f"                          {number(settling.radius)} m of the goal"
-    yield f"  decay rate              Ψ falls as exp(-r t), r = {number(verdict.rate)} 1/s"
-    yield f"  Ψ                       {number(verdict.level)} or less from the start on"
-    yield f"  weights w2, w3, w4      {', '.join(map(number, verdict.weights))}"
+    yield f"  settled                 after {at_most(settling.time)} s: from then on within"
+    yield f"                          {at_most(settling.radius)} m of the goal"
+    yield f"  decay rate              Ψ falls as exp(-r t), r = {at_least(verdict.rate)} 1/s"
     if verdict.ultimate_radius is not None:
-        last = f"{number(verdict.ultimate_radius)} m, by what is not steady"
-        yield f"  in the end              within {last}"
+        yield f"  ultimate bound          {at_most(verdict.ultimate_radius)} m from the goal"
     yield "  On the way:"
-    yield f"  height                  in {interval(heights(verdict))} m above the target"
-    yield f"  tilt                    {number(verdict.tilt)} rad or less"
-    yield f"  thrust                  in {interval(verdict.thrust)} N,"
-    yield "                          over the true mass times the modelled"
+    yield f"  height                  in {enclosure(heights(verdict))} m above the target"
+    yield f"  tilt                    {angle(verdict.tilt)} or less"
+    yield f"  thrust                  in {enclosure(verdict.thrust)} {PER_MASS}"
     if verdict.field_of_view is not None:
-        angle = f"{number(verdict.field_of_view)} rad ({math.degrees(verdict.field_of_view):.3g}°)"
-        yield f"  target points           within {angle} of the {verdict.mission.camera.axis_seen}"
+        view = angle(verdict.field_of_view)
+        yield f"  target points           within {view} of the {verdict.mission.camera.axis_seen}"
         yield from map("  {:24}".format("").__add__, _out_of_image(verdict))
-    yield f"  thrust of each rotor    in {interval(verdict.rotor_thrust)} N"
+    yield f"  thrust of each rotor    in {enclosure(verdict.rotor_thrust)} N"
     if verdict.mission.vehicle.own_limits:
         names = verdict.mission.vehicle.frame.names
         for name, ends in zip(names, verdict.rotor_thrusts, strict=True):
-            yield f"    {name:20}  in {interval(ends)} N"
+            yield f"    {name:20}  in {enclosure(ends)} N"
     yield from map("  {}".format, beyond(verdict))
-    symbol = "J" if verdict.mission.law.feature == "scaled" else "Q"
-    ball = f"j = {number((low + high) / 2)}, ϱ = {number((high - low) / 2)} 1/m"
-    yield f"  |{symbol} - j I| <= ϱ          {ball}"
 
 
 def settled_text(verdict: Exponential) -> str:
@@ -60,7 +55,7 @@ def settled_text(verdict: Exponential) -> str:
     verdict : Exponential
     """
     settling = verdict.settling
-    return f"within {number(settling.radius)} m after {number(settling.time)} s"
+    return f"within {at_most(settling.radius)} m after {at_most(settling.time)} s"
 
 
 def _out_of_image(verdict: Exponential) -> list[str]:
@@ -77,7 +72,7 @@ def _out_of_image(verdict: Exponential) -> list[str]:
     ]
 
 
-def heights(verdict: Exponential) -> tuple[float, float]:
+def heights(verdict: Exponential) -> tuple[Fraction, Fraction]:
     """Return the ends of the heights above the mean of the target on the way, m.
 
     Parameters
@@ -85,7 +80,7 @@ def heights(verdict: Exponential) -> tuple[float, float]:
     verdict : Exponential
     """
     low, high = verdict.wedge[2]
-    return float(1 / high), float(1 / low)
+    return 1 / high, 1 / low
 
 
 def beyond(verdict: Exponential) -> list[str]:
@@ -107,7 +102,7 @@ def beyond(verdict: Exponential) -> list[str]:
         if most is not None and high > most:
             above[of] = max(high - most, above.get(of, high - most))
     return [
-        f"{limit}{of} is not shown to be kept, by {number(far)} N: the proof has no such limit"
+        f"{limit}{of} may be violated by up to {at_most(far)} N"
         for limit, beside in (("min_thrust", below), ("max_thrust", above))
         for of, far in beside.items()
     ]
@@ -143,7 +138,7 @@ def as_json(verdict: Exponential) -> dict[str, Any]:
             "settling_radius": "m from the goal",
             "heights": "m above the mean of the target",
             "tilt": "rad",
-            "thrust": "N, over the true mass times the modelled",
+            "thrust": "N, of T times modelled over true mass",
             "slope": "1/m",
             "ultimate_radius": "m from the goal, in the end",
             "field_of_view": "rad from the optical axis",

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hoverproof.cli.answers.answer import Answer
-from hoverproof.cli.answers.words import interval
+from hoverproof.cli.answers.words import enclosure, interval
 
 
 @dataclass(frozen=True)
@@ -41,20 +41,20 @@ class ExportAnswer(Answer):
                 standing = standing.replace(")", f"; {bounds})")
         yield f"{self.mission}: firmware written, {self.precision}, {standing}"
         yield f"  folder  {self.out}"
-        yield f"  thrust  {interval(manifest['thrust'])} N, monitored"
+        yield f"  thrust  {enclosure([Fraction(end) for end in manifest['thrust']])} N, monitored"
         option = "" if self.limits_given else " (--rotor-limits)"
         each = manifest.get("each_rotor")
         limits = f"{interval(manifest['rotor_limits'])} N each{option}"
         yield f"  rotors  {', '.join(map(interval, each)) + ' N' if each else limits}"
-        kept = ", proved to be kept" if manifest["rotor_limits_kept"] else ""
+        kept = "; proved to hold" if manifest["rotor_limits_kept"] else ""
         yield f"          {manifest['rotor_limits_from']}{kept}"
         if "rate_bandwidth" in manifest:
             bandwidth = float(Fraction(manifest["rate_bandwidth"]))
             yield f"  rates   and throttle are commanded, to a rate loop of {bandwidth:g} rad/s"
-        yield "SHA-256 of the law, and of the certificates if there are any:"
-        yield f"  {manifest['law_sha256']}"
-        for sha256 in manifest["theorems"].values():
-            yield f"  {sha256}"
+        yield "SHA-256 of the law, and of the certificate of each theorem:"
+        yield f"  law        {manifest['law_sha256']}"
+        for theorem, sha256 in manifest["theorems"].items():
+            yield f"  theorem {theorem}  {sha256}"
         folder = shlex.quote(str(self.out))
         yield f"Next: cd {folder} && cc -std=c99 -O2 -I. *.c example/*.c -lm -o fly && ./fly"
 

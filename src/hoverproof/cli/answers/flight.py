@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.beyond import beyond_text, covering
 from hoverproof.cli.answers.see import images_text
-from hoverproof.cli.answers.words import goal_as_json, goal_text, position_text
+from hoverproof.cli.answers.words import about, goal_as_json, goal_text, position_text
 from hoverproof.simulation.compiled import VIRTUAL_MACHINE
 from hoverproof.simulation.numbers import SETTLED
 
@@ -40,7 +40,7 @@ class FlightAnswer(Answer):
     @property
     def tolerances_label(self) -> str:
         """A flight is of one vehicle of those within the tolerances."""
-        return "one of all with"
+        return "one vehicle within"
 
     @property
     def status(self) -> int:
@@ -60,8 +60,8 @@ class FlightAnswer(Answer):
             yield "  (no C compiler works here; with one this is much faster)"
         yield from goal_text(self.mission)
         start, end = position_text(facts["start_position"]), position_text(facts["final_position"])
-        yield f"  start     {start}, {facts['start_error']:.3g} m away"
-        yield f"  end       {end}, {facts['final_error']:.3g} m away"
+        yield f"  start     {start}, {about(facts['start_error'])} m away"
+        yield f"  end       {end}, {about(facts['final_error'])} m away"
         if "final_yaw" in facts:
             yaw, off = facts["final_yaw"], facts["final_heading_error"]
             yield f"  yaw       {yaw:.3f} rad at the end, {off:.3g} rad off its heading"
@@ -74,9 +74,9 @@ class FlightAnswer(Answer):
         if self.decay is not None:
             ends = self.decay.until < facts["duration"]
             until = f", until {self.decay.until:g} s: then the flight leaves its bounds"
-            yield f"  drawn in features, {self.decay.label()}{until if ends else ''}"
+            yield f"  drawn in figure features, {self.decay.label()}{until if ends else ''}"
         if self.uncovered:
-            yield "  nothing is certified of this flight: it starts out of the bounds of the proof"
+            yield "  nothing is certified of this flight: it starts outside the bounds of the proof"
         low, high = facts["rotor_thrust"]
         if low < 0:
             yield f"  rotor thrusts from {low:.3g} to {high:.3g} N: no rotor pulls a vehicle down"
@@ -97,12 +97,11 @@ class FlightAnswer(Answer):
         if "ideal_settled_at" in facts:
             settled = _since(facts["ideal_settled_at"])
             if facts["ideal_settled_at"] is None:
-                settled = f"not within {facts['compared_until']:g} s, to which the two are compared"
-            yield f"  without sensors, rotors, wind and errors: {settled}"
-            yield (
-                f"  from that flight at most {facts['greatest_distance_from_ideal']:.3g} m away, "
-                f"at the end {facts['final_distance_from_ideal']:.3g} m"
-            )
+                settled = f"not before {facts['compared_until']:g} s"
+            yield f"  with ideal sensors and rotors, no wind or errors: {settled}"
+            most = about(facts["greatest_distance_from_ideal"])
+            last = about(facts["final_distance_from_ideal"])
+            yield f"  at most {most} m from that ideal flight, {last} m at the end"
         if facts["frames_lost"] and self.mission.sensors.width is not None:
             yield (
                 f"  a target point was out of view in {facts['frames_lost']} frames, "

@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.words import number
@@ -56,6 +56,8 @@ class PresetsAnswer(Answer):
 @dataclass(frozen=True)
 class PresetAnswer(Answer):
     """A preset, as its file has it."""
+
+    explained: ClassVar[bool] = False
 
     file: str
     mission: Mission

@@ -10,7 +10,7 @@ from typing import Any
 from hoverproof.certification.flow import flow_of
 from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.cli.answers.answer import EXIT, Answer
-from hoverproof.cli.answers.words import number, numbers, position_text, sides_text
+from hoverproof.cli.answers.words import about, number, numbers, position_text, sides_text
 
 CONTENTS = {
     "proved": "the bounds",
@@ -48,17 +48,17 @@ class RegionAnswer(Answer):
             yield "  nothing is proved there within the limit of boxes (--boxes)"
         else:
             yield f"  proved there            {flow.within(found.eigenvalues, number)}"
-            yield f"  found there             {flow.within(found.attained, number)}"
+            yield f"  found there             {flow.within(found.attained, about)}"
         if broken is not None:
             spot = broken.outside
-            value, place = number(spot.value), position_text(spot.position)
+            value, place = about(spot.value), position_text(spot.position)
             name = "distance from j I" if spot.bound == "ball" else f"{spot.bound} bound broken"
             yield f"  {name:22}  {value} 1/m at {place}"
             low, high = verdict.bounds if found is None else found.attained
             if spot.bound == "lower" and high > verdict.bounds[1]:
-                yield f"  upper bound broken too  {number(high)} 1/m found, not in the certificate"
+                yield f"  upper bound broken too  {about(high)} 1/m found, not in the certificate"
             if spot.bound == "upper" and low < verdict.bounds[0]:
-                yield f"  lower bound broken too  {number(low)} 1/m found, not in the certificate"
+                yield f"  lower bound broken too  {about(low)} 1/m found, not in the certificate"
         if self.path is not None:
             yield f"  certificate             {self.path} ({CONTENTS[verdict.status]})"
         if self.picture is not None:
@@ -94,4 +94,4 @@ class RegionAnswer(Answer):
 def _asked(verdict: BoundsVerdict) -> str:
     flow = flow_of(verdict.mission)
     within = flow.within(verdict.bounds, number)
-    return f"bounds {within} of {flow.words}" if flow.symbol == "Q" else f"ball {within}"
+    return f"bounds {within} of {flow.words}" if flow.symbol == "Q" else f"bounds {within}"

@@ -11,6 +11,8 @@ from typing import Any
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.words import (
+    about,
+    at_least,
     gain_units,
     gains_as_json,
     gains_text,
@@ -19,7 +21,6 @@ from hoverproof.cli.answers.words import (
     hover_error_text,
     limits_as_json,
     limits_text,
-    number,
     numbers,
     written_text,
 )
@@ -45,8 +46,8 @@ class RegionTunedAnswer(Answer):
         yield from goal_text(found.mission)
         own = "not proved" if found.before is None else reach_text(found.before)
         yield f"    the mission's own gains: {own}"
-        yield "    both of the theorem without a barrier, whatever the start; attraction may"
-        yield "    prove more with a barrier, and says whether the start is held"
+        yield "    both without a barrier and without regard to the start; attraction tries a"
+        yield "    barrier too, which may prove more, and says whether the start is inside"
         yield from _rates(found)
         yield from hover_error_text(found.hover_error, found.mission)
         yield from limits_text(found.uses)
@@ -61,16 +62,16 @@ class RegionTunedAnswer(Answer):
 
 def reach_text(region: Attraction) -> str:
     """Write how far hovers are certified."""
-    far = [number(getattr(region.reach, way)) for way in WAYS]
+    far = [at_least(getattr(region.reach, way)) for way in WAYS]
     return f"{far[0]} m sideways, {far[1]} m up, {far[2]} m down"
 
 
 def _rates(found: RegionTuned) -> Iterator[str]:
     slow, times = found.slowest_rate, found.slowest_rate / found.slowest_rate_before
-    yield (f"  slowest motion at goal  {number(slow)} 1/s, {times:.2f} times that of the own gains")
-    yield f"    time constant:           {number(1 / slow)} s (linearised)"
+    yield f"  slowest motion at goal  {about(slow)} 1/s, {times:.2f} times that of own gains"
+    yield f"    time constant:           {about(1 / slow)} s (linearised)"
     rate = found.decay_rate
-    decay = "not proved" if rate is None else f"{number(rate)} 1/s, proved"
+    decay = "not proved" if rate is None else f"{at_least(rate)} 1/s, proved"
     yield f"  decay rate of L         {decay} with the bounds of this mission"
 
 

@@ -37,7 +37,7 @@ class ReplayAnswer(Answer):
             "period", f"{f['period']:.4g} s, {f['longest_period']:.4g} s at the longest"
         )
         step, longest = 1e6 * f["seconds_a_step"], 1e6 * f["longest_step"]
-        words = f"{step:.3g} µs here, {longest:.3g} µs at the longest, called from Python"
+        words = f"{step:.3g} µs here, {longest:.0f} µs at the longest, called from Python"
         yield from wrapped("a step takes", words)
         for key, name in (("saturated", "at a limit"), ("fault", "faults")):
             count = f["saturated" if key == "saturated" else "faults"]

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hoverproof.cli.answers.answer import Answer
-from hoverproof.cli.answers.words import number
+from hoverproof.cli.answers.words import about
 from hoverproof.cli.interruption import STATUS
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ class RunsAnswer(Answer):
     @property
     def tolerances_label(self) -> str:
         """A flight is of one vehicle of those within the tolerances."""
-        return "one of all with"
+        return "vehicles within"
 
     @property
     def status(self) -> int:
@@ -82,5 +82,5 @@ class RunsAnswer(Answer):
 def _range(quantiles: Sequence[float] | None, unit: str) -> str:
     if quantiles is None or not all(map(math.isfinite, quantiles)):
         return ""
-    low, middle, high = map(number, quantiles)
+    low, middle, high = map(about, quantiles)
     return f"  median {middle} {unit}, 90 % within [{low}, {high}] {unit}"

@@ -80,7 +80,7 @@ class SeeAnswer(Answer):
         place = position_text(last["camera_position"])
         yield f"  camera                  {place}, as the tags tell"
         if facts["frames"] > 1:
-            yield "                          (these, of the last image with all of it)"
+            yield "                          (from the last image that shows the whole target)"
         if facts["error_largest"] is not None:
             yield f"  largest image error     {facts['error_largest']:.4g}"
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hoverproof.cli.answers.answer import Answer
-from hoverproof.cli.answers.words import number, wrapped
+from hoverproof.cli.answers.words import about, at_most, wrapped
 from hoverproof.design.atlas import Axis
 from hoverproof.design.atlas_summary import StartSummary
 from hoverproof.mission.sections import Mission
@@ -51,24 +51,24 @@ class StartAtlasAnswer(Answer):
         yield from wrapped("for every vehicle", ", ".join(self.covers) or "just as modelled")
         for one in self.axes:
             unit = "" if one.quantity.unit == "1" else f" {one.quantity.unit}"
-            ends = f"{number(one.values[0])} to {number(one.values[-1])}{unit}"
+            ends = f"{about(one.values[0])} to {about(one.values[-1])}{unit}"
             yield f"  {one.name:23} from {ends}"
         share = f"{found.found} of {found.cells} cells, {100 * found.found / found.cells:.1f} %"
-        yield f"  start held              {share} (found by search, floating point)"
+        yield f"  start held              {share} (found by search, not proved)"
         if found.soonest is None:
             yield "  none is found here, which refutes none; `hoverproof tune` looks elsewhere"
         else:
-            words = ", ".join(f"{name} = {number(value)}" for name, value in found.soonest.items())
+            words = ", ".join(f"{name} = {about(value)}" for name, value in found.soonest.items())
             yield f"  soonest                 {words}"
-            near = f"within {number(found.radius)} m after {number(found.time)} s"
+            near = f"within {about(found.radius)} m after {about(found.time)} s"
             yield f"                          {near} (found by search)"
             if found.proved_time is not None:
-                yield f"                          after {number(found.proved_time)} s, proved"
+                yield f"                          after {at_most(found.proved_time)} s, proved"
         if found.asked:
             words = "cells at the boundary, and the soonest: exact certificates"
             yield f"  proved                  {found.proved} of {found.asked} {words}"
         elif found.found:
-            yield "  proved                  none was asked for: --exact-boundary"
+            yield "  proved                  none asked for (--exact-boundary)"
         yield f"  map                     {self.path}"
         yield f"  figure                  {self.picture}"
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shlex
 import textwrap
 from collections.abc import Iterator
@@ -13,17 +12,19 @@ from typing import Any
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.attraction import considered
 from hoverproof.cli.answers.beyond import beyond_text, covering
-from hoverproof.cli.answers.exponential import settled_text
+from hoverproof.cli.answers.exponential import PER_MASS, settled_text
 from hoverproof.cli.answers.words import (
+    about,
+    angle,
+    at_least,
+    enclosure,
     gain_units,
     gains_as_json,
     gains_text,
     hover_error_as_json,
     hover_error_text,
-    interval,
     limits_as_json,
     limits_text,
-    number,
     numbers,
     wrapped,
     written_text,
@@ -40,7 +41,7 @@ UNITS = {
     "fill": "Ψ at the start over the level of the set",
     "decay_rate": "1/s, of Ψ",
     "tilt": "rad",
-    "thrust": "N, over the true mass, times the modelled",
+    "thrust": "N, of T times modelled over true mass",
     "rotor_thrust": "N, of each rotor",
     "field_of_view": "rad, from the optical axis",
     "bandwidth": "rad/s",
@@ -72,21 +73,18 @@ class StartTunedAnswer(Answer):
             yield from (f"    --set {setting}" for setting in sets)
         yield from gains_text(found.mission)
         yield from self._settled()
-        yield f"  Ψ at the start          {fill(found):.3g} of the level, falls as exp(-r t)"
-        yield f"    r                        {number(proved.rate)} 1/s"
-        degrees = math.degrees(proved.tilt)
-        yield f"  tilt on the way         {number(proved.tilt)} rad ({degrees:.3g}°) or less"
-        yield f"  thrust over mass, × m   in {interval(proved.thrust)} N"
-        yield f"  thrust of each rotor    in {interval(proved.rotor_thrust)} N"
+        yield f"  decay rate              Ψ falls as exp(-r t), r = {at_least(proved.rate)} 1/s"
+        yield f"  tilt on the way         {angle(proved.tilt)} or less"
+        yield f"  thrust                  in {enclosure(proved.thrust)} {PER_MASS}"
+        yield f"  thrust of each rotor    in {enclosure(proved.rotor_thrust)} N"
         if proved.field_of_view is not None:
-            seen = proved.field_of_view
-            wide = f"{number(seen)} rad ({math.degrees(seen):.3g}°)"
-            yield f"  points seen within      {wide} of the axis"
+            axis = found.mission.camera.axis_seen
+            yield f"  target points           within {angle(proved.field_of_view)} of the {axis}"
         yield from hover_error_text(found.hover_error, found.mission)
         yield from limits_text(found.uses)
         binding = [use.name for use in found.uses if use.binds]
         if not binding:
-            yield "  what binds: the inequality of Ψ alone"
+            yield "  what binds: no limit above, the inequality of the proof alone"
         yield from written_text(self.written, self.certificate)
         if self.written is not None and self.certificate is not None:
             folder = str(Path(self.written).with_suffix("")) + "-firmware"
@@ -96,7 +94,6 @@ class StartTunedAnswer(Answer):
     def _settled(self) -> Iterator[str]:
         found = self.found
         yield f"  settled, proved         {settled_text(found.verdict)}"
-        yield f"    before rounding:         {number(found.estimate)} s (floating point)"
         yield f"    the mission's own gains: {_sought(found)}"
         if found.why_longer is not None:
             yield from textwrap.wrap(
@@ -141,14 +138,14 @@ class StartTunedAnswer(Answer):
 def _sought(found: StartTuned) -> str:
     """Say when the mission's own gains settle, as `attraction` would prove it."""
     if found.before is None:
-        return "no time is found"
+        return "no time is found by search"
     settled, radius = found.before, found.verdict.settling.radius
-    near = "" if settled.radius == radius else f", within {number(settled.radius)} m"
-    return f"{number(settled.time)} s{near} (found, not proved)"
+    near = "" if settled.radius == radius else f", within {about(settled.radius)} m"
+    return f"{about(settled.time)} s{near} (by search, not proved)"
 
 
 def _flown(time: float | None) -> str:
-    return "not as soon" if time is None else f"after {number(time)} s"
+    return "not as soon" if time is None else f"after {about(time)} s"
 
 
 def fill(found: StartTuned) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from hoverproof.cli.answers.attraction import considered
 from hoverproof.cli.answers.curve import CurveAnswer, Found, gains_row, nothing_row
-from hoverproof.cli.answers.words import number, wrapped
+from hoverproof.cli.answers.words import about, at_most, number, wrapped
 from hoverproof.design.outcome import StartTuned
 from hoverproof.design.start_trade import TRADED
 from hoverproof.mission.sections import Mission
@@ -80,8 +80,8 @@ class StartCurveAnswer(CurveAnswer):
         """Write a point of the curve."""
         if not isinstance(found, StartTuned):
             return nothing_row(f"{number(at):>8}", found)
-        flown = "-" if found.flown is None else number(found.flown)
-        time = number(found.verdict.settling.time)
+        flown = "-" if found.flown is None else about(found.flown)
+        time = at_most(found.verdict.settling.time)
         return "  ".join(
             ["", f"{number(at):>8}", f"{time:>9}", f"{flown:>8}", *gains_row(found, 9)]
         )

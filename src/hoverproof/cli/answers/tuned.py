@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +11,9 @@ from typing import Any
 from hoverproof.certification.problem import ONES
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.words import (
+    about,
+    at_least,
+    at_most,
     bounds_as_json,
     gain_units,
     gains_as_json,
@@ -43,7 +47,7 @@ class TunedAnswer(Answer):
         if verdict.problem.weights != ONES:
             yield f"  weights of L            {', '.join(map(number, verdict.problem.weights))}"
         slow = found.slowest_rate
-        yield f"  slowest motion at goal  {number(slow)} 1/s (linearised, floating point)"
+        yield f"  slowest motion at goal  {about(slow)} 1/s (linearised)"
         yield from hover_error_text(found.hover_error, found.mission)
         yield from limits_text(found.uses)
         if not any(use.binds for use in found.uses):
@@ -73,10 +77,11 @@ class InfeasibleAnswer(Answer):
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""
         yield f"{self.found.mission.name}: infeasible"
-        yield from ("  " + part for part in self.found.reason.replace("; ", ";\n").split("\n"))
+        for part in self.found.reason.replace("; ", ";\n").split("\n"):
+            yield from textwrap.wrap(part, 80, initial_indent="  ", subsequent_indent="    ")
         for advice in self.found.advice:
             yield f"  would help: {advice.words}"
-            yield f"    proved to settle within {number(advice.time)} s, with"
+            yield f"    proved to settle within {at_most(advice.time)} s, with"
             yield from (f"    --set {shlex.quote(setting)}" for setting in advice.settings)
 
     def as_json(self) -> dict[str, Any]:
@@ -86,13 +91,12 @@ class InfeasibleAnswer(Answer):
 
 def _rates(found: Tuned) -> Iterator[str]:
     rate = found.verdict.decay_rate
-    yield f"  decay rate of L         {number(rate)} 1/s, proved"
+    yield f"  decay rate of L         {at_least(rate)} 1/s, proved"
     if found.before is None:
         yield "    the mission's own gains: not proved"
     else:
-        times = float(rate / found.before)
-        yield f"    the mission's own gains: {number(found.before)} 1/s, proved; {times:.2f} times"
-    yield f"    before rounding:         {number(found.estimate)} 1/s (floating point)"
+        own, times = at_least(found.before), float(rate / found.before)
+        yield f"    the mission's own gains: {own} 1/s, proved; now {times:.3g} times that"
 
 
 def tuned_as_json(found: Tuned) -> dict[str, Any]:

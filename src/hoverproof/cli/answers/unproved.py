@@ -9,7 +9,7 @@ from typing import Any
 
 from hoverproof.certification.exponential.form import Vertex
 from hoverproof.certification.exponential.refusal import Corner, Refusal
-from hoverproof.cli.answers.words import number
+from hoverproof.cli.answers.words import about
 from hoverproof.design.unproved import Unproved
 
 NO_REFUSAL = (
@@ -56,11 +56,11 @@ def vehicle(refusal: Refusal, corner: Corner) -> str:
     corner : Corner
     """
     at = dict(zip(Vertex.sizes(), map(float, corner.vertex), strict=True))
-    lag = f", rotor lag {number(at['lag'])} s" if refusal.asked.lagged else ""
-    late = f", latency {number(refusal.asked.latency)} s" if refusal.asked.latency else ""
+    lag = f", rotor lag {about(at['lag'])} s" if refusal.asked.lagged else ""
+    late = f", latency {about(refusal.asked.latency)} s" if refusal.asked.latency else ""
     return (
-        f"thrust changes by {number(at['thrust_gain'])} times what is commanded{late}{lag}, "
-        f"χ = {number(at['lever_ratio'])}, π = {number(at['swing'])} 1/s"
+        f"thrust changes by {about(at['thrust_gain'])} times the command{late}{lag}, "
+        f"lever ratio χ = {about(at['lever_ratio'])}, swing π = {about(at['swing'])} 1/s"
     )
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
+
+from hoverproof.algebra.decimals import decimal_above, decimal_below, written
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -16,10 +19,34 @@ if TYPE_CHECKING:
     from hoverproof.mission.sections import Mission
     from hoverproof.servo.hover_error import HoverError
 
+DIGITS = 4
+"""Of a proved bound; an object for machines has all."""
+
 
 def number(value: Any) -> str:
-    """Write a number with six digits."""
-    return f"{float(value):.6g}"
+    """Write a number that a mission gives, with six digits."""
+    return written(float(value), 6)
+
+
+def about(value: Any) -> str:
+    """Write a number that is found or simulated, with three digits."""
+    return written(float(value), 3)
+
+
+def at_least(value: float | Fraction) -> str:
+    """Write a proved lower bound, rounded down to four digits."""
+    return written(decimal_below(value, DIGITS), DIGITS)
+
+
+def at_most(value: float | Fraction) -> str:
+    """Write a proved upper bound, rounded up to four digits."""
+    return written(decimal_above(value, DIGITS), DIGITS)
+
+
+def angle(value: Fraction) -> str:
+    """Write a proved upper bound of an angle."""
+    degrees = written(decimal_above(math.degrees(value), 3), 3)
+    return f"{at_most(value)} rad ({degrees}°)"
 
 
 def numbers(values: Iterable[Any]) -> list[float]:
@@ -34,8 +61,13 @@ def wrapped(name: str, words: str) -> Iterator[str]:
 
 
 def interval(ends: Sequence[float | Fraction]) -> str:
-    """Write an interval."""
+    """Write an interval that a mission gives."""
     return f"[{number(ends[0])}, {number(ends[1])}]"
+
+
+def enclosure(ends: Sequence[Fraction]) -> str:
+    """Write proved bounds on both sides, rounded outward."""
+    return f"[{at_least(ends[0])}, {at_most(ends[1])}]"
 
 
 def sides_text(box: Sequence[Sequence[Fraction]]) -> str:
@@ -105,7 +137,7 @@ def limits_text(uses: Iterable[Use]) -> Iterator[str]:
     for use in uses:
         binds = "binds" if use.binds else "does not bind"
         what = "at least" if use.least else "limit"
-        yield f"  {use.name}: {number(use.value)}, {what} {number(use.limit)} {use.unit}: {binds}"
+        yield f"  {use.name}: {about(use.value)}, {what} {about(use.limit)} {use.unit}: {binds}"
 
 
 def limits_as_json(uses: Sequence[Use]) -> dict[str, Any]:
@@ -120,7 +152,7 @@ def limits_as_json(uses: Sequence[Use]) -> dict[str, Any]:
 def hover_error_text(error: HoverError | None, mission: Mission) -> Iterator[str]:
     """Yield what an error of thrust or mass does to the hover, which no integral action mends."""
     if error is None and mission.law.force == "modelled":
-        yield "  hover, 1 % less thrust  elsewhere; where is not computed for this law"
+        yield "  hover, 1 % less thrust  at another height, not computed for this law"
     for name, value in error.rows() if error is not None else ():
         yield f"  {name:22}  {value}"
 
