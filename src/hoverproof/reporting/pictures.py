@@ -153,9 +153,15 @@ def region_picture(mission: Mission, found: BoundsVerdict) -> Picture:
     mission : Mission
     found : ProvedBounds, RefutedBounds or UndecidedBounds
     """
+
+    def draw() -> Figure:
+        figure = region_figure(mission, found)
+        wide, high = figure.get_size_inches()
+        return _narrow(figure, WIDTH * high / wide, columns=2)
+
     return picture(
         "region",
-        lambda: _narrow(region_figure(mission, found), 4.9, columns=2),
+        draw,
         f"Cross-section of the positions in which the bounds of {flow_of(mission).symbol} hold, "
         "with target, goal, start and the box of the question.",
         "Vertical cross-section through the goal. The shading is computed in floating point; what "
@@ -188,7 +194,6 @@ def attraction_pictures(region: Attraction) -> list[Picture]:
         figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
         axes = figure.subplots()
         attraction.draw_energy(axes, region, flights)
-        axes.set_title("")
         return figure
 
     return [

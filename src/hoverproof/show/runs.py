@@ -75,7 +75,9 @@ def fans_figure(runs: xr.Dataset) -> Figure:
     rows = -(-len(panels) // 3)
     figure = Figure(figsize=(13, 0.8 + 3.7 * rows), layout="constrained")
     shown = min(SINGLE_RUNS, runs.sizes["run"])
+    apart = float(np.diff(runs["time"].values[:2]).sum())
     title = f"{_title(runs)}: median, 5 to 95 % band, and {shown} single runs"
+    title += f", a sample each {apart:g} s" if apart else ""
     early = int(sum(o != FLOWN for o in outcome))
     if early:
         title += f"\n{early} ended early, and leave the bands when they end"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,10 @@ from hoverproof.simulation.record import Recorded
 
 SLOWEST = 6
 """Times are told apart up to so many times the shortest."""
-NOTHING = "#D0D0D0"
+ROUND = (1, 1.5, 2, 3, 4, 5, 6, 8)
+"""What stands at the bar of colours, times a power of ten."""
+NOTHING = {"facecolor": "#D0D0D0", "edgecolor": "white", "hatch": "///", "linewidth": 0}
+"""Hatched, to be told from the colours in a grey print."""
 
 
 def start_atlas_figure(mission: Mission, atlas: Recorded) -> Figure:
@@ -54,7 +58,7 @@ def draw_start_atlas(axes: Axes, mission: Mission, atlas: Recorded) -> list[Arti
     across, along = atlas[x].values, atlas[y].values
     time, verdict = atlas["settling_time"].values, atlas["verdict"].values
     handles: list[Artist] = []
-    axes.set_facecolor(NOTHING)
+    axes.patch.set(**NOTHING)
     if not np.isnan(time).all():
         first = float(np.nanmin(time))
         mesh = axes.pcolormesh(
@@ -69,11 +73,12 @@ def draw_start_atlas(axes: Axes, mission: Mission, atlas: Recorded) -> list[Arti
         bar = axes.figure.colorbar(
             mesh, ax=axes, label="settled after (s), found by search", extend="max"
         )
-        ticks = [float(f"{first * SLOWEST**part:.2g}") for part in np.linspace(0.05, 0.95, 5)]
+        powers = 10.0 ** (math.floor(math.log10(first)) + np.arange(2))
+        ticks = [t for t in np.outer(powers, ROUND).ravel() if first <= t <= SLOWEST * first]
         bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
         bar.minorticks_off()
     if np.isnan(time).any():
-        handles.append(Patch(color=NOTHING, label="no weights found (not refuted)"))
+        handles.append(Patch(**NOTHING, label="no weights found (not refuted)"))
     for code, mark, words in ((PROVED, "o", "proved exactly"), (NOT_PROVED, "x", "not confirmed")):
         rows, columns = np.nonzero(verdict == code)
         if len(rows):
