@@ -11,12 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from hoverproof.design.axes import OF_START
 from hoverproof.design.start_atlas import NOT_PROVED, PROVED
 from hoverproof.mission.sections import Mission
-from hoverproof.show.atlas import cell_edges, label_axes, own_point
+from hoverproof.show.atlas import fit_axes, label_axes, own_point
 from hoverproof.show.style import save_figure
 from hoverproof.simulation.record import Recorded
 
@@ -94,14 +93,7 @@ def draw_start_atlas(axes: Axes, mission: Mission, atlas: Recorded) -> list[Arti
             )
     handles += own_point(axes, mission, (x, y), (across, along), OF_START)
     scale_x, scale_y = (str(scale) for scale in atlas.attrs["scales"])
-    axes.set(xscale=scale_x, yscale=scale_y)
-    for line, scale in ((axes.xaxis, scale_x), (axes.yaxis, scale_y)):
-        if scale == "log":  # of a decade or so: few plain numbers
-            line.set_major_locator(LogLocator(subs=(1, 2, 5)))
-            line.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-            line.set_minor_formatter(NullFormatter())
-    axes.set_xlim(*cell_edges(across, scale_x)[[0, -1]])
-    axes.set_ylim(*cell_edges(along, scale_y)[[0, -1]])
+    fit_axes(axes, (across, along), (scale_x, scale_y))
     label_axes(axes, mission, (x, y), OF_START)
     return handles
 
