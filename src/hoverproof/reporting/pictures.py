@@ -24,7 +24,7 @@ from hoverproof.show import attraction, exponential, panels, style
 from hoverproof.show.atlas import atlas_figure
 from hoverproof.show.region import region_figure
 
-WIDTH = 4.6
+WIDTH = 4.2
 FLIGHTS = 30
 MOST_SVG = 400_000
 COLOURS = {
@@ -157,7 +157,7 @@ def region_picture(mission: Mission, found: BoundsVerdict) -> Picture:
     def draw() -> Figure:
         figure = region_figure(mission, found)
         wide, high = figure.get_size_inches()
-        return _narrow(figure, WIDTH * high / wide, columns=2)
+        return _narrow(figure, WIDTH * high / wide + 0.35, columns=2)
 
     return picture(
         "region",
@@ -345,7 +345,7 @@ def _with_room(figure: Figure) -> Figure:
     (axes,) = figure.axes
     assert isinstance(axes, Axes3D)
     ends = (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())
-    axes.set_box_aspect([abs(b - a) for a, b in ends], zoom=0.85)
+    axes.set_box_aspect([abs(b - a) for a, b in ends], zoom=0.74)
     axes.tick_params(labelsize=7, pad=1)
     return figure
 

@@ -51,7 +51,7 @@ def region_figure(mission: Mission, found: BoundsVerdict) -> Figure:
     beyond = np.max([data - level for level, data, *_ in lines], axis=0)
 
     tall = min(1.0, (z[1] - z[0]) / (x[1] - x[0]))
-    figure = Figure(figsize=(7.5, 6.6 * tall + 2), layout="constrained")
+    figure = Figure(figsize=(6.4, 5.6 * tall + 1.9), layout="constrained")
     axes = figure.subplots()
     if beyond.min() < 0:
         ends = [beyond.min(), 0]
