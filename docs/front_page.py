@@ -46,9 +46,11 @@ HERE = Path(__file__).parent
 WIDTH, HEIGHT, DPI = 12.4, 10.6, 150  # inches, and pixels per inch
 LOW = 4.7  # inches, of the second picture
 ROWS, HIGH = (0.452, 0.05), 0.28  # lower edges and height of the panels, in parts of the figure
-CODE = {"family": "monospace", "fontsize": 8.5, "va": "top", "linespacing": 1.13}
+CODE = {"family": "monospace", "fontsize": 8.5, "va": "top", "linespacing": 1.09}
 OPENING, CLOSING = 10, 13  # lines of the control law that are shown
 CELLS, START_CELLS = 120, 10
+AROUND = 5  # times as small and as large as those of the mission are the gains of the map
+INSIDE = {"ha": "right", "va": "top", "fontsize": 9}
 LEFT_OUT = ("vehicle", "sensors", "rotors", "bounds")
 """Sections of the mission that the picture has no room for."""
 Box = tuple[float, float, float, float]
@@ -121,7 +123,7 @@ def paper_vehicle() -> Figure:
     below = f"dL/dt ≤ -({rate:g}/s) L for all Q, T in bounds, Ω3 = 0"
     box = page.panel(0, 0.345, 0.638, "Its gains are proved", below)
     draw_gains(page.figure.add_axes(indented(box)), mission)
-    below = "proved in exact arithmetic; the flight simulated"
+    below = "● start   ★ goal   ■ target points   ― simulated"
     box = page.panel(0, 0.705, 0.988, "From here it converges", below)
     draw_region(page.figure.add_axes(indented(box)), region, flight)
     return page.figure
@@ -192,7 +194,7 @@ def indented(box: Box) -> Box:
 def lower(box: Box) -> Box:
     """Use the room that labels would take below."""
     left, bottom, width, height = box
-    return left, bottom - 0.053, width, height + 0.053
+    return left, bottom - 0.045, width, height + 0.045
 
 
 def mission_lines(preset: str) -> list[str]:
@@ -227,9 +229,14 @@ def draw_text(axes: Axes, lines: list[str], longest: int) -> None:
 
 def draw_gains(axes: Axes, mission: Mission) -> None:
     """Draw which gains are certified, the boundary decided exactly."""
-    across, along = (axis(mission, name, cells=CELLS) for name in ("k1", "k2"))
+    own = {name: float(getattr(mission.gains, name)) for name in ("k1", "k2")}
+    across, along = (
+        axis(mission, name, cells=CELLS, ends=(value / AROUND, value * AROUND))
+        for name, value in own.items()
+    )
     atlas = hp.atlas(mission, across, along, exact=True)
     draw_atlas(axes, mission, atlas, "decay_rate", np.zeros(atlas["margin"].shape, bool))
+    axes.text(0.97, 0.96, "grey: refuted\n★: its gains", **INSIDE, transform=axes.transAxes)
 
 
 def draw_region(axes: Axes, region: Attraction, flight: xr.Dataset) -> None:
@@ -259,8 +266,7 @@ def draw_path(axes: Axes, flight: xr.Dataset) -> None:
     panels.path(axes, flight)
     axes.get_legend().remove()
     axes.set_zlabel("z (m), down", labelpad=12)
-    for level in (axes.xaxis, axes.yaxis):
-        level.set_major_locator(MaxNLocator(2))
+    axes.xaxis.set_major_locator(MaxNLocator(2))
 
 
 def draw_tracks(axes: Axes, flight: xr.Dataset) -> None:

@@ -25,7 +25,8 @@ RATIOS = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
 HEIGHTS = (0.6, 1.2, 2.4, 4.8)  # m
 HEIGHT, RATIO = 1.2, 0.2
 TIMES = (2, 3, 5, 10, 20)  # s
-FEATURES = ("scaled", "centroid")
+MARKS = {"scaled": "o", "centroid": "s"}
+FEATURES = tuple(MARKS)
 
 
 @dataclass(frozen=True)
@@ -78,9 +79,10 @@ def draw(rows: list[Row]) -> Figure:
     by_size, by_height = figure.subplots(1, 2, sharey=True)
     for feature, colour in zip(FEATURES, COLOURS, strict=False):
         own = [r for r in rows if r.feature == feature and r.height == HEIGHT and r.proved]
-        by_size.loglog([r.ratio for r in own], [r.proved for r in own], "o-", color=colour)
+        mark = MARKS[feature]
+        by_size.loglog([r.ratio for r in own], [r.proved for r in own], f"{mark}-", color=colour)
         by_size.lines[-1].set_label(f"{feature}, proved")
-        by_size.loglog([r.ratio for r in own], [r.flown for r in own], "o:", color=colour)
+        by_size.loglog([r.ratio for r in own], [r.flown for r in own], f"{mark}:", color=colour)
         by_size.lines[-1].set_label(f"{feature}, flown")
     high = [r for r in rows if r.feature == FEATURES[0] and r.ratio == RATIO and r.proved]
     high.sort(key=lambda r: r.height)

@@ -137,11 +137,19 @@ def test_a_film_lasts_about_twelve_seconds(duration):
 def test_time_pace_and_size_of_the_vehicle_are_stated(flight):
     stage = Stage(flight, 40)
     stage.show(12.34)
-    assert stage.clock.get_text() == "x4-flyer   t = 12.3 s   40 × real time"
+    assert stage.clock.get_text() == "x4-flyer\nt = 12.3 s   40 × real time"
     said = [text.get_text() for text in stage.figure.axes[0].texts]
     assert said == [f"vehicle drawn {stage.size:g} × its size"]
     span = np.ptp(np.array([disc.get_data_3d() for disc in stage.discs]), axis=(0, 2))
     assert span[0] == pytest.approx(2 * 0.25 * stage.size * 1.6, rel=0.01)
+
+
+def test_a_page_is_split_between_what_is_in_space_and_what_the_camera_sees(flight):
+    stage = Stage(flight, 40)
+    space, plane = stage.figure.axes
+    at = stage.split * stage.figure.bbox.width
+    assert max(stage.clock.get_window_extent().x1, space.zaxis.get_tightbbox().x1) < at
+    assert at < plane.get_tightbbox().x0
 
 
 def test_the_vehicle_is_where_the_flight_has_it_and_tilted_as_it_is(flight):

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from checker_kit import matrix
 from command_line import run
@@ -432,6 +433,11 @@ def test_flights_of_a_picture_are_those_of_three_times_the_steps_flown_to_the_en
     region = attraction(x4)
     view = picture.View.of(region)
     drawn = picture.fly(region, view, 20)
+    axes = Figure().subplots()
+    picture.draw_energy(axes, region, drawn)
+    lowest, ends = axes.get_ylim()[0], axes.get_xlim()[1]
+    still = drawn.time[(drawn.energy > lowest).any(axis=0)].max()
+    assert still < ends < still + 2 * drawn.time[1]  # the time axis ends with what is drawn
     monkeypatch.setattr(picture, "STEPS_PER_FASTEST", 3 * picture.STEPS_PER_FASTEST)
     monkeypatch.setattr(picture, "AT_REST", 0.0)
     fine = picture.fly(region, view, 20)

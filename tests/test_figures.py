@@ -16,10 +16,13 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import hoverproof as hp
+from hoverproof.certification.over_box import certify_region
+from hoverproof.certification.region import default_box
 from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_goal
 from hoverproof.show import figures, panels, style
 from hoverproof.show.decay import Decay, decay_along
+from hoverproof.show.region import region_figure
 from hoverproof.show.scene import Scene, view_angle
 from hoverproof.simulation.flight import flown, simulate
 from hoverproof.simulation.timing import Timing
@@ -188,7 +191,7 @@ def test_limits_of_the_rotors_and_the_edge_of_the_image_are_drawn_if_there_are_a
     axes = Figure().subplots()
     panels.rotor_forces(axes, bounded)
     assert drawn(axes, "highest 23.54 N").get_ydata()[0] == 23.54
-    assert "out of the picture" in drawn(axes, "lowest 2 N").get_label()
+    assert "not drawn" in drawn(axes, "lowest 2 N").get_label()
     axes = Figure().subplots()
     panels.required_view(axes, bounded)
     assert drawn(axes, "nearest edge").get_ydata()[0] == 45
@@ -198,12 +201,62 @@ def test_limits_of_the_rotors_and_the_edge_of_the_image_are_drawn_if_there_are_a
     assert (edge.get_width(), edge.get_height()) == (3.2, 2.0)
 
 
+def test_the_words_of_limits_do_not_take_the_width_of_the_panels(x4):
+    limits = json.dumps({"rotors": {"min_thrust": "2", "max_thrust": "60"}})
+    figure = figures.motion_figure(simulate(x4, duration=1).assign_attrs(conditions=limits))
+    figure.draw_without_rendering()
+    assert figure.axes[2].bbox.x1 > 0.95 * figure.bbox.x1
+
+
 def test_space_is_drawn_to_one_scale_not_mirrored_and_with_up_on_top(flight):
     axes = figures.path_figure(flight).axes[0]
     spans = [np.ptp(limits) for limits in (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())]
     assert np.allclose(axes._box_aspect / axes._box_aspect[0], np.array(spans) / spans[0])
     signs = [np.sign(b - a) for a, b in (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())]
     assert signs == [1, -1, -1]  # two axes turned around: a rotation
+
+
+def test_the_plans_are_as_wide_and_high_as_what_they_show(flight):
+    _, above, side = figures.path_figure(flight).axes
+    shown = np.vstack([flight["position"].values, Scene.of(flight).points])
+    for axes, (i, j) in ((above, (0, 1)), (side, (0, 2))):
+        assert axes.get_aspect() == 1
+        for limits, values in ((axes.get_xlim(), shown[:, i]), (axes.get_ylim(), shown[:, j])):
+            low, high = sorted(limits)
+            assert low < values.min() < values.max() < high
+            assert high - low < 1.3 * np.ptp(values)
+        assert axes.get_adjustable() == "box"  # or the limits are not those that are drawn
+
+
+def test_no_number_of_y_meets_those_of_x_in_their_corner(flight):
+    axes = figures.path_figure(flight).axes[0]
+    step = np.diff(axes.get_xticks())[0]
+    corner = axes.get_ylim()[0]
+    assert len(axes.get_yticks()) >= 2
+    assert (corner - axes.get_yticks() > 0.4 * step).all()
+
+
+def test_the_beginning_of_a_motion_is_flown_again_for_more_samples_of_it(x4, flight):
+    early = panels.beginning(flight)
+    assert early == 15
+    first = simulate(x4, duration=early)
+    pitch = drawn(figures.motion_figure(flight, first).axes[3], "pitch")
+    assert len(pitch.get_xdata()) == 1501  # the flight itself has 21 of them
+    again = first["euler_angles"].sel(angle="pitch").sel(time=flight["time"][:20], method="nearest")
+    assert np.array_equal(again, flight["euler_angles"].sel(angle="pitch")[:20])
+
+
+@pytest.mark.parametrize("preset", ["x4-flyer", "crazyflie-2.1"])
+def test_the_bounds_are_not_said_to_hold_below_the_ground(preset):
+    mission = load(preset)
+    axes = region_figure(mission, certify_region(mission, default_box(mission))).axes[0]
+    sets = [s for s in axes.collections if s.get_paths() and len(s.get_paths()[0].vertices)]
+    assert len(sets) == 2  # what is shaded, and its outline
+    for drawn_set in sets:
+        z = np.vstack([path.vertices for path in drawn_set.get_paths()])[:, 1]
+        assert z.max() <= 0  # z is down
+    ground = drawn(axes, "ground").get_ydata()
+    assert set(ground) == {0}
 
 
 def test_a_rotor_s_place_gives_its_torque(flight):

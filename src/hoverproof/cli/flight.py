@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -113,10 +114,12 @@ def simulate(
         _check_animation(animate, speed_up)
         from hoverproof.simulation.timing import Timing
 
-        timing = Timing(duration, step, every)
-        flight = _fly(loaded, seed, timing, images or ByImages(), firmware=controller == "firmware")
+        images = images or ByImages()
+        fly = partial(_fly, loaded, seed, images, firmware=controller == "firmware")
+        flight = fly(Timing(duration, step, every))
         named = as_named(mission, set_)
-        told = _keep(loaded, named, flight, path, figures, animate, speed_up)
+        again = None if images.pixels else lambda until: fly(Timing(until, step))
+        told = _keep(loaded, named, flight, path, figures, animate, speed_up, again)
         return tell(told, json_, loaded)
     firmware = controller == "firmware"
     for_one = {"--animate": animate, "--speed-up": speed_up, "--controller": firmware}
@@ -150,7 +153,7 @@ def _check_animation(animate: Path | None, speed_up: float | None) -> None:
 
 
 def _fly(
-    mission: Mission, seed: int, timing: Timing, images: ByImages, *, firmware: bool
+    mission: Mission, seed: int, images: ByImages, timing: Timing, *, firmware: bool
 ) -> Record:
     if images.pixels:
         return images.fly(mission, seed, timing, firmware=firmware)
@@ -172,13 +175,14 @@ def _keep(
     figures: Sequence[str] | None,
     animate: Path | None,
     speed_up: float | None,
+    again: Callable[[float], Record] | None,
 ) -> FlightAnswer:
     """Write a flight, its figures and its animation."""
     from hoverproof.cli.answers.flight import FlightAnswer
     from hoverproof.simulation.flight import save, summary, without_conditions
 
     save(flight, path)
-    decay, uncovered, pictures = _draw(mission, flight, path.with_suffix(""), figures)
+    decay, uncovered, pictures = _draw(mission, flight, path.with_suffix(""), figures, again)
     if animate is not None:
         from hoverproof.show.animation import save_animation
 
@@ -193,18 +197,28 @@ def _keep(
 
 
 def _draw(
-    mission: Mission, flight: Record, stem: Path, figures: Sequence[str] | None
+    mission: Mission,
+    flight: Record,
+    stem: Path,
+    figures: Sequence[str] | None,
+    again: Callable[[float], Record] | None,
 ) -> tuple[Decay | None, bool, list[Path]]:
-    """Draw figures; return the decay drawn in them, whether none is where some is proved, paths."""
+    """Draw figures; return the decay drawn in them, whether none is where some is proved, paths.
+
+    The beginning that is shown alongside is flown again, up to a time in s, for more samples of it.
+    """
     if figures is not None and not figures:
         return None, False, []
     from hoverproof.show.figures import FIGURES, save_figures
+    from hoverproof.show.panels import beginning
 
     which = FIGURES if figures is None else figures
     decay, uncovered = None, False
     if "features" in which:
         decay, uncovered = _certified_decay(mission, flight)
-    return decay, uncovered, save_figures(flight, stem, which, decay)
+    early = beginning(flight) if again and "motion" in which else None
+    first = again(early) if again and early is not None else None
+    return decay, uncovered, save_figures(flight, stem, which, decay, first)
 
 
 def _certified_decay(mission: Mission, flight: Record) -> tuple[Decay | None, bool]:

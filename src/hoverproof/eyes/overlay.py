@@ -50,7 +50,7 @@ def drawn(image: Image, pixels: Array, board: Board, axis: tuple[float, float]) 
             cv2.line(picture, at(quad[k]), at(quad[(k + 1) % 4]), colour, 2 * thick, **smooth)
         cv2.circle(picture, at(quad[0]), 3 * thick << FINE, TOP, -1, **smooth)
         if len(board.numbers) <= 12:
-            _write(picture, f"{board.family}:{number}", quad.max(axis=0), thick)
+            _write(picture, f"{board.family}:{number}", quad.max(axis=0) + 8 * thick, thick)
     whole = not np.isnan(pixels).any()
     if whole:
         cv2.circle(picture, at(pixels.mean(axis=0)), 4 * thick << FINE, MIDDLE, -1, **smooth)
@@ -63,5 +63,6 @@ def drawn(image: Image, pixels: Array, board: Board, axis: tuple[float, float]) 
 def _write(picture: Image, text: str, place: Array, thick: int) -> None:
     cv2 = opencv()
     x, y = (round(float(c)) for c in place)
-    style = cv2.FONT_HERSHEY_SIMPLEX, 0.5 * thick, TOP, thick, cv2.LINE_AA
-    cv2.putText(picture, text, (x, y), *style)
+    for colour, wide in (((0, 0, 0), 3 * thick), (TOP, thick)):  # to be read on light and dark
+        style = cv2.FONT_HERSHEY_SIMPLEX, 0.5 * thick, colour, wide, cv2.LINE_AA
+        cv2.putText(picture, text, (x, y), *style)

@@ -41,7 +41,6 @@ PARTS = ("atlas", "region", "attraction", "flight", "firmware", "ledger")
 
 MAP_AXES = ("k3", "k4")
 MAP_CELLS = 80
-SHORT = 0.5
 CANNOT = (InputError, RuntimeError, ArithmeticError, OSError, np.linalg.LinAlgError)
 """What a part may end with, for the report to say so and go on; anything else is a mistake here."""
 
@@ -265,8 +264,8 @@ def _fly(mission: Mission, verdict: GainsVerdict, runs: int | None) -> Flown:
         )
     whole = flown(mission, Timing())
     decay = decay_along(whole, verdict)
-    duration, early = float(whole["time"].values[-1]), 2 * beginning(whole)
-    first = flown(mission, Timing(duration=early)) if 0 < early < SHORT * duration else None
+    early = beginning(whole)
+    first = None if early is None else flown(mission, Timing(duration=early))
     told = {**summary(whole), **without_conditions(mission, whole)}
     many, of_many = (None, None) if runs is None else _fly_many(mission, runs)
     return Flown(whole, first, told, decay, many, of_many)

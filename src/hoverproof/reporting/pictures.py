@@ -24,7 +24,7 @@ from hoverproof.show import attraction, exponential, panels, style
 from hoverproof.show.atlas import atlas_figure
 from hoverproof.show.region import region_figure
 
-WIDTH = 4.6
+WIDTH = 4.2
 FLIGHTS = 30
 MOST_SVG = 400_000
 COLOURS = {
@@ -153,9 +153,15 @@ def region_picture(mission: Mission, found: BoundsVerdict) -> Picture:
     mission : Mission
     found : ProvedBounds, RefutedBounds or UndecidedBounds
     """
+
+    def draw() -> Figure:
+        figure = region_figure(mission, found)
+        wide, high = figure.get_size_inches()
+        return _narrow(figure, WIDTH * high / wide + 0.35, columns=2)
+
     return picture(
         "region",
-        lambda: _narrow(region_figure(mission, found), 4.9, columns=2),
+        draw,
         f"Cross-section of the positions in which the bounds of {flow_of(mission).symbol} hold, "
         "with target, goal, start and the box of the question.",
         "Vertical cross-section through the goal. The shading is computed in floating point; what "
@@ -188,7 +194,6 @@ def attraction_pictures(region: Attraction) -> list[Picture]:
         figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
         axes = figure.subplots()
         attraction.draw_energy(axes, region, flights)
-        axes.set_title("")
         return figure
 
     return [
@@ -340,7 +345,7 @@ def _with_room(figure: Figure) -> Figure:
     (axes,) = figure.axes
     assert isinstance(axes, Axes3D)
     ends = (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())
-    axes.set_box_aspect([abs(b - a) for a, b in ends], zoom=0.85)
+    axes.set_box_aspect([abs(b - a) for a, b in ends], zoom=0.74)
     axes.tick_params(labelsize=7, pad=1)
     return figure
 

@@ -25,6 +25,8 @@ DPI = 100
 LENGTH = 12.0
 MOST_PICTURES = 800
 HOLD = 1.0
+ROOM = 0.005
+"""Between what is seen in space and by the camera, as a share of the width."""
 SECONDS_TO_TENTHS = 10
 ROTOR_RADIUS = 0.6
 DRAWN_SPAN = 0.24
@@ -88,7 +90,7 @@ def save_animation(
     shown = math.ceil(duration / speed * RATE) + 1
     stage = Stage(flight, speed)
     total = shown + round(HOLD * RATE)
-    with film(path, stage.pixels(duration), rate=RATE) as add:
+    with film(path, stage.pixels(duration), rate=RATE, split=stage.split) as add:
         for k in range(total):
             add(stage.pixels(min(k * speed / RATE, duration)))
             if report is not None:
@@ -134,7 +136,7 @@ class Stage:
         self.rotors = self.size * self.scene.rotor_places
         self._set_space(space)
         self._set_plane(plane, float(flight["euler_angles"].sel(angle="yaw").values[-1]))
-        self.clock = self.figure.suptitle("t", family="monospace")
+        self.clock = self.figure.suptitle("t\n", family="monospace", x=0.01, ha="left")
         self.pace = f"{speed_up:g} × real time"
         self.moving = (
             *(*self.rays, self.flown, *self.arms, *self.discs, *self.tracks, *self.dots),
@@ -144,6 +146,7 @@ class Stage:
             artist.set_animated(True)
         self.canvas.draw()
         self.still = self.canvas.copy_from_bbox(self.figure.bbox)
+        self.split = plane.get_tightbbox().x0 / self.figure.bbox.width - ROOM
 
     def pixels(self, time: float) -> Pixels:
         """Return the picture at a time of the flight, s, (height, width, 4), a new array.
@@ -183,7 +186,7 @@ class Stage:
             dot.set_data(*self.image[k : k + 1, i].T)
         digits = 1 if self.times[-1] >= SECONDS_TO_TENTHS else 2
         width = len(f"{self.times[-1]:.{digits}f}")
-        self.clock.set_text(f"{self.scene.title}   t = {time:{width}.{digits}f} s   {self.pace}")
+        self.clock.set_text(f"{self.scene.title}\nt = {time:{width}.{digits}f} s   {self.pace}")
 
     def _set_space(self, axes: Axes3D) -> None:
         scene, grey = self.scene, {"color": "grey", "linewidth": 0.7}

@@ -20,7 +20,7 @@ from hoverproof.design.axes import QUANTITIES, Quantity
 from hoverproof.design.limits import bandwidth
 from hoverproof.design.outcome import Tuned
 from hoverproof.mission.sections import Mission
-from hoverproof.show.style import COLOURS, Powers, plain_powers, save_figure
+from hoverproof.show.style import COLOURS, Powers, round_numbers, save_figure
 from hoverproof.simulation.record import Recorded
 
 Array = NDArray[np.float64]
@@ -50,12 +50,12 @@ def pareto_figure(mission: Mission, points: Sequence[tuple[float, Tuned]]) -> Fi
             own, float(before), "*", color=COLOURS[1], markersize=13, label="own gains, proved"
         )
     for axis in (axes.xaxis, axes.yaxis):
-        plain_powers(axis)
+        round_numbers(axis)
     axes.set_title(f"{mission.title}: what a decay rate costs")
     axes.set_xlabel("attitude bandwidth (k1 k2 + k3 + k4)/m (rad/s)")
     axes.set_ylabel("certified decay rate of L (1/s)")
     axes.grid(alpha=0.3, which="both")
-    axes.legend(loc="best", framealpha=0.8)
+    figure.legend(loc="outside lower center", ncols=2)
     return figure
 
 
@@ -116,11 +116,7 @@ def draw_atlas(
     scales = [str(scale) for scale in atlas.attrs["scales"]]
     across, along = atlas[x].values, atlas[y].values
     margin, shown = atlas["margin"].values, atlas[what].values
-    axes.set_xscale(scales[0])
-    axes.set_yscale(scales[1])
-    for axis, scale in zip((axes.xaxis, axes.yaxis), scales, strict=True):
-        if scale == "log":
-            plain_powers(axis)
+    fit_axes(axes, (across, along), scales)
     handles: list[Artist] = []
     if (margin > 0).any():
         good = np.ma.masked_where(~(margin > 0), shown)
@@ -142,8 +138,7 @@ def draw_atlas(
     if np.isnan(margin).any():
         handles.append(Patch(facecolor=NO_QUESTION, edgecolor="grey", label="no question posed"))
     handles += _boundary(axes, atlas, x, y, scales)
-    axes.set_xlim(*cell_edges(across, scales[0])[[0, -1]])
-    axes.set_ylim(*cell_edges(along, scales[1])[[0, -1]])
+    fit_axes(axes, (across, along), scales)
     if printed is not None:
         handles.append(_printed_area(axes, across, along, printed))
     names, values = (x, y), (across, along)
@@ -189,6 +184,24 @@ def own_point(
             label="the mission's own point",
         )
     )
+
+
+def fit_axes(axes: Axes, values: tuple[Array, Array], scales: Sequence[str]) -> None:
+    """Let the axes of a map end where its cells do.
+
+    Parameters
+    ----------
+    axes : Axes
+    values : ((n,), (m,))
+        Of the cells along x and y, ascending, in the units of the quantities.
+    scales : (str, str)
+        "log" or "linear".
+    """
+    x, y = (cell_edges(v, s)[[0, -1]] for v, s in zip(values, scales, strict=True))
+    axes.set(xscale=scales[0], yscale=scales[1], xlim=x, ylim=y)
+    for axis, scale in zip((axes.xaxis, axes.yaxis), scales, strict=True):
+        if scale == "log":
+            round_numbers(axis)
 
 
 def label_axes(

@@ -22,7 +22,7 @@ from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.linearised import slowest_rate
 from hoverproof.servo.loop import LoopNumbers
-from hoverproof.show.style import COLOURS, plain_powers, save_figure
+from hoverproof.show.style import COLOURS, legend_above, plain_powers, save_figure
 from hoverproof.simulation.compiled import runner
 from hoverproof.simulation.step import flight_states
 from hoverproof.spread import spread
@@ -368,11 +368,10 @@ def draw_energy(axes: Axes, region: Attraction, flights: Flights) -> None:
             axes.plot([], [], color=colour, label=label)
     largest = max(np.nanmax(flights.energy), level)
     axes.axhline(level, color="black", linestyle="--", label=f"proved level {level:.4g}")
-    axes.set_ylim(1e-6 * largest, 300 * largest)  # room for the legend
+    axes.set_ylim(AT_REST * largest, 10 * largest)
     plain_powers(axes.yaxis)
-    axes.set_xlim(0, flights.time[-1])
+    moving = (flights.energy > AT_REST * largest).any(axis=0)
+    axes.set_xlim(0, flights.time[min(int(np.nonzero(moving)[0][-1]) + 1, len(moving) - 1)])
     axes.set_xlabel("time (s)")
-    axes.set_ylabel("Λ (m)")
-    axes.set_title("Λ along the simulated flights")
-    axes.grid(alpha=0.3)
-    axes.legend(loc="upper right", framealpha=0.9)
+    axes.set_ylabel("Λ along the simulated flights (m)")
+    legend_above(axes, 2)

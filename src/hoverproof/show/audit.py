@@ -36,7 +36,7 @@ def finding_figure(f: Finding) -> Figure:
         axes.axvline(f.at, color=COLOURS[3], lw=1.4)
     if np.nanmax(abs(f.values)) < 1e-9 and not f.bound:  # else rounding errors fill the picture
         axes.set_ylim(-1, 1)
-    axes.set_xlabel("time, s")
-    axes.set_ylabel("share" if f.unit == "1" else f.unit)
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel(f"{f.name}\n({'share' if f.unit == '1' else f.unit})")
     axes.grid(alpha=0.3)
     return figure

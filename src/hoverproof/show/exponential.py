@@ -169,7 +169,7 @@ def exponential_figure(verdict: Exponential) -> Figure:
     flight = fly(view)
     figure = Figure(figsize=(13, 6.2), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1, 1.15))
-    covers = ", ".join(mission.uncertainty.covers())
+    covers = ", ".join(words.replace(" ", "\xa0") for words in mission.uncertainty.covers())
     who = f"every vehicle with {covers}" if covers else "the vehicle as modelled"
     figure.suptitle("\n".join(textwrap.wrap(f"{mission.name}: {who}", 100)))
     draw_section(left, view, flight)

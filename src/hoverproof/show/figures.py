@@ -14,10 +14,9 @@ from hoverproof.show.style import save_figure
 from hoverproof.simulation.record import Record
 
 FIGURES = ("motion", "features", "path")
-SHORT = 0.2
 
 
-def motion_figure(flight: Flight) -> Figure:
+def motion_figure(flight: Flight, first: Flight | None = None) -> Figure:
     """Draw position, attitude (paper, Fig. 5), rotor thrusts and required view over time.
 
     Where attitude and rotors come to rest long before the end, their beginning stands alongside.
@@ -26,10 +25,12 @@ def motion_figure(flight: Flight) -> Figure:
     ----------
     flight : Dataset or Record
         From `hoverproof.simulate` or `flown`.
+    first : Dataset or Record, optional
+        That beginning in more samples; see `panels.beginning`.
     """
     drawn = (panels.position, panels.attitude, panels.rotor_forces, panels.required_view)
-    duration, early = float(flight["time"].values[-1]), panels.beginning(flight)
-    columns = 2 if 0 < early < SHORT * duration else 1
+    early = panels.beginning(flight)
+    columns = 1 if early is None else 2
     figure = Figure(figsize=(7 + 4 * (columns - 1), 10), layout="constrained")
     figure.suptitle(f"{Scene.of(flight).title}: motion")
     widths = (1.5, 1)[:columns]
@@ -37,13 +38,13 @@ def motion_figure(flight: Flight) -> Figure:
     for row, draw in zip(axes, drawn, strict=True):
         draw(row[0], flight)
     axes[-1, 0].set_xlabel("time (s)")
-    if columns == 2:
-        start = _until(flight, 2 * early)
+    if early is not None:
+        start = _until(flight, early) if first is None else first
         for row, draw in zip(axes, drawn, strict=True):
             draw(row[1], start)
             row[1].get_legend().remove()
             row[1].set_ylabel("")
-        title = f"the first {2 * early:g} s, a sample each {flight['time'].values[1]:g} s"
+        title = f"the first {early:g} s, a sample each {start['time'].values[1]:g} s"
         axes[0, 1].set_title(title, fontsize="medium")
         axes[-1, 1].set_xlabel("time (s)")
     figure.align_ylabels(axes[:, 0])
@@ -76,17 +77,21 @@ def path_figure(flight: Flight) -> Figure:
     flight : Dataset or Record
         From `hoverproof.simulate` or `flown`.
     """
-    figure = Figure(figsize=(11, 6), layout="constrained")
+    figure = Figure(figsize=(12.2, 5.2), layout="constrained")
     figure.suptitle(f"{Scene.of(flight).title}: path over the target")
-    grid = figure.add_gridspec(2, 2, width_ratios=(1.5, 1))
-    panels.path(figure.add_subplot(grid[:, 0], projection="3d"), flight)
-    panels.from_above(figure.add_subplot(grid[0, 1]), flight)
-    panels.from_the_side(figure.add_subplot(grid[1, 1]), flight)
+    grid = figure.add_gridspec(1, 3, width_ratios=(1.4, 1, 1), wspace=0.13)
+    panels.path(figure.add_subplot(grid[0], projection="3d"), flight)
+    panels.from_above(figure.add_subplot(grid[1]), flight)
+    panels.from_the_side(figure.add_subplot(grid[2]), flight)
     return figure
 
 
 def save_figures(
-    flight: Flight, stem: Path, which: Sequence[str] = FIGURES, decay: Decay | None = None
+    flight: Flight,
+    stem: Path,
+    which: Sequence[str] = FIGURES,
+    decay: Decay | None = None,
+    first: Flight | None = None,
 ) -> list[Path]:
     """Write figures of a flight as PNG files beside each other.
 
@@ -99,6 +104,8 @@ def save_figures(
         Some of `FIGURES`.
     decay : Decay, optional
         See `features_figure`.
+    first : Dataset or Record, optional
+        See `motion_figure`.
 
     Raises
     ------
@@ -106,7 +113,7 @@ def save_figures(
         If a file cannot be written.
     """
     draw = {
-        "motion": lambda: motion_figure(flight),
+        "motion": lambda: motion_figure(flight, first),
         "features": lambda: features_figure(flight, decay),
         "path": lambda: path_figure(flight),
     }

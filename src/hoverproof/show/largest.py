@@ -38,7 +38,7 @@ def largest_figure(found: Largest) -> Figure:
     axes.set_ylabel("Ψ at the start, % of the level")
     words = found.name.replace("_", " ").replace(".", " of the ")
     axes.set_title(f"{found.verdict.mission.name}: the largest {words}")
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, max(110, axes.get_ylim()[1]))
     axes.set_xlim(left=0)
     axes.grid(alpha=0.3)
     figure.legend(loc="outside lower center", ncols=2, fontsize="small")

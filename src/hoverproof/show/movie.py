@@ -10,6 +10,7 @@ import json
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -65,7 +66,9 @@ def find_ffmpeg() -> str | None:
 
 
 @contextlib.contextmanager
-def film(path: Path, sample: Pixels, *, rate: int) -> Iterator[Callable[[Pixels], None]]:
+def film(
+    path: Path, sample: Pixels, *, rate: int, split: float = 1.0
+) -> Iterator[Callable[[Pixels], None]]:
     """Give a function that adds a picture to a film; the file comes when all is done.
 
     Parameters
@@ -76,6 +79,8 @@ def film(path: Path, sample: Pixels, *, rate: int) -> Iterator[Callable[[Pixels]
         A picture of the same size in which all colours occur.
     rate : int
         Pictures a second, 1/s.
+    split : float
+        Share of the width, dimensionless, after which a narrow page puts the rest below.
 
     Raises
     ------
@@ -83,7 +88,8 @@ def film(path: Path, sample: Pixels, *, rate: int) -> Iterator[Callable[[Pixels]
         See `check_file`; or if the file cannot be written.
     """
     check_file(path)
-    make = {".mp4": _mp4, ".gif": _gif, ".html": _html}[path.suffix.lower()]
+    page = partial(_html, split=split)
+    make = {".mp4": _mp4, ".gif": _gif, ".html": page}[path.suffix.lower()]
     with replacing(path) as beside, make(path, beside, sample, rate) as add:
         yield add
 
@@ -130,7 +136,7 @@ def _gif(path: Path, beside: Path, sample: Pixels, rate: int) -> Iterator[Callab
 
 @contextlib.contextmanager
 def _html(
-    path: Path, beside: Path, sample: Pixels, rate: int
+    path: Path, beside: Path, sample: Pixels, rate: int, split: float
 ) -> Iterator[Callable[[Pixels], None]]:
     height, width, _ = sample.shape
     pictures: list[str] = []
@@ -152,6 +158,7 @@ def _html(
         PAGE.replace("@TITLE@", html.escape(path.stem))
         .replace("@WIDTH@", str(width))
         .replace("@HEIGHT@", str(height))
+        .replace("@LEFT@", f"{split:.4g}")
         .replace("@PAUSE@", str(round(1000 / rate)))
         .replace("@LAST@", str(len(pictures) - 1))
         .replace("@STILL@", _png(first))
@@ -196,22 +203,29 @@ PAGE = """<!DOCTYPE html>
 <title>@TITLE@</title>
 <style>
 body { font-family: sans-serif; margin: 1em auto; max-width: @WIDTH@px; padding: 0 1em; }
-section { overflow-x: auto; }
-div { position: relative; min-width: 44rem; }
-img { width: 100%; height: auto; display: block; }
-#change { position: absolute; top: 0; left: 0; }
+div { position: relative; overflow: hidden; }
+div + div { display: none; }
+img { --wide: 100%; width: var(--wide); height: auto; display: block; }
+img + img { position: absolute; top: 0; left: 0; }
+@media (max-width: 44rem) {
+  img { --wide: calc(100% / @LEFT@); max-width: none; }
+  div + div { display: block; }
+  div + div img { --wide: calc(100% / (1 - @LEFT@)); margin-left: calc(-@LEFT@ * var(--wide)); }
+}
 form { display: flex; gap: 1em; align-items: center; }
 input { flex: 1; }
 button { min-width: 5em; padding: 0.4em; }
 </style>
 </head>
 <body>
-<section>
 <div>
-<img src="@STILL@" width="@WIDTH@" height="@HEIGHT@" alt="The flight over its target">
-<img id="change" width="@WIDTH@" height="@HEIGHT@" alt="">
+<img id="still" src="@STILL@" width="@WIDTH@" height="@HEIGHT@" alt="The flight over its target">
+<img class="change" width="@WIDTH@" height="@HEIGHT@" alt="">
 </div>
-</section>
+<div>
+<img id="below" width="@WIDTH@" height="@HEIGHT@" alt="What the camera sees">
+<img class="change" width="@WIDTH@" height="@HEIGHT@" alt="">
+</div>
 <form>
 <button type="button" id="play">Pause</button>
 <input type="range" id="place" min="0" max="@LAST@" value="0" aria-label="picture">
@@ -219,13 +233,13 @@ button { min-width: 5em; padding: 0.4em; }
 <script>
 "use strict";
 const changes = @CHANGES@;
-const change = document.getElementById("change");
+document.getElementById("below").src = document.getElementById("still").src;
 const play = document.getElementById("play");
 const place = document.getElementById("place");
 let timer = null;
 function show(i) {
   place.value = i;
-  change.src = changes[i];
+  for (const change of document.querySelectorAll(".change")) change.src = changes[i];
 }
 function run(on) {
   clearInterval(timer);

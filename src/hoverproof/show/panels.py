@@ -14,7 +14,11 @@ from hoverproof.show.style import COLOURS, STYLES, legend_above, plain_powers
 
 FLOOR = 1e-10
 LIMIT_NEAR = 0.25
-LITTLE = 0.2
+LITTLE, SHORT = 0.2, 0.4
+NEAR_CORNER = 0.45
+"""Of a step of the ticks: no number of y stands so near the corner that x has in common with it."""
+SLIM = 0.3
+"""The smaller range of a plan is at least that share of the larger one."""
 DEGREES = 180 / np.pi
 
 
@@ -80,10 +84,10 @@ def rotor_forces(axes: Axes, flight: Flight) -> None:
         if abs(limit - hover) * LIMIT_NEAR <= reach:
             axes.axhline(limit, color="black", linewidth=1.2, linestyle="--", label=label)
         else:
-            axes.plot([], [], " ", label=f"{label} (out of the picture)")
+            axes.plot([], [], " ", label=f"{label} (not drawn)")
     axes.set_ylabel("rotor thrust (N)")
     axes.ticklabel_format(axis="y", useOffset=False)
-    legend_above(axes)
+    legend_above(axes, 3)
 
 
 def required_view(axes: Axes, flight: Flight) -> None:
@@ -218,8 +222,9 @@ def errors(axes: Axes, flight: Flight, decay: Decay | None = None) -> None:
         axes.plot(covered, bound, color=COLOURS[4], linewidth=2.2, label=label)
     largest = float(level.max())
     if largest > 0:  # else it starts at its goal, and all is 0
+        drawn = np.concatenate([line.get_ydata() for line in axes.lines])
         axes.set_yscale("log")
-        axes.set_ylim(FLOOR * largest, 10 * largest)
+        axes.set_ylim(max(FLOOR * largest, 0.3 * drawn[drawn > 0].min()), 10 * largest)
     plain_powers(axes.yaxis)
     axes.set_xlabel("time (s)")
     axes.set_ylabel("errors and L (dimensionless)")
@@ -268,9 +273,11 @@ def space_axes(axes: Axes3D, places: Array) -> None:
     axes.set_ylim(high[1], low[1])
     axes.set_zlim(high[2], low[2])
     axes.set_box_aspect(tuple(high - low))
-    step = AutoLocator().tick_values(0, (high - low).max())
-    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        axis.set_major_locator(MultipleLocator(step[1] - step[0]))
+    _, step, *_ = AutoLocator().tick_values(0, (high - low).max())
+    for axis in (axes.xaxis, axes.zaxis):
+        axis.set_major_locator(MultipleLocator(step))
+    ticks = MultipleLocator(step).tick_values(low[1], high[1] - NEAR_CORNER * step)
+    axes.yaxis.set_ticks([y for y in ticks if low[1] <= y <= high[1] - NEAR_CORNER * step])
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
     axes.set_zlabel("z (m), down", labelpad=10)  # clear of the numbers
@@ -289,8 +296,7 @@ def from_above(axes: Axes, flight: Flight) -> None:
     _plan(axes, flight, 0, 1)
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
-    axes.set_title("from above (x to the right, y down the page)", fontsize="medium")
-    axes.invert_yaxis()
+    axes.set_title("from above", fontsize="medium")
 
 
 def from_the_side(axes: Axes, flight: Flight) -> None:
@@ -307,7 +313,8 @@ def from_the_side(axes: Axes, flight: Flight) -> None:
     axes.set_xlabel("x (m)")
     axes.set_ylabel("z (m), down")
     axes.set_title("from the side", fontsize="medium")
-    axes.invert_yaxis()
+    ground = Scene.of(flight).points[:, 2].max()
+    axes.axhline(ground, color="grey", linewidth=0.8)
 
 
 def _plan(axes: Axes, flight: Flight, i: int, j: int) -> None:
@@ -317,13 +324,19 @@ def _plan(axes: Axes, flight: Flight, i: int, j: int) -> None:
     axes.plot(places[-1, i], places[-1, j], "x", color="black", zorder=4)
     axes.plot(scene.goal[i], scene.goal[j], "*", color=COLOURS[2], markersize=13)
     axes.plot(scene.points[:, i], scene.points[:, j], "s", color=COLOURS[1])
-    axes.set_aspect("equal", adjustable="datalim")
+    shown = np.vstack([places, scene.points, scene.goal])[:, [i, j]]
+    middle, sides = (shown.min(axis=0) + shown.max(axis=0)) / 2, np.ptp(shown, axis=0)
+    reach = 0.6 * np.maximum(sides, SLIM * sides.max())
+    axes.set_xlim(middle[0] - reach[0], middle[0] + reach[0])
+    axes.set_ylim(middle[1] + reach[1], middle[1] - reach[1])  # y and z are down the page
+    axes.set_aspect("equal")
     axes.grid(alpha=0.3)
 
 
-def beginning(flight: Flight) -> float:
-    """Return the time after which tilt and rotor thrusts stray little any more, s.
+def beginning(flight: Flight) -> float | None:
+    """Return for how long tilt and rotor thrusts are to be shown anew, s; None if not.
 
+    That is twice the time after which they stray little any more, if it is short beside the flight.
     Little is a fifth of the farthest that each strays from the end of the flight.
 
     Parameters
@@ -336,7 +349,9 @@ def beginning(flight: Flight) -> float:
         values = flight[name].values.reshape(len(flight["time"].values), -1)
         strayed = np.abs(values - values[-1]).max(axis=1)
         late = max(late, int(np.nonzero(strayed >= LITTLE * strayed.max())[0][-1]))
-    return float(flight["time"].values[late])
+    times = flight["time"].values
+    early = 2 * float(times[late])
+    return early if 0 < early < SHORT * float(times[-1]) else None
 
 
 def _line(axes: Axes, flight: Flight, values: Array, i: int, label: str) -> None:

@@ -34,7 +34,8 @@ def region_figure(mission: Mission, found: BoundsVerdict) -> Figure:
     start = np.array([float(c) for c in mission.start.position])
     low, high = (float(x) for x in found.bounds)
     x, z = _window(target.points, goal, start, found.box)
-    grid_x, grid_z = np.meshgrid(np.linspace(*x, CELLS), np.linspace(*z, CELLS))
+    ground = float(target.points[:, 2].max())  # z is down: no vehicle is below it
+    grid_x, grid_z = np.meshgrid(np.linspace(*x, CELLS), np.linspace(z[0], ground, CELLS))
     places = np.stack([grid_x, np.full_like(grid_x, goal[1]), grid_z], axis=-1).reshape(-1, 3)
     flow = flow_of(mission)
     if isinstance(flow, OfJ):
@@ -49,11 +50,13 @@ def region_figure(mission: Mission, found: BoundsVerdict) -> Figure:
         ]
     beyond = np.max([data - level for level, data, *_ in lines], axis=0)
 
-    figure = Figure(figsize=(7.5, 6.5), layout="constrained")
+    tall = min(1.0, (z[1] - z[0]) / (x[1] - x[0]))
+    figure = Figure(figsize=(6.4, 5.6 * tall + 1.9), layout="constrained")
     axes = figure.subplots()
     if beyond.min() < 0:
         ends = [beyond.min(), 0]
         axes.contourf(grid_x, grid_z, beyond, levels=ends, colors=["#56B4E9"], alpha=0.45)
+        axes.fill([], [], color="#56B4E9", alpha=0.45, label=f"bounds of {flow.symbol} hold")
     for level, data, colour, words in lines:
         if data.min() < level < data.max():
             look: dict[str, Any] = {"colors": [colour], "linewidths": 1.5, "linestyles": "solid"}
@@ -63,15 +66,17 @@ def region_figure(mission: Mission, found: BoundsVerdict) -> Figure:
     outline = Rectangle((x0, z0), x1 - x0, z1 - z0, fill=False, linestyle="--", linewidth=1.5)
     outline.set_label("the box of the question")
     axes.add_patch(outline)
+    axes.axhline(ground, color="black", linewidth=1, label="ground")
     axes.plot(target.points[:, 0], target.points[:, 2], "s", color="black", label="target points")
     axes.plot(goal[0], goal[2], "*", color=COLOURS[2], markersize=13, label="goal")
     axes.plot(start[0], start[2], "o", color=COLOURS[3], label="start (its x and z)")
-    where = f"where the bounds of {flow.symbol} hold (shaded), at y = {goal[1]:g} m"
-    axes.set_title(f"{mission.title}: {where}")
+    where = f"where the bounds of {flow.symbol} hold, at y = {goal[1]:g} m"
+    axes.set_title(f"{mission.title}\n{where}")
     axes.set_xlabel("x (m)")
     axes.set_ylabel("z (m), down")
     axes.set_aspect("equal")
-    axes.invert_yaxis()
+    axes.set_xlim(x)
+    axes.set_ylim(z[::-1])
     axes.grid(alpha=0.3)
     figure.legend(loc="outside lower center", ncols=3)
     return figure
@@ -100,10 +105,11 @@ Range = tuple[float, float]
 def _window(
     points: np.ndarray, goal: np.ndarray, start: np.ndarray, box: Box
 ) -> tuple[Range, Range]:
-    """Return the ranges of x and z that hold target, goal, start and box, with room around."""
+    """Return the ranges of x and z that hold target, goal, start and box; room, not below."""
     x = [*points[:, 0], goal[0], start[0], *(float(end) for end in box[0])]
     z = [*points[:, 2], goal[2], start[2], *(float(end) for end in box[2])]
     middle, reach = float(goal[0]), max(max(x) - goal[0], goal[0] - min(x))
     depth = max(z) - min(z)
     room = 0.75 * max(reach, depth)
-    return (middle - reach - room, middle + reach + room), (min(z) - 1.5 * room, max(z) + room)
+    aside = reach + room
+    return (middle - aside, middle + aside), (min(z) - 1.5 * room, max(z) + 0.05 * depth)

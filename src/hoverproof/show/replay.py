@@ -9,11 +9,11 @@ from hoverproof.audit.replaying import Replay
 from hoverproof.show.style import COLOURS, legend_above
 
 WORDS = {
-    "thrust": "thrust, N",
-    "torque": "torque, N m",
-    "rotor": "thrust of each rotor, N",
-    "throttle": "throttle",
-    "rate_command": "body rates, rad/s",
+    "thrust": "thrust (N)",
+    "torque": "torque (N m)",
+    "rotor": "rotor thrust (N)",
+    "throttle": "throttle (share)",
+    "rate_command": "body rates (rad/s)",
 }
 POINTS = 3000
 
@@ -29,6 +29,7 @@ def replay_figure(replay: Replay) -> Figure:
     figure = Figure(figsize=(9, 2.2 * rows), layout="constrained")
     step = max(1, len(replay.times) // POINTS)
     times = replay.times[::step]
+    figure.suptitle(f"{replay.mission.name}: what its firmware commands, and what the log has")
     axes_of_all = np.ravel(figure.subplots(rows, 1, sharex=True, squeeze=False))
     labels = {"rotor": replay.mission.vehicle.frame.names}
     for axes, (name, values) in zip(axes_of_all, replay.outputs.items(), strict=True):
@@ -37,12 +38,11 @@ def replay_figure(replay: Replay) -> Figure:
             label = "firmware" if values.ndim == 1 else labels.get(name, "xyz")[i]
             colour = COLOURS[i % len(COLOURS)]
             axes.plot(times, part[::step], color=colour, lw=1, label=label)
-            if theirs is not None:
-                logged = np.atleast_2d(theirs.T)[i][::step]
-                axes.plot(
-                    times, logged, color="black", lw=0.8, ls=":", label="log" if not i else ""
-                )
+        if theirs is not None:
+            logged = np.atleast_2d(theirs.T).T[::step]
+            lines = axes.plot(times, logged, color="black", lw=0.8, ls=":")
+            lines[0].set_label("log")
         axes.set_ylabel(WORDS[name], fontsize=9)
         legend_above(axes)
-    axes_of_all[-1].set_xlabel("time, s")
+    axes_of_all[-1].set_xlabel("time (s)")
     return figure

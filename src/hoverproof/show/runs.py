@@ -30,13 +30,18 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import StrMethodFormatter
 
 from hoverproof.show.panels import DEGREES
 from hoverproof.show.scene import Array, Scene
-from hoverproof.show.style import COLOURS, STYLES, legend_above, plain_powers, save_figure
+from hoverproof.show.style import (
+    COLOURS,
+    STYLES,
+    legend_above,
+    plain_powers,
+    round_numbers,
+    save_figure,
+)
 from hoverproof.simulation.numbers import SETTLED
 
 RUNS_FIGURES = ("fans", "starts")
@@ -75,7 +80,9 @@ def fans_figure(runs: xr.Dataset) -> Figure:
     rows = -(-len(panels) // 3)
     figure = Figure(figsize=(13, 0.8 + 3.7 * rows), layout="constrained")
     shown = min(SINGLE_RUNS, runs.sizes["run"])
+    apart = float(np.diff(runs["time"].values[:2]).sum())
     title = f"{_title(runs)}: median, 5 to 95 % band, and {shown} single runs"
+    title += f", a sample each {apart:g} s" if apart else ""
     early = int(sum(o != FLOWN for o in outcome))
     if early:
         title += f"\n{early} ended early, and leave the bands when they end"
@@ -134,7 +141,7 @@ def starts_figure(runs: xr.Dataset) -> Figure:
         share = np.arange(1, len(values) + 1) / len(kinds) * 100
         ends.step(values, share, where="post", color=looks[name][0], marker=".", markersize=3)
     ends.set_xscale("log")
-    _plain_numbers(ends.xaxis)
+    round_numbers(ends.xaxis)
     ends.set_ylim(0, 100)
     ends.set_xlabel("distance from the goal at the end (m)")
     ends.set_ylabel("runs that end nearer (% of all)")
@@ -273,7 +280,7 @@ def _fan(
 def _distance(axes: Axes, runs: xr.Dataset) -> None:
     _fan(axes, runs["time"].values, _distances(runs), colour=COLOURS[0], label="median")
     axes.set_yscale("log")
-    _plain_numbers(axes.yaxis)
+    round_numbers(axes.yaxis)
     axes.set_ylabel("distance from the goal (m)")
 
 
@@ -333,14 +340,6 @@ def _rotors(axes: Axes, runs: xr.Dataset) -> None:
     _fan(axes, times, lowest, colour=COLOURS[5], label="lowest", style="--")
     axes.set_ylabel("rotor thrust (N)")
     axes.ticklabel_format(axis="y", useOffset=False)
-
-
-def _plain_numbers(axis: Axis) -> None:
-    """Write 6 and 0.01 along a logarithmic axis, not powers of ten; label parts of a short one."""
-    low, high = axis.get_view_interval()
-    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    labelled = ("2", "3", "5") if high < 100 * low else ()
-    axis.set_minor_formatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in labelled else "")
 
 
 def _start(runs: xr.Dataset) -> Array:

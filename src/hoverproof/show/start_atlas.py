@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -10,18 +11,20 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from hoverproof.design.axes import OF_START
 from hoverproof.design.start_atlas import NOT_PROVED, PROVED
 from hoverproof.mission.sections import Mission
-from hoverproof.show.atlas import cell_edges, label_axes, own_point
+from hoverproof.show.atlas import fit_axes, label_axes, own_point
 from hoverproof.show.style import save_figure
 from hoverproof.simulation.record import Recorded
 
 SLOWEST = 6
 """Times are told apart up to so many times the shortest."""
-NOTHING = "#D0D0D0"
+ROUND = (1, 1.5, 2, 3, 4, 5, 6, 8)
+"""What stands at the bar of colours, times a power of ten."""
+NOTHING = {"facecolor": "#D0D0D0", "edgecolor": "white", "hatch": "///", "linewidth": 0}
+"""Hatched, to be told from the colours in a grey print."""
 
 
 def start_atlas_figure(mission: Mission, atlas: Recorded) -> Figure:
@@ -54,7 +57,7 @@ def draw_start_atlas(axes: Axes, mission: Mission, atlas: Recorded) -> list[Arti
     across, along = atlas[x].values, atlas[y].values
     time, verdict = atlas["settling_time"].values, atlas["verdict"].values
     handles: list[Artist] = []
-    axes.set_facecolor(NOTHING)
+    axes.patch.set(**NOTHING)
     if not np.isnan(time).all():
         first = float(np.nanmin(time))
         mesh = axes.pcolormesh(
@@ -69,11 +72,12 @@ def draw_start_atlas(axes: Axes, mission: Mission, atlas: Recorded) -> list[Arti
         bar = axes.figure.colorbar(
             mesh, ax=axes, label="settled after (s), found by search", extend="max"
         )
-        ticks = [float(f"{first * SLOWEST**part:.2g}") for part in np.linspace(0.05, 0.95, 5)]
+        powers = 10.0 ** (math.floor(math.log10(first)) + np.arange(2))
+        ticks = [t for t in np.outer(powers, ROUND).ravel() if first <= t <= SLOWEST * first]
         bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
         bar.minorticks_off()
     if np.isnan(time).any():
-        handles.append(Patch(color=NOTHING, label="no weights found (not refuted)"))
+        handles.append(Patch(**NOTHING, label="no weights found (not refuted)"))
     for code, mark, words in ((PROVED, "o", "proved exactly"), (NOT_PROVED, "x", "not confirmed")):
         rows, columns = np.nonzero(verdict == code)
         if len(rows):
@@ -89,14 +93,7 @@ def draw_start_atlas(axes: Axes, mission: Mission, atlas: Recorded) -> list[Arti
             )
     handles += own_point(axes, mission, (x, y), (across, along), OF_START)
     scale_x, scale_y = (str(scale) for scale in atlas.attrs["scales"])
-    axes.set(xscale=scale_x, yscale=scale_y)
-    for line, scale in ((axes.xaxis, scale_x), (axes.yaxis, scale_y)):
-        if scale == "log":  # of a decade or so: few plain numbers
-            line.set_major_locator(LogLocator(subs=(1, 2, 5)))
-            line.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-            line.set_minor_formatter(NullFormatter())
-    axes.set_xlim(*cell_edges(across, scale_x)[[0, -1]])
-    axes.set_ylim(*cell_edges(along, scale_y)[[0, -1]])
+    fit_axes(axes, (across, along), (scale_x, scale_y))
     label_axes(axes, mission, (x, y), OF_START)
     return handles
 

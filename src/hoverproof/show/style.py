@@ -8,12 +8,20 @@ from pathlib import Path
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatterSciNotation
+from matplotlib.ticker import (
+    LogFormatterSciNotation,
+    LogLocator,
+    NullFormatter,
+    StrMethodFormatter,
+)
 
 from hoverproof.files import replacing
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Okabe and Ito's palette, told apart by the colour-blind."""
+
+MOST_ROUND, FEW_DIGITS = 2000, 30
+"""Up to which ratio of its ends an axis has round numbers, and up to which 1, 2 and 5 of them."""
 
 STYLES = ("-", "--", "-.", ":")
 
@@ -44,6 +52,24 @@ def plain_powers(axis: Axis) -> None:
     """
     axis.set_major_formatter(Powers())
     axis.set_minor_formatter(Powers())
+
+
+def round_numbers(axis: Axis) -> None:
+    """Write 0.02 and 50 along a logarithmic axis of few decades, powers of ten along a longer one.
+
+    Parameters
+    ----------
+    axis : Axis
+        Whose limits are set.
+    """
+    low, high = axis.get_view_interval()
+    if high > MOST_ROUND * low:
+        plain_powers(axis)
+        return
+    digits = (1, 2, 5) if high < FEW_DIGITS * low else (1, 3)
+    axis.set_major_locator(LogLocator(subs=digits))
+    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def legend_above(axes: Axes, columns: int = 5) -> None:

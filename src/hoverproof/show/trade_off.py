@@ -7,12 +7,11 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.servo.linearised import slowest_rate
-from hoverproof.show.style import COLOURS, save_figure
+from hoverproof.show.style import COLOURS, round_numbers, save_figure
 
 Array = NDArray[np.float64]
 
@@ -44,19 +43,13 @@ def trade_off_figure(regions: Sequence[Attraction], own: Attraction | None = Non
     if own is not None:
         axes.plot([], [], "k*", markersize=14, linestyle="none", label="the mission's own gains")
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_formatter(FuncFormatter(_some_digits))
+        round_numbers(axis)
     axes.set_xlabel("decay rate of the slowest motion at the goal (1/s, linearised)")
     axes.set_ylabel("certified hovers reach from the goal (m)")
     axes.set_title(f"{regions[0].mission.name}: what speed costs, each point proved")
     axes.grid(alpha=0.3, which="both")
     figure.legend(loc="outside lower center", ncols=4)
     return figure
-
-
-def _some_digits(value: float, _: int | None) -> str:
-    """Label 2 and 5 of each decade."""
-    return f"{value:g}" if f"{value:.0e}"[0] in "25" else ""
 
 
 def save_trade_off_figure(

@@ -164,7 +164,7 @@ def soonest(question: Question, first: Candidate, starts: Array, evaluations: in
     descent = Descent(lambda z: times.value(z, likely), times.slopes, highest)
     z, at = descent.run(z, at, evaluations)
     for part in SLOWER:
-        at = times.value(z + [0, 0, math.log(part)], likely)
+        at = times.value(z + np.array([0, 0, math.log(part)]), likely)
         if at is not None and at.over[0] <= 0:
             found: Found = at.found
             candidate = found.asked.with_weights(found.solution)
