@@ -102,7 +102,7 @@ def words_lead_nowhere(app: Any, doctree: Any) -> None:
 
 
 def pictures_open(app: Any, doctree: Any, page: str) -> None:
-    """Let each picture have its size, which makes Sphinx link it to itself: to look at it closely."""
+    """Give each picture its size: Sphinx then links it to itself, to be looked at closely."""
     for picture in doctree.findall(image):
         if not isinstance(picture.parent, reference):
             picture.setdefault("scale", 100)

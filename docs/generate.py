@@ -28,9 +28,10 @@ from hoverproof.mission.sections import Mission
 ROOT = Path(__file__).parents[1]
 HUGE = 10**300
 NOTEBOOKS = """
-Executed, with their outputs. Each is made from a script in `derivations/` or `examples/` of a checkout, which runs by
-itself too, as `python derivations/01_rigid_body.py`. They need nothing but hoverproof; two examples that need more
-say so. To learn the theory, begin with *The rigid body*; to see what the program does, with *Certify your own quadrotor*.
+Executed, with their outputs. Each is made from a script in `derivations/` or `examples/` of a
+checkout, which runs by itself too, as `python derivations/01_rigid_body.py`. They need nothing but
+hoverproof; two examples that need more say so. To learn the theory, begin with *The rigid body*; to
+see what the program does, with *Certify your own quadrotor*.
 """.strip()
 
 
