@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from docutils.nodes import image, reference
 from pydantic import BaseModel
 from sphinx.addnodes import pending_xref
 
@@ -100,6 +101,13 @@ def words_lead_nowhere(app: Any, doctree: Any) -> None:
             node.replace_self(node.children)
 
 
+def pictures_open(app: Any, doctree: Any, page: str) -> None:
+    """Give each picture its size: Sphinx then links it to itself, to be looked at closely."""
+    for picture in doctree.findall(image):
+        if not isinstance(picture.parent, reference):
+            picture.setdefault("scale", 100)
+
+
 def setup(app: Any) -> None:
     """Write the pages that are made from the program before the pages are read."""
     app.connect("builder-inited", lambda app: generate.write(Path(app.srcdir)))
@@ -107,3 +115,4 @@ def setup(app: Any) -> None:
     app.connect("autodoc-process-signature", short_signatures)
     app.connect("doctree-read", names_as_imported)
     app.connect("doctree-read", words_lead_nowhere)
+    app.connect("doctree-resolved", pictures_open)

@@ -28,6 +28,12 @@ from hoverproof.mission.sections import Mission
 
 ROOT = Path(__file__).parents[1]
 HUGE = 10**300
+NOTEBOOKS = """
+Executed, with their outputs. Each is made from a script in `derivations/` or `examples/` of a
+checkout, which runs by itself too, as `python derivations/01_rigid_body.py`. They need nothing but
+hoverproof; two examples that need more say so. To learn the theory, begin with *The rigid body*; to
+see what the program does, with *Certify your own quadrotor*.
+""".strip()
 
 
 def write(source: Path) -> None:
@@ -84,12 +90,11 @@ def mission_file() -> str:
         parts.append(_line(words))
         head: tuple[str, ...] = ("key", "accepted", "if left out")
         rows: list[tuple[str, ...]]
-        rows = [(f"`{key}`", *_accepted(model, key, f)) for key, f in model.model_fields.items()]
+        keys = {key: f for key, f in model.model_fields.items() if not f.exclude}
+        rows = [(f"`{key}`", *_accepted(model, key, f)) for key, f in keys.items()]
         if meanings:
             head += ("meaning",)
-            rows = [
-                (*row, meanings[key]) for row, key in zip(rows, model.model_fields, strict=True)
-            ]
+            rows = [(*row, meanings[key]) for row, key in zip(rows, keys, strict=True)]
         parts.append(_table(head, rows))
     parts.append("## A complete file\n\nThis is the preset `x4-flyer`, as `hoverproof presets")
     parts[-1] += " x4-flyer` prints it.\n\n```toml\n" + preset_text("x4-flyer") + "```"
@@ -131,7 +136,7 @@ def notebooks() -> str:
     """Return the list of notebooks for the table of contents."""
     steps = sorted(p.stem for p in (ROOT / "notebooks").glob("*.ipynb"))
     examples = sorted(p.stem for p in (ROOT / "notebooks" / "examples").glob("*.ipynb"))
-    parts = ["# Notebooks", "Executed, with their outputs; their sources run as plain scripts too."]
+    parts = ["# Notebooks", NOTEBOOKS]
     for title, group in (("Worked examples", examples), ("The derivation", steps)):
         parts.append(f"## {title}\n\n```{{toctree}}\n:maxdepth: 1\n\n" + "\n".join(group) + "\n```")
     return "\n\n".join(parts) + "\n"
@@ -180,7 +185,8 @@ def _accepted(model: type[BaseModel], key: str, field: FieldInfo) -> tuple[str, 
     default = "must be given"
     if field.default is not PydanticUndefined:
         default = "" if field.default is None else _shown(field.default)
-    return "; ".join(words), default
+    found = "; ".join(words) or ("a section of its own" if _model_of(field) else "as told here")
+    return found, default
 
 
 def _refusals(model: type[BaseModel], key: str, field: FieldInfo) -> Iterator[str]:
@@ -235,8 +241,10 @@ def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
 
 
 def _plain(words: str) -> str:
-    """Escape what Markdown would read as markup."""
-    return re.sub(r"([*_$<|])", r"\\\1", words)
+    """Escape what Markdown would read as markup, outside of code."""
+    parts = words.split("`")
+    parts[::2] = [re.sub(r"([*_$<|])", r"\\\1", part) for part in parts[::2]]
+    return "`".join(parts)
 
 
 def _shown(value: object) -> str:

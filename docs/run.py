@@ -7,6 +7,7 @@ unless it ends with the status that the page says. The commands of a page share 
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import tempfile
 from pathlib import Path
@@ -15,6 +16,7 @@ from typing import Any, ClassVar
 from docutils import nodes
 from docutils.parsers.rst import directives
 from forked import ran
+from sphinx.directives.code import container_wrapper
 from sphinx.errors import ExtensionError
 from sphinx.util.docutils import SphinxDirective
 
@@ -28,11 +30,11 @@ class File(SphinxDirective):
     required_arguments = 1
 
     def run(self) -> list[nodes.Node]:
-        """Write the file and return the block that shows it."""
+        """Write the file and return the block that shows it, under its name."""
         name, text = self.arguments[0], "\n".join(self.content) + "\n"
         (_folder(self.env.docname) / name).write_text(text, encoding="utf-8")
         block = nodes.literal_block(text, text, language=Path(name).suffix.removeprefix("."))
-        return [block]
+        return [container_wrapper(self, block, name)]
 
 
 class Run(SphinxDirective):
@@ -77,10 +79,22 @@ class Run(SphinxDirective):
 
 
 def _as_typed(command: str) -> list[str]:
-    """Put the prompts of a shell before the lines of a command."""
-    lines = command.splitlines()
+    """Put the prompts of a shell before the lines of a command, long ones broken at an option."""
+    lines = [part for line in command.splitlines() for part in _broken(line)]
     continues = [False, *(line.endswith("\\") for line in lines)]
     return [("> " if rest else "$ ") + line for rest, line in zip(continues, lines, strict=False)]
+
+
+def _broken(line: str, columns: int = 78) -> list[str]:
+    """Break a line of the shell before its options, where it would be longer."""
+    first, *options = re.split(r" (?=--)", line)
+    parts = [first]
+    for option in options:
+        if len(parts[-1]) + len(option) < columns:
+            parts[-1] += f" {option}"
+        else:
+            parts[-1:] = [f"{parts[-1]} \\", f"    {option}"]
+    return parts
 
 
 def _folder(page: str) -> Path:

@@ -4,7 +4,8 @@
 # The textbook law for a camera that looks at points is *image-based visual servoing*, IBVS
 # (Hutchinson, Hager and Corke, 1996; Chaumette and Hutchinson, 2006). It is in the machine vision
 # toolbox for Python by Peter Corke, from where it is run here, on the same square of points, from
-# the same start, beside the law of this package.
+# the same start, beside the law of this package. `pip install '.[compare]'` in a checkout of the
+# project brings it.
 #
 # The two do not solve the same problem, and no winner is named:
 #

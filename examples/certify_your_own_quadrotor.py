@@ -178,7 +178,8 @@ gain_figure()
 weak = hp.certify(hp.load(path, {"gains.k4": "3"}))
 checker.check(weak.certificate.content)
 print(weak.status, f"XᵀΣX <= {float(weak.value):.4f} kg/s")
-weak.certificate.content["counterexample"]
+for key, value in weak.certificate.content["counterexample"].items():
+    print(key, "=", value)
 
 # %% [markdown]
 # ## Are the bounds of Q true?

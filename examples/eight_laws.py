@@ -85,7 +85,7 @@ ideal, real = list(flights({})), list(flights(AS_IT_IS))
 # ## Who holds, who drifts, who is lost
 
 # %%
-print(f"{'law':28} {'as modelled':>20}   with 15 % more mass, 15 % less thrust, wind")
+print(f"{'law':28} {'as modelled':>20}   heavier, weaker, in wind")
 for law, *both in zip(LAWS, ideal, real, strict=True):
     told = []
     for flight in both:
@@ -151,5 +151,5 @@ with tempfile.TemporaryDirectory() as folder:
         print(f"{'/'.join(law)}: L falls at {float(verdict.decay_rate):.2g} 1/s or faster, proved")
 
 # %% [markdown]
-# Next: `hoverproof simulate` with `[law]` in a mission of your own, and *Fly less than ideal* in
-# the documentation for sensors, frames and rotors.
+# Next: `hoverproof simulate` with `[law]` in a mission of your own, and the guide *Fly with real
+# sensors, rotors and wind* of the documentation.

@@ -93,7 +93,7 @@ except hp.InputError as error:  # no C compiler here
     firmware = {}
     print(error)
 for precision, compiled in firmware.items():
-    print(f"{precision}: self-test {compiled.selftest()} (0: every vector holds, bit for bit)")
+    print(f"{precision}: self-test {compiled.selftest():d} (0: every vector holds, bit for bit)")
 
 # %% [markdown]
 # ## Bit for bit

@@ -4,6 +4,8 @@
 # The vehicle of Hamel and Mahony (2004) starts level and at rest at (5, 2.5, -4) m (z is down) and
 # flies to 3 m above a square of four points, seeing nothing but these points. This example flies
 # it, certifies its gains, and draws everything that the command `hoverproof simulate` draws.
+#
+# It needs IPython (`pip install ipython`), which shows the film; Jupyter has it.
 
 # %%
 import tempfile

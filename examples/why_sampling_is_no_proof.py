@@ -178,7 +178,8 @@ for sign, end in ((1, lam_low), (-1, lam_high)):
     assert is_positive_definite(room)
 checker.check(verdict.certificate.content)
 print("Q lies within the bounds, and the checker accepts the counterexample")
-verdict.certificate.content["counterexample"]
+for key, value in verdict.certificate.content["counterexample"].items():
+    print(key, "=", value)
 
 # %% [markdown]
 # ## Why they miss it
