@@ -161,7 +161,7 @@ def test_at_one_glance_a_report_says_for_whom_from_where_and_how_soon(
     assert f"for whom every vehicle with {', '.join(COVERED)} comes to the hover" in said
     assert "from where its start, (0.3, 0, −1.5) m" in said
     assert f"from {float(proved.settling.time):.4g} s on" in said
-    assert "not covered goals whose centroid" in said
+    assert "not covered goals from which the centroid" in said
     assert "not considered" not in said
     head = Path("half-kilo.report.html").read_text(encoding="utf-8").split("<nav")[0]
     assert head.index("For whom") < head.index("How soon") < head.index("Not covered")

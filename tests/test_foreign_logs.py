@@ -403,7 +403,7 @@ def test_a_flight_beyond_tolerances_is_covered_by_a_proof_on_request(tmp_path, c
     words = ("audit", "late.nc", "--mission", "wider.toml", "--certificate", certificate)
     status, out, _ = run(capsys, *words, "--certify", "other.toml", "--no-page")
     assert status == 0
-    assert "proved anew             nothing: the mission's own tolerances" in out
+    assert "proved again            nothing: the mission's own tolerances" in out
     assert not Path("other.toml").exists()
 
 

@@ -281,7 +281,7 @@ def test_what_is_told_is_what_the_checker_says(proved):
     assert ("accelerometer is wrong by at most" in said) == (noise.force > 0)
     assert ("gusts besides" in said) == (proved.mission.uncertainty.gust > 0)
     assert as_json(proved)["ultimate_radius"] == float(proved.ultimate_radius)
-    assert any("in the end" in line for line in lines(proved, ["here"]))
+    assert any("ultimate bound" in line for line in lines(proved, ["here"]))
     assert proved.ultimate_radius < proved.settling.radius
 
 

@@ -397,7 +397,7 @@ def test_the_command_shows_one_equation_in_full(capsys):
         assert part in out
     assert "difference" not in out  # it would be both forms again
     assert "derived\n  the same" in run(capsys, "derive", "--equation", "11")[1]
-    assert "difference\n  printed - " in run(capsys, "derive", "--equation", "6")[1]
+    assert "difference\n  printed + " in run(capsys, "derive", "--equation", "6")[1]
     with pytest.raises(SystemExit) as exit_:
         cli.main(["derive", "--equation", "99"])
     assert exit_.value.code == 2

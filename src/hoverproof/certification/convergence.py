@@ -17,7 +17,7 @@ from hoverproof.errors import InputError
 from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
 
-STEPS = "control in steps (give uncertainty.control_period, or noise that stands for it)"
+STEPS = "control in steps (give uncertainty.control_period, or noise for it)"
 LAGS = "an accelerometer with a low-pass (give uncertainty.force_lag, or such noise)"
 """What is not covered without the tolerance that is named."""
 

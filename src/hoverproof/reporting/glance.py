@@ -68,7 +68,7 @@ def _where(region: Attraction | Exponential) -> str:
 
 def _how_soon(region: Attraction | Exponential) -> str:
     if isinstance(region, Attraction):
-        return "in the end; no time is proved"
+        return "eventually; no time is proved"
     settling, last = region.settling, region.ultimate_radius
     words = f"within {at_most(settling.radius)} m of its goal from {at_most(settling.time)} s on"
     return words if last is None else f"{words}, in the end within {at_most(last)} m"

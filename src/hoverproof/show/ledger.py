@@ -38,14 +38,15 @@ def claim_text(j: Judgement) -> str:
     ----------
     j : Judgement
     """
+    printed, derived = j.printed.text(), j.derived.text()
     rows = [
         (f"{j.id}: {j.title}", ""),
         ("verdict", str(j.verdict)),
         ("reason", j.reason),
-        ("printed", j.printed.text()),
-        ("derived", "the same" if j.derived is j.printed else j.derived.text()),
+        ("printed", printed),
+        ("derived", "the same" if derived == printed else derived),
     ]
-    if j.difference and len(j.difference) < len(j.printed.text() + j.derived.text()):
+    if j.difference and len(j.difference) < len(printed + derived):
         rows.append(("difference", j.difference))  # else it is both forms again
     if j.counterexample:
         point = ", ".join(f"{name}={value}" for name, value in j.counterexample.items())

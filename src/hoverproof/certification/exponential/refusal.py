@@ -278,9 +278,9 @@ class Refusal:
         return (
             f"theorem 5 proves nothing of this start{left} with |J - {float(j):.3g} I| <= "
             f"{float(radius):.3g} 1/m, r = {float(self.asked.rate):.3g} 1/s and the bounds of the "
-            f"errors in the file: {_count(states, 'state')} of "
-            f"{_count(len(self.corners), 'vehicle')} within tolerance refuse all its weights, in "
-            "exact arithmetic; the vehicles may converge all the same"
+            f"errors in the file: all its weights are refused by {_count(states, 'state')} of "
+            f"{_count(len(self.corners), 'vehicle')} within tolerance, in exact arithmetic; the "
+            "vehicles may converge all the same"
         )
 
     def content(self) -> dict[str, Any]:

@@ -84,15 +84,15 @@ class AuditAnswer(Answer):
         if self.certify is None:
             return
         if self.anew is None:
-            yield from wrapped("proved anew", f"nothing: {self._no_need()}")
+            yield from wrapped("proved again", f"nothing: {self._no_need()}")
             return
         verdict = self.anew.verdict
         if verdict is None:
-            yield from wrapped("proved anew", f"not with these: {self.anew.reason}")
+            yield from wrapped("proved again", f"not with these: {self.anew.reason}")
             return
         whose = "tuned gains" if self.anew.tuned else "the mission's gains"
         yield from wrapped(
-            "proved anew", f"with these and {whose}: settled {settled_text(verdict)}"
+            "proved again", f"with these and {whose}: settled {settled_text(verdict)}"
         )
         if others := [f.name for f in self.found.broken if not f.key and not f.follows]:
             yield from wrapped("", f"covered by no tolerance: {', '.join(others)}")

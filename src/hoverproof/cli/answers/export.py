@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hoverproof.cli.answers.answer import Answer
-from hoverproof.cli.answers.words import enclosure, interval
+from hoverproof.cli.answers.words import interval
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class ExportAnswer(Answer):
                 standing = standing.replace(")", f"; {bounds})")
         yield f"{self.mission}: firmware written, {self.precision}, {standing}"
         yield f"  folder  {self.out}"
-        yield f"  thrust  {enclosure([Fraction(end) for end in manifest['thrust']])} N, monitored"
+        yield f"  thrust  {interval(manifest['thrust'])} N, monitored"
         option = "" if self.limits_given else " (--rotor-limits)"
         each = manifest.get("each_rotor")
         limits = f"{interval(manifest['rotor_limits'])} N each{option}"

@@ -67,8 +67,8 @@ def reach_text(region: Attraction) -> str:
 
 
 def _rates(found: RegionTuned) -> Iterator[str]:
-    slow, times = found.slowest_rate, found.slowest_rate / found.slowest_rate_before
-    yield f"  slowest motion at goal  {about(slow)} 1/s, {times:.2f} times that of own gains"
+    slow, before = found.slowest_rate, about(found.slowest_rate_before)
+    yield f"  slowest motion at goal  {about(slow)} 1/s, {before} with the mission's own gains"
     yield f"    time constant:           {about(1 / slow)} s (linearised)"
     rate = found.decay_rate
     decay = "not proved" if rate is None else f"{at_least(rate)} 1/s, proved"
