@@ -146,7 +146,9 @@ class Stage:
             artist.set_animated(True)
         self.canvas.draw()
         self.still = self.canvas.copy_from_bbox(self.figure.bbox)
-        self.split = plane.get_tightbbox().x0 / self.figure.bbox.width - ROOM
+        seen = plane.get_tightbbox()
+        assert seen is not None
+        self.split = seen.x0 / self.figure.bbox.width - ROOM
 
     def pixels(self, time: float) -> Pixels:
         """Return the picture at a time of the flight, s, (height, width, 4), a new array.

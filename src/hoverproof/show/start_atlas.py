@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -23,7 +24,7 @@ SLOWEST = 6
 """Times are told apart up to so many times the shortest."""
 ROUND = (1, 1.5, 2, 3, 4, 5, 6, 8)
 """What stands at the bar of colours, times a power of ten."""
-NOTHING = {"facecolor": "#D0D0D0", "edgecolor": "white", "hatch": "///", "linewidth": 0}
+NOTHING: Any = {"facecolor": "#D0D0D0", "edgecolor": "white", "hatch": "///", "linewidth": 0}
 """Hatched, to be told from the colours in a grey print."""
 
 
