@@ -50,7 +50,8 @@ CODE = {"family": "monospace", "fontsize": 8.5, "va": "top", "linespacing": 1.09
 OPENING, CLOSING = 10, 13  # lines of the control law that are shown
 CELLS, START_CELLS = 120, 10
 AROUND = 5  # times as small and as large as those of the mission are the gains of the map
-INSIDE = {"ha": "right", "va": "top", "fontsize": 9}
+PLAIN = {"facecolor": "#D0D0D0", "edgecolor": "none", "pad": 2}
+INSIDE = {"ha": "right", "va": "top", "fontsize": 9, "bbox": PLAIN}
 LEFT_OUT = ("vehicle", "sensors", "rotors", "bounds")
 """Sections of the mission that the picture has no room for."""
 Box = tuple[float, float, float, float]

@@ -138,8 +138,8 @@ def test_time_pace_and_size_of_the_vehicle_are_stated(flight):
     stage = Stage(flight, 40)
     stage.show(12.34)
     assert stage.clock.get_text() == "x4-flyer\nt = 12.3 s   40 × real time"
-    said = [text.get_text() for text in stage.figure.axes[0].texts]
-    assert said == [f"vehicle drawn {stage.size:g} × its size"]
+    said = stage.figure.axes[0].get_legend().get_title().get_text()
+    assert said == f"vehicle drawn {stage.size:g} × its size"
     span = np.ptp(np.array([disc.get_data_3d() for disc in stage.discs]), axis=(0, 2))
     assert span[0] == pytest.approx(2 * 0.25 * stage.size * 1.6, rel=0.01)
 

@@ -333,3 +333,22 @@ def test_the_powers_of_ten_of_an_axis_are_written_in_letters():
     between = [label.get_text() for label in axes.get_yticklabels(minor=True)]
     assert {"10⁻³", "10⁰", "10¹"} <= set(across)
     assert {"2×10⁻¹", "6×10⁻¹"} <= set(between)
+
+
+@pytest.mark.parametrize(
+    ("ends", "said"),
+    [
+        ((0.9, 21), "1 2 5 10 20"),
+        ((3, 310), "3 10 30 100 300"),
+        ((0.0002, 0.02), "0.0003 0.001 0.003 0.01"),
+        ((1e-4, 1), "10⁻⁴ 10⁻³ 10⁻² 10⁻¹ 10⁰"),
+    ],
+)
+def test_a_short_logarithmic_axis_has_round_numbers(ends, said):
+    figure = Figure()
+    axes = figure.subplots()
+    axes.set(xscale="log", xlim=ends)
+    style.round_numbers(axes.xaxis)
+    figure.draw_without_rendering()
+    labels = zip(axes.get_xticks(), axes.get_xticklabels(), strict=True)
+    assert " ".join(text.get_text() for x, text in labels if ends[0] <= x <= ends[1]) == said

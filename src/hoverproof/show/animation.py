@@ -146,7 +146,9 @@ class Stage:
             artist.set_animated(True)
         self.canvas.draw()
         self.still = self.canvas.copy_from_bbox(self.figure.bbox)
-        self.split = plane.get_tightbbox().x0 / self.figure.bbox.width - ROOM
+        seen = plane.get_tightbbox()
+        assert seen is not None
+        self.split = seen.x0 / self.figure.bbox.width - ROOM
 
     def pixels(self, time: float) -> Pixels:
         """Return the picture at a time of the flight, s, (height, width, 4), a new array.
@@ -203,11 +205,16 @@ class Stage:
         ring = {"linewidth": 0, "marker": "o", "fillstyle": "none"}
         for colour, label in ((COLOURS[0], "rear rotors"), (COLOURS[4], "front rotors")):
             axes.plot([], [], [], color=colour, label=label, **ring)
-        axes.legend(
-            loc="upper center", bbox_to_anchor=(0.5, 1.12), ncols=3, frameon=False, fontsize=8
-        )
         drawn = "to scale" if self.size == 1 else f"{self.size:g} × its size"
-        axes.text2D(0.0, -0.02, f"vehicle drawn {drawn}", transform=axes.transAxes, fontsize=8)
+        axes.legend(
+            loc="upper center",
+            bbox_to_anchor=(0.5, 1.16),
+            ncols=3,
+            frameon=False,
+            fontsize=8,
+            title=f"vehicle drawn {drawn}",
+            title_fontsize=8,
+        )
 
     def _set_plane(self, axes: Axes, yaw: float) -> None:
         goal = self.scene.goal_image(yaw)

@@ -20,12 +20,11 @@ from hoverproof.design.axes import QUANTITIES, Quantity
 from hoverproof.design.limits import bandwidth
 from hoverproof.design.outcome import Tuned
 from hoverproof.mission.sections import Mission
-from hoverproof.show.style import COLOURS, Powers, round_numbers, save_figure
+from hoverproof.show.style import COLOURS, Powers, hatched, round_numbers, save_figure
 from hoverproof.simulation.record import Recorded
 
 Array = NDArray[np.float64]
 
-REFUTED, NO_QUESTION = "#D0D0D0", "white"
 DECADES = 3
 LABELS = {"margin": "margin (kg/s)", "decay_rate": "decay rate of L (1/s)"}
 
@@ -129,14 +128,12 @@ def draw_atlas(
         )
         bar.minorformatter = Powers()
     if (margin <= 0).any():
-        plain = np.ma.masked_where(~(margin <= 0), np.ones(margin.shape))
-        grey = axes.pcolormesh(
-            across, along, plain, cmap="gray", vmin=0, vmax=1.22, shading="nearest"
-        )
-        grey.set_rasterized(True)
-        handles.append(Patch(color=REFUTED, label="refuted (floating point)"))
+        handles.append(hatched(axes, "refuted (floating point)"))
     if np.isnan(margin).any():
-        handles.append(Patch(facecolor=NO_QUESTION, edgecolor="grey", label="no question posed"))
+        none = np.ma.masked_where(~np.isnan(margin), np.ones(margin.shape))
+        white = axes.pcolormesh(across, along, none, cmap="gray", vmin=0, vmax=1, shading="nearest")
+        white.set_rasterized(True)
+        handles.append(Patch(facecolor="white", edgecolor="grey", label="no question posed"))
     handles += _boundary(axes, atlas, x, y, scales)
     fit_axes(axes, (across, along), scales)
     if printed is not None:

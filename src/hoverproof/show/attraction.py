@@ -357,21 +357,22 @@ def draw_energy(axes: Axes, region: Attraction, flights: Flights) -> None:
     flights : Flights
     """
     level = float(region.level)
-    for kept, colour, label in (
-        (flights.certified, COLOURS[0], "start certified"),
-        (~flights.certified, COLOURS[3], "start not certified"),
+    for kept, colour, style, label in (
+        (flights.certified, COLOURS[0], "-", "start certified"),
+        (~flights.certified, COLOURS[3], "--", "start not certified"),
     ):
+        over = 3 if kept is flights.certified else 2  # the certified are not to be hidden
+        look: dict[str, Any] = {"color": colour, "linestyle": style}
         for energy in flights.energy[kept]:
-            over = 3 if kept is flights.certified else 2  # the certified are not to be hidden
-            axes.semilogy(flights.time, energy, color=colour, linewidth=0.7, alpha=0.6, zorder=over)
+            axes.semilogy(flights.time, energy, **look, linewidth=0.8, alpha=0.6, zorder=over)
         if kept.any():
-            axes.plot([], [], color=colour, label=label)
+            axes.plot([], [], **look, label=label)
     largest = max(np.nanmax(flights.energy), level)
     axes.axhline(level, color="black", linestyle="--", label=f"proved level {level:.4g}")
     axes.set_ylim(AT_REST * largest, 10 * largest)
     plain_powers(axes.yaxis)
-    moving = (flights.energy > AT_REST * largest).any(axis=0)
-    axes.set_xlim(0, flights.time[min(int(np.nonzero(moving)[0][-1]) + 1, len(moving) - 1)])
+    last = int(np.nonzero(flights.energy > AT_REST * largest)[1].max(initial=0))
+    axes.set_xlim(0, flights.time[min(last + 1, SAMPLES)])
     axes.set_xlabel("time (s)")
     axes.set_ylabel("Λ along the simulated flights (m)")
     legend_above(axes, 2)

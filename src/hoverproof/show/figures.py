@@ -79,7 +79,7 @@ def path_figure(flight: Flight) -> Figure:
     """
     figure = Figure(figsize=(12.2, 5.2), layout="constrained")
     figure.suptitle(f"{Scene.of(flight).title}: path over the target")
-    grid = figure.add_gridspec(1, 3, width_ratios=(1.4, 1, 1), wspace=0.13)
+    grid = figure.add_gridspec(1, 3, width_ratios=(1.4, 1, 1), wspace=0.18)
     panels.path(figure.add_subplot(grid[0], projection="3d"), flight)
     panels.from_above(figure.add_subplot(grid[1]), flight)
     panels.from_the_side(figure.add_subplot(grid[2]), flight)

@@ -12,6 +12,7 @@ import subprocess
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,7 +89,7 @@ def film(
         See `check_file`; or if the file cannot be written.
     """
     check_file(path)
-    page = partial(_html, split=split)
+    page: Any = partial(_html, split=split)
     make = {".mp4": _mp4, ".gif": _gif, ".html": page}[path.suffix.lower()]
     with replacing(path) as beside, make(path, beside, sample, rate) as add:
         yield add

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Rectangle
-from matplotlib.ticker import AutoLocator, MultipleLocator
+from matplotlib.ticker import AutoLocator, MaxNLocator, MultipleLocator
 from mpl_toolkits.mplot3d import Axes3D
 
 from hoverproof.show.decay import Decay
@@ -17,7 +17,7 @@ LIMIT_NEAR = 0.25
 LITTLE, SHORT = 0.2, 0.4
 NEAR_CORNER = 0.45
 """Of a step of the ticks: no number of y stands so near the corner that x has in common with it."""
-SLIM = 0.3
+SLIM = 0.4
 """The smaller range of a plan is at least that share of the larger one."""
 DEGREES = 180 / np.pi
 
@@ -280,7 +280,7 @@ def space_axes(axes: Axes3D, places: Array) -> None:
     axes.yaxis.set_ticks([y for y in ticks if low[1] <= y <= high[1] - NEAR_CORNER * step])
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
-    axes.set_zlabel("z (m), down", labelpad=10)  # clear of the numbers
+    axes.set_zlabel("z (m), down", labelpad=14)  # clear of the numbers
 
 
 def from_above(axes: Axes, flight: Flight) -> None:
@@ -329,6 +329,8 @@ def _plan(axes: Axes, flight: Flight, i: int, j: int) -> None:
     reach = 0.6 * np.maximum(sides, SLIM * sides.max())
     axes.set_xlim(middle[0] - reach[0], middle[0] + reach[0])
     axes.set_ylim(middle[1] + reach[1], middle[1] - reach[1])  # y and z are down the page
+    numbers = 2 + round(5 * min(1.0, reach[0] / reach[1]))
+    axes.xaxis.set_major_locator(MaxNLocator(numbers, steps=[1, 2, 2.5, 5, 10]))
     axes.set_aspect("equal")
     axes.grid(alpha=0.3)
 

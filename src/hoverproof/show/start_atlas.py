@@ -10,21 +10,18 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from hoverproof.design.axes import OF_START
 from hoverproof.design.start_atlas import NOT_PROVED, PROVED
 from hoverproof.mission.sections import Mission
 from hoverproof.show.atlas import fit_axes, label_axes, own_point
-from hoverproof.show.style import save_figure
+from hoverproof.show.style import hatched, save_figure
 from hoverproof.simulation.record import Recorded
 
 SLOWEST = 6
 """Times are told apart up to so many times the shortest."""
 ROUND = (1, 1.5, 2, 3, 4, 5, 6, 8)
 """What stands at the bar of colours, times a power of ten."""
-NOTHING = {"facecolor": "#D0D0D0", "edgecolor": "white", "hatch": "///", "linewidth": 0}
-"""Hatched, to be told from the colours in a grey print."""
 
 
 def start_atlas_figure(mission: Mission, atlas: Recorded) -> Figure:
@@ -57,7 +54,6 @@ def draw_start_atlas(axes: Axes, mission: Mission, atlas: Recorded) -> list[Arti
     across, along = atlas[x].values, atlas[y].values
     time, verdict = atlas["settling_time"].values, atlas["verdict"].values
     handles: list[Artist] = []
-    axes.patch.set(**NOTHING)
     if not np.isnan(time).all():
         first = float(np.nanmin(time))
         mesh = axes.pcolormesh(
@@ -77,7 +73,7 @@ def draw_start_atlas(axes: Axes, mission: Mission, atlas: Recorded) -> list[Arti
         bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
         bar.minorticks_off()
     if np.isnan(time).any():
-        handles.append(Patch(**NOTHING, label="no weights found (not refuted)"))
+        handles.append(hatched(axes, "no weights found (not refuted)"))
     for code, mark, words in ((PROVED, "o", "proved exactly"), (NOT_PROVED, "x", "not confirmed")):
         rows, columns = np.nonzero(verdict == code)
         if len(rows):

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import (
     LogFormatterSciNotation,
     LogLocator,
@@ -22,6 +24,9 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 MOST_ROUND, FEW_DIGITS = 2000, 30
 """Up to which ratio of its ends an axis has round numbers, and up to which 1, 2 and 5 of them."""
+
+HATCHED: Any = {"facecolor": "#D0D0D0", "edgecolor": "white", "hatch": "///", "linewidth": 0}
+"""Of a part of a map without colour, to be told from its colours in a grey print."""
 
 STYLES = ("-", "--", "-.", ":")
 
@@ -70,6 +75,19 @@ def round_numbers(axis: Axis) -> None:
     axis.set_major_locator(LogLocator(subs=digits))
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_formatter(NullFormatter())
+
+
+def hatched(axes: Axes, label: str) -> Patch:
+    """Hatch what nothing else covers of `axes`; return it for the legend.
+
+    Parameters
+    ----------
+    axes : Axes
+    label : str
+        What is there.
+    """
+    axes.add_patch(Rectangle((0, 0), 1, 1, transform=axes.transAxes, zorder=0, **HATCHED))
+    return Patch(**HATCHED, label=label)
 
 
 def legend_above(axes: Axes, columns: int = 5) -> None:
