@@ -35,7 +35,7 @@ class Tangent:
     slope: Any
     rest: Any
 
-    @property
+    @cached_property
     def spread(self) -> Any:
         """How far it is from mid at most, (k,)."""
         return np.abs(self.slope).sum(axis=0) + self.rest
