@@ -380,12 +380,7 @@ def in_ball(J: list[Three], count: int, low: float, high: float) -> Told:
 
 
 def norms(matrices: Array) -> Array:
-    """Return the spectral norms of matrices, (...); sooner than by singular values.
-
-    Parameters
-    ----------
-    matrices : (..., n, n)
-    """
+    """Return the spectral norms of matrices, (..., n, n); sooner than by singular values."""
     return np.asarray(np.sqrt(np.linalg.eigvalsh(matrices.swapaxes(-1, -2) @ matrices)[..., -1]))
 
 

@@ -182,10 +182,11 @@ def soonest(question: Question, first: Candidate, starts: Array, evaluations: in
         return first
     highest = np.array([math.log(question.highest * question.scene.wanted) - 1e-9, np.inf, np.inf])
     z, at = times.descent(at, highest).run(z, at, evaluations)
+    likely = at.found.solution.tight
     for part in SLOWER:
-        at = times.value(z + np.array([0, 0, math.log(part)]), at.found.solution.tight)
-        if at is not None and at.over[0] <= 0:
-            found: Found = at.found
+        slower = times.value(z + np.array([0, 0, math.log(part)]), likely)
+        if slower is not None and slower.over[0] <= 0:
+            found: Found = slower.found
             candidate = found.asked.with_weights(found.solution)
             if question.holds(candidate):
                 return candidate
