@@ -12,7 +12,7 @@ import tomllib
 
 import numpy as np
 
-from hoverproof.certification.exponential.search import OUTSIDE
+from hoverproof.certification.exponential.sooner import OUTSIDE
 from hoverproof.design.start_search import StartSearch
 from hoverproof.design.tuning import Wish, tune
 from hoverproof.mission.reading import load

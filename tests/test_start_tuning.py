@@ -20,7 +20,8 @@ from hoverproof.certification.exponential.inequality import Ball, falls
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import Program
 from hoverproof.certification.exponential.question import Question
-from hoverproof.certification.exponential.search import deepest, soonest
+from hoverproof.certification.exponential.search import deepest
+from hoverproof.certification.exponential.sooner import soonest
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.cli.answers.beyond import beyond_text, covering
 from hoverproof.design import start_trade
@@ -107,7 +108,7 @@ def test_few_vertices_give_the_weights_of_all(small):
 def test_the_dual_tells_how_time_and_rate_change_with_gains_d_share_and_rate(small):
     search = StartSearch.of(small(), Limits(20.0))
     z, at = search.beginnings(lambda text: None)[0]
-    slopes = search.slopes(z, at)
+    slopes = search.times.slopes(z, at)
     for k, step in enumerate([1e-3, 1e-3, 1e-3, 1e-3, -1e-3, 1e-3, 1e-3]):
         new = search.value(z + step * np.eye(7)[k])
         seen = (new.all - at.all) / step
@@ -122,7 +123,7 @@ def test_a_candidate_is_made_faster_and_stays_inside(small):
     )
     terms, offset = question.terms(), question.settled_offset
     first = deepest(question, terms)
-    last = soonest(question, first, terms, offset)
+    last = soonest(question, first, terms, 40)
     assert last.time(offset) < first.time(offset) / 2
     assert last.solution.fill < 1
 

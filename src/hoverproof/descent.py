@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Ends:
-    """When a descent ends: after so many evaluations, or where all corners are near the lowest.
+    """When a descent ends: after so many evaluations, where all corners are near, or is enough.
 
     Attributes
     ----------
@@ -21,11 +21,14 @@ class Ends:
         The largest number of them.
     values, places : float
         Largest difference of costs, and of parameters: bare numbers in the units of each.
+    enough : float
+        A cost below it is low enough, in the unit of costs.
     """
 
     evaluations: int
     values: float
     places: float
+    enough: float = -np.inf
 
 
 class _Spent(Exception):
@@ -59,7 +62,7 @@ def descend(cost: Callable[[Array], float], simplex: Array, ends: Ends) -> tuple
     try:
         for j, place in enumerate(places):
             values[j] = value(place)
-        while left:
+        while left and not values.min() < ends.enough:
             places, values = _in_order(places, values)
             near = np.abs(places[1:] - places[0]).max() <= ends.places
             if near and np.abs(values[1:] - values[0]).max() <= ends.values:

@@ -49,6 +49,13 @@ SLOWEST_ROTOR = 1.0
 """s: time constant of a rotor that helps no vehicle to stay level."""
 
 
+OLDEST_IMAGE = 1.0
+"""s: a vehicle that hovers has fallen over by the time that an older image is used."""
+
+TOLERATED = "tolerance"
+"""The name of what is found of tolerances for time."""
+
+
 class Finding(NamedTuple):
     """Something that no vehicle has.
 
@@ -201,6 +208,17 @@ def _rotors(mission: Mission) -> Iterator[Finding]:
         )
 
 
+def _late(mission: Mission) -> Iterator[Finding]:
+    covered = mission.uncertainty
+    for key, value, most, what in (
+        ("rotor_lag", covered.rotor_lag, SLOWEST_ROTOR, "no vehicle hovers on rotors that lag by"),
+        ("latency", covered.latency, OLDEST_IMAGE, "no vehicle hovers by images with an age of"),
+    ):
+        if value > most:
+            reason = f"{what} {float(value):g} s, {most:g} s at most; is it in ms?"
+            yield Finding(TOLERATED, f"uncertainty.{key}", reason)
+
+
 CHECKS: tuple[Callable[[Mission], Iterator[Finding]], ...] = (
     _mass,
     _gravity,
@@ -210,6 +228,7 @@ CHECKS: tuple[Callable[[Mission], Iterator[Finding]], ...] = (
     _thrust,
     _bandwidth,
     _rotors,
+    _late,
 )
 """All that is looked at, in the order of the mission file."""
 

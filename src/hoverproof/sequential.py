@@ -94,15 +94,16 @@ class Descent:
         radius, bend = FIRST, CURVED * np.eye(len(z))
         slopes = self.slopes(z, at)
         seen: list[tuple[Array, Array, Array]] = []
+        before = np.inf
         for _ in range(evaluations):
             if self.enough is not None and self.enough(at):
                 break
             cuts = [(np.minimum(over + S @ (z - y), at.over), S) for y, over, S in seen]
             step, prices, promised = _step(at, slopes, cuts, bend, radius, self.highest - z)
             if promised < ENOUGH or radius < SMALLEST:
-                if not seen:
+                if not seen or before - at.merit < ENOUGH:
                     break
-                seen, radius = [], max(radius, AGAIN)
+                before, seen, radius = at.merit, [], max(radius, AGAIN)
                 continue
             new = self.value(z + step)
             size = float(np.abs(step).max())

@@ -18,6 +18,7 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 CONNECT_SECONDS = 10
+MOST_PROCESSES = 1024
 RETRIES = 5
 """How often a piece of work is given to another worker when one fails or is lost."""
 
@@ -94,7 +95,14 @@ def collected(
         See `spread`, also for what is raised.
     report : callable
         Called with how many are done, of how many.
+
+    Raises
+    ------
+    InputError
+        If there cannot be so many processes.
     """
+    if processes is not None and not 1 <= processes <= MOST_PROCESSES:
+        raise InputError("--processes", "", f"must be from 1 to {MOST_PROCESSES}, not {processes}")
     if scheduler is None and (processes == 1 or len(items) < 2):
         done: Iterable[Result] = map(work, items)
     else:

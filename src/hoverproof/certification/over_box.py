@@ -15,6 +15,7 @@ from hoverproof.certification.region import (
     enclosures,
     halved,
     outside,
+    require_box,
 )
 from hoverproof.certification.verdict import Proved, Refuted, Undecided
 from hoverproof.errors import InputError
@@ -120,6 +121,7 @@ def certify_region(
         are proved.
     """
     box = default_box(mission) if box is None else box
+    require_box(box)
     proved = _enclose(mission, box, most)
     wanted = mission.bounds.eigenvalues
     if not isinstance(wanted, tuple):

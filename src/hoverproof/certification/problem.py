@@ -9,9 +9,11 @@ one bilinear form (see `robust`).
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from numbers import Real
 from typing import Any, Literal
 
 import casadi as ca
@@ -302,6 +304,23 @@ def gain_problem(
     return replace(problem, goal_box=goal_box(mission, problem.eigenvalues, problem.box))
 
 
+def require_weights(weights: tuple[Fraction, ...]) -> None:
+    """Refuse weights of L that are none.
+
+    Parameters
+    ----------
+    weights : (4,) Fractions
+
+    Raises
+    ------
+    InputError
+        If they are not four positive numbers.
+    """
+    some = weights if isinstance(weights, tuple | list) else ()
+    if len(some) != 4 or not all(isinstance(w, Real) and 0 < w < math.inf for w in some):
+        raise InputError("--weights", "", f"must be four positive numbers, not {weights!r:.80}")
+
+
 def pose(
     mission: Mission, weights: tuple[Fraction, ...] = ONES, region: Enclosure | None = None
 ) -> GainProblem:
@@ -321,6 +340,7 @@ def pose(
         If the thrust interval reaches the singularity of the controller, T = c q3*, or if "auto"
         proves nothing.
     """
+    require_weights(weights)
     goal, law = hover_goal(mission), law_of(mission)
     box = tuple(
         (low, high) if low == high else (binary_below(low, BITS), binary_above(high, BITS))

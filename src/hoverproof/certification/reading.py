@@ -8,6 +8,7 @@ from pathlib import Path
 
 from hoverproof import checker
 from hoverproof.errors import InputError
+from hoverproof.mission.arguments import checked
 
 
 @contextlib.contextmanager
@@ -29,6 +30,7 @@ def readable(path: str | Path) -> Iterator[None]:
         raise InputError(str(path), "", str(error)) from None
 
 
+@checked
 def check(path: str | Path) -> str:
     """Return the theorem that a certificate file proves, in words.
 

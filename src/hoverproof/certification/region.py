@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from numbers import Real
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,6 +69,26 @@ def parse_box(text: str) -> Box:
     if any(x.denominator > 10**18 for side in box for x in side):
         raise InputError("--box", "", f"the ends must have at most 18 decimals, not {text!r}")
     return box
+
+
+def require_box(box: Box) -> None:
+    """Refuse a box that is none.
+
+    Parameters
+    ----------
+    box : (3,) of (low, high)
+        World frame, m.
+
+    Raises
+    ------
+    InputError
+        If it has not three sides whose ends are in order.
+    """
+    sides = [side for side in box if isinstance(side, tuple | list) and len(side) == 2]
+    numbers = all(isinstance(end, Real) for side in sides for end in side)
+    if not len(sides) == len(box) == 3 or not numbers or not all(a <= b for a, b in sides):
+        reason = f"must be ((x0, x1), (y0, y1), (z0, z1)) in m, each in order, not {box!r:.80}"
+        raise InputError("--box", "", reason)
 
 
 def default_box(mission: Mission) -> Box:

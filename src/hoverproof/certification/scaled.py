@@ -35,7 +35,7 @@ class Tangent:
     slope: Any
     rest: Any
 
-    @property
+    @cached_property
     def spread(self) -> Any:
         """How far it is from mid at most, (k,)."""
         return np.abs(self.slope).sum(axis=0) + self.rest
@@ -375,9 +375,13 @@ def in_ball(J: list[Three], count: int, low: float, high: float) -> Told:
     for signs in product((-1, 1), repeat=3):
         at = np.flatnonzero(told)
         ends = mid[at] + sum(sign * part[at] for sign, part in zip(signs, slope, strict=True))
-        squares = np.linalg.eigvalsh(ends.swapaxes(1, 2) @ ends)[:, -1]
-        told[at] = np.sqrt(squares) + rest[at] < reach
+        told[at] = norms(ends) + rest[at] < reach
     return told
+
+
+def norms(matrices: Array) -> Array:
+    """Return the spectral norms of matrices, (..., n, n); sooner than by singular values."""
+    return np.asarray(np.sqrt(np.linalg.eigvalsh(matrices.swapaxes(-1, -2) @ matrices)[..., -1]))
 
 
 def _matrices(rows: list[list[Any]], count: int) -> Array:

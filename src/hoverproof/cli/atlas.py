@@ -99,8 +99,6 @@ def atlas(
     from hoverproof.files import write_bytes
 
     loaded, of_start = load_mission(mission, set_), theorem == "start"
-    if processes is not None and not 1 <= processes <= 1024:
-        raise InputError("--processes", "", f"must be from 1 to 1024, not {processes}")
     if processes is not None and scheduler is not None:
         raise InputError("--processes", "", "does not go with --scheduler")
     if of_start:

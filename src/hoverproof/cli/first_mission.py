@@ -6,7 +6,7 @@ import json
 import math
 import re
 import string
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from importlib import resources
 from pathlib import Path
@@ -26,7 +26,9 @@ from hoverproof.mission.reading import load
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.task import Gains
 from hoverproof.mission.writing import decimal
+from hoverproof.plausibility import TOLERATED, warnings
 
+Progress = Callable[[str], None]
 GRAVITY = "9.81"
 RATES = 0.019, 0.14, 0.156, 1.0
 """j k1/m, k1 k2/m, k3/m and k4/m over the last: those of the half-kilogram example, tuned."""
@@ -152,7 +154,13 @@ def written(decisions: Answers, gains: Gains | None = None) -> str:
     return _aligned(string.Template(template).substitute(decisions | values))
 
 
-def make(path: Path, name: str, answers: Answers, assumed: Sequence[str] = ()) -> str:
+def make(
+    path: Path,
+    name: str,
+    answers: Answers,
+    assumed: Sequence[str] = (),
+    tell: Progress = lambda text: None,
+) -> str:
     """Return the mission of some answers, with gains that are found to hold its start.
 
     Parameters
@@ -165,6 +173,8 @@ def make(path: Path, name: str, answers: Answers, assumed: Sequence[str] = ()) -
         As TOML.
     assumed : sequence of str
         Which of them nobody gave, in words.
+    tell : callable
+        Is told what is being done.
 
     Raises
     ------
@@ -175,17 +185,33 @@ def make(path: Path, name: str, answers: Answers, assumed: Sequence[str] = ()) -
     decisions = decided(name, answers) | ({"assumed": comment(told)} if assumed else {})
     path.write_text(written(decisions), encoding="utf-8", newline="\n")
     mission = load(path)
+    _require_possible(mission)
+    tell("looking for gains that hold the start")
     held = first_gains(mission)
     if held is None:
-        raise InputError("start", "", f"no gains were found that hold it: {_would_do(mission)}")
+        would = _would_do(mission, tell)
+        raise InputError("start", "", f"no gains were found that hold it: {would}")
     return written(decisions, held.gains)
 
 
-def _would_do(mission: Mission) -> str:
+def _require_possible(mission: Mission) -> None:
+    """Refuse what no gains can make up for, before any are looked for."""
+    for finding in warnings(mission):
+        if finding.name == TOLERATED:
+            raise InputError(finding.key, "", finding.reason)
+    half, scene = mission.camera.about_vertical, Scene.of(mission)
+    seen = float(scene.angles(scene.goal[None])[0])
+    if half is not None and half < seen:
+        reason = f"{float(half):g} rad does not see the target at the goal, {seen:.3g} rad does"
+        raise InputError("camera.half_angle", "", f"{reason}; wider lenses see more of the way")
+
+
+def _would_do(mission: Mission, tell: Progress) -> str:
     """Say which start would be held, if one on the way is, and whether the lens binds."""
     x, y, z = mission.start.position
     goal = -(mission.goal.height or Fraction(0))
     for part in NEARER:
+        tell(f"looking for a start that is held, {100 * (1 - part):.0f} % nearer")
         share = Fraction(part)
         place = [share * x, share * y, goal + share * (z - goal)]
         start = mission.start.model_copy(update={"position": tuple(map(_four, place))})

@@ -212,5 +212,4 @@ def _own(
     if vehicle is not None and vehicle.layout:
         answers["placed"] = in_layout_of(vehicle, answers["rotor_distance"])
     with at_work() as doing:
-        doing("looking for gains that hold the start")
-        return make(beside, name, answers, assumed), assumed
+        return make(beside, name, answers, assumed, doing), assumed

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification.attraction.starts import Start
+from hoverproof.certification.exponential import sooner
 from hoverproof.certification.exponential.candidate import Asked
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import ROOMS
@@ -33,7 +34,7 @@ from hoverproof.sequential import Descent, Value
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
-LITTLE = np.array([1e-3, 1e-3, 1e-3, 1e-3, -1e-2, 1e-3, 1e-3])
+LITTLE = np.array([1e-3, 1e-3, 1e-3, 1e-3, *sooner.LITTLE])
 """By how much each parameter is changed to see what comes of it."""
 BEGINNINGS, EVALUATIONS = 2, 70
 OWN, FEW = 14, 25

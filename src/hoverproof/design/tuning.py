@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.gains import certify, search_weights
-from hoverproof.certification.problem import ONES, GainProblem, gain_problem
+from hoverproof.certification.problem import ONES, GainProblem, gain_problem, require_weights
 from hoverproof.design.gain_search import GainSearch
 from hoverproof.design.gain_search import Objective as RateObjective
 from hoverproof.design.infeasible import (
@@ -153,6 +153,8 @@ class Wish:
             other = "name --objective decay or settling"
             reason = f"is about L, so not for --objective {self.objective}: {other}"
             raise InputError(option, "", reason)
+        if self.weights != "search":
+            require_weights(self.weights)
         if self.objective != "start" and self.trade is not None:
             raise InputError("--trade", "", f"is for --objective start, not {self.objective}")
         if self.objective != "region" and self.minimum_decay is not None:
@@ -376,13 +378,15 @@ def pareto(
         raise InputError("--pareto", "", f"must be from 2 to 1000 bandwidths, not {count}")
     wish = wish or Wish(objective="decay")
     highest = wish.bandwidth if bandwidth is None else bandwidth
+    limits = replace(wish, bandwidth=highest).limits(mission)
     if wish.objective == "start":
-        limits = replace(wish, bandwidth=highest).limits(mission)
         return list(start_trade(mission, wish.trade or "bandwidth", count, limits, report))
     if wish.objective == "region":
-        limits = replace(wish, bandwidth=highest).limits(mission)
         return list(region_pareto(mission, count, limits, wish.minimum_decay, report))
     first = highest / 20 if lowest is None else lowest
+    if not 0 < first <= highest:
+        reason = f"must be above 0 and at most the highest, {highest:g} rad/s, not {first:g}"
+        raise InputError("--lowest", "", reason)
     points = []
     for i, b in enumerate(np.geomspace(first, highest, count)):
         b = float(f"{b:.4g}") if i < count - 1 else highest

@@ -14,6 +14,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar, get_args
 from pydantic import ValidationError
 
 from hoverproof.errors import InputError, suggestion
+from hoverproof.mission.arguments import require_arguments
 from hoverproof.mission.camera import Lens
 from hoverproof.mission.camera_info import lens_of_file
 from hoverproof.mission.fields import Section, shown
@@ -77,6 +78,7 @@ def of_mission(
     @functools.wraps(verb)
     def of(mission: Mission | str | Path, *args: _P.args, **kwargs: _P.kwargs) -> _R:
         read = mission if isinstance(mission, Mission) else load(mission)
+        require_arguments(verb, (read, *args), kwargs)
         return verb(read, *args, **kwargs)
 
     return of  # type: ignore[return-value]  # the mission may be given by keyword as well

@@ -7,6 +7,7 @@ from typing import Any
 
 from hoverproof.algebra.derived import kept_json
 from hoverproof.errors import InputError
+from hoverproof.mission.arguments import checked
 from hoverproof.paper.claims import CLAIMS
 from hoverproof.paper.equations import EQUATIONS
 from hoverproof.paper.judge import Claim, Judgement, Verdict, Words
@@ -30,6 +31,7 @@ def ledger() -> list[Claim]:
     return [claims[id] for id in ORDER]
 
 
+@checked
 def derive(ids: str | Iterable[str] | None = None) -> list[Judgement]:
     """Judge the claims of the paper; each verdict is computed when this is called.
 

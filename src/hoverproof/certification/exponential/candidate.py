@@ -120,7 +120,7 @@ class Candidate:
         vehicles : Vehicles
         """
         offset, tilt = self.farthest(vehicles.before(self.ball))
-        return angle_seen(scene.cone(offset), tilt)
+        return angle_seen(scene.cone(offset), tilt) if np.isfinite(offset) else np.pi
 
     def farthest(self, vehicles: Vehicles) -> tuple[float, float]:
         """Return the largest |σ - σ*| and sine of the tilt from the starts on.
@@ -132,6 +132,8 @@ class Candidate:
         """
         s = self.solution
         limits = Limits(vehicles, Reach.of(s.weights, s.start), self.ball[1])
+        if not limits.tilt < 1:  # then there is no bound
+            return float("inf"), 1.0
         return float(Tilted.of(limits).offset(s.weights, s.start)), float(limits.tilt)
 
 

@@ -60,7 +60,7 @@ def deepest(question: Question, starts: Array, near: Array | None = None) -> Can
         return None
     if least > np.log(1 - ROOM):
         steps = np.diag([0.15 * (high - low), 0.5])
-        begin = _minimum(cost, np.vstack([begin, begin + steps]), EVALUATIONS)
+        begin = _minimum(cost, np.vstack([begin, begin + steps]), float(np.log(1 - ROOM)))
     return question.at(begin, rate, starts)
 
 
@@ -107,9 +107,9 @@ def narrowest(question: Question, first: Candidate, starts: Array) -> Candidate:
         return float(np.log(seen))
 
     begin = first.x
-    _minimum(cost, np.vstack([begin, begin + np.diag([-0.04, -0.4])]), EVALUATIONS)
+    _minimum(cost, np.vstack([begin, begin + np.diag([-0.04, -0.4])]))
     return best
 
 
-def _minimum(cost: Callable[[Array], float], simplex: Array, evaluations: int) -> Array:
-    return descend(cost, simplex, Ends(evaluations, values=1e-3, places=1e-3))[1]
+def _minimum(cost: Callable[[Array], float], simplex: Array, enough: float = -np.inf) -> Array:
+    return descend(cost, simplex, Ends(EVALUATIONS, values=1e-3, places=1e-3, enough=enough))[1]

@@ -22,8 +22,9 @@ from hoverproof.sequential import Descent, Value
 
 Array = NDArray[np.float64]
 Likely = tuple[int, ...]
-LITTLE = np.array([1e-3, -1e-2, 1e-3])
-"""By how much d, share and rate, as they are searched, are changed to see what comes of it."""
+LITTLE = np.array([-1e-2, 1e-3, 1e-3])
+"""By how much d, share and rate, as they are searched, are changed to see what comes of it; d is
+made less, as it may be the largest of which a bound of J is known."""
 OUTSIDE, FAILED = 500.0, 1e3
 """Costs where the start is not held, and where nothing is found."""
 KEEPS = 2e-3
@@ -127,6 +128,26 @@ class Times:
                 result[:, k - first] = (there - at.all) / step
         return result
 
+    def descent(self, at: Value, highest: Array) -> Descent:
+        """Return a descent from a place at which each program begins where the last one ended.
+
+        Parameters
+        ----------
+        at : Value
+            What is there.
+        highest : (k,)
+            Upper bounds of the parameters.
+        """
+        likely = at.found.solution.tight
+
+        def value(z: Array) -> Value | None:
+            nonlocal likely
+            new = self.value(z, likely)
+            likely = likely if new is None else new.found.solution.tight
+            return new
+
+        return Descent(value, self.slopes, highest)
+
     def _value(self, found: Found, asked: Asked, missing: float, limited: Array) -> Value:
         """Return the value where so much of the rate is missing, 1/s, near what was found."""
         time = asked.time(self.whole.settled_offset, 1 - ROOM)
@@ -156,17 +177,16 @@ def soonest(question: Question, first: Candidate, starts: Array, evaluations: in
     """
     first = _faster(question, first, starts)
     times, z = Times.of(question, starts), np.array([*first.x, math.log(first.rate)])
-    likely = first.solution.tight
-    at = times.value(z, likely)
+    at = times.value(z, first.solution.tight)
     if at is None:
         return first
     highest = np.array([math.log(question.highest * question.scene.wanted) - 1e-9, np.inf, np.inf])
-    descent = Descent(lambda z: times.value(z, likely), times.slopes, highest)
-    z, at = descent.run(z, at, evaluations)
+    z, at = times.descent(at, highest).run(z, at, evaluations)
+    likely = at.found.solution.tight
     for part in SLOWER:
-        at = times.value(z + np.array([0, 0, math.log(part)]), likely)
-        if at is not None and at.over[0] <= 0:
-            found: Found = at.found
+        slower = times.value(z + np.array([0, 0, math.log(part)]), likely)
+        if slower is not None and slower.over[0] <= 0:
+            found: Found = slower.found
             candidate = found.asked.with_weights(found.solution)
             if question.holds(candidate):
                 return candidate
