@@ -105,8 +105,8 @@ def names_as_imported(app: Any, doctree: Any) -> None:
 def dashes_are_dashes(app: Any, doctree: Any) -> None:
     """Part an argument from its meaning by a dash."""
     for text in list(doctree.findall(Text)):
-        if text == " -- ":
-            text.parent.replace(text, Text(" – "))
+        if text.startswith(" -- "):
+            text.parent.replace(text, Text(f" – {text[4:]}"))
 
 
 def words_lead_nowhere(app: Any, doctree: Any) -> None:

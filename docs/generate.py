@@ -79,7 +79,7 @@ def mission_file() -> str:
         "# Mission file",
         "A mission is one TOML file. Numbers are read as exact decimals and stay exact. A key that "
         "is unknown, missing or impossible is refused with one line that names the file, the key, "
-        "the value and what would be right.",
+        "the value and what would be right. How to write one: {doc}`../how-to/write-a-mission`.",
     ]
     for name, field, model in _sections(Mission):
         optional = "" if field.is_required() else " (may be left out)"
