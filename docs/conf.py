@@ -8,13 +8,14 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from docutils.nodes import image, reference
+from docutils.nodes import Text, image, reference
 from pydantic import BaseModel
 from sphinx.addnodes import pending_xref
 
 import hoverproof
 
 HERE = Path(__file__).parent
+COLON = "\uf8ff"  # of no meaning to anybody
 sys.path.insert(0, str(HERE))
 
 import generate  # noqa: E402 - it stands beside this file
@@ -45,7 +46,7 @@ nb_merge_streams = True
 # Reference
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # types and units stand in the docstrings
-autodoc_default_options = {"members": True}
+autodoc_default_options = {"members": True, "exclude-members": "model_config"}
 viewcode_follow_imported_members = False  # a constant belongs to its module, not to builtins
 napoleon_google_docstring = False
 napoleon_use_rtype = False
@@ -64,9 +65,17 @@ html_show_sphinx = False
 pygments_style = "friendly"
 
 
+def colons_stay(app: Any, what: str, *arguments: Any) -> None:
+    """Keep "a: b" of a property from being read as "type: description", until that is done."""
+    lines: list[str] = arguments[-1]
+    if what in {"attribute", "data", "property"} and lines:
+        lines[0] = lines[0].replace(": ", f"{COLON} ")
+
+
 def bars_are_bars(*arguments: Any) -> None:
     """Keep |x| from being read as a substitution, outside of code."""
     lines: list[str] = arguments[-1]
+    lines[:] = [line.replace(COLON, ":") for line in lines]
     for i, line in enumerate(lines):
         parts = line.split("``")
         parts[::2] = [part.replace("|", r"\|") for part in parts[::2]]
@@ -93,6 +102,13 @@ def names_as_imported(app: Any, doctree: Any) -> None:
             node["reftarget"] = f"{thing.__module__}.{thing.__qualname__}"
 
 
+def dashes_are_dashes(app: Any, doctree: Any) -> None:
+    """Part an argument from its meaning by a dash."""
+    for text in list(doctree.findall(Text)):
+        if text.startswith(" -- "):
+            text.parent.replace(text, Text(f" – {text[4:]}"))
+
+
 def words_lead_nowhere(app: Any, doctree: Any) -> None:
     """Unlink what is no class where types and attributes are told: it would lead to a namesake."""
     for node in list(doctree.findall(pending_xref)):
@@ -111,8 +127,10 @@ def pictures_open(app: Any, doctree: Any, page: str) -> None:
 def setup(app: Any) -> None:
     """Write the pages that are made from the program before the pages are read."""
     app.connect("builder-inited", lambda app: generate.write(Path(app.srcdir)))
+    app.connect("autodoc-process-docstring", colons_stay, priority=400)  # before napoleon
     app.connect("autodoc-process-docstring", bars_are_bars)
     app.connect("autodoc-process-signature", short_signatures)
     app.connect("doctree-read", names_as_imported)
     app.connect("doctree-read", words_lead_nowhere)
+    app.connect("doctree-read", dashes_are_dashes)
     app.connect("doctree-resolved", pictures_open)

@@ -28,6 +28,7 @@ from hoverproof.mission.sections import Mission
 
 ROOT = Path(__file__).parents[1]
 HUGE = 10**300
+NO_KEYS = {"products"}  # of inertia: an entry of a matrix, not a key
 NOTEBOOKS = """
 Executed, with their outputs. Each is made from a script in `derivations/` or `examples/` of a
 checkout, which runs by itself too, as `python derivations/01_rigid_body.py`. They need nothing but
@@ -81,7 +82,7 @@ def mission_file() -> str:
         "# Mission file",
         "A mission is one TOML file. Numbers are read as exact decimals and stay exact. A key that "
         "is unknown, missing or impossible is refused with one line that names the file, the key, "
-        "the value and what would be right.",
+        "the value and what would be right. How to write one: {doc}`../how-to/write-a-mission`.",
     ]
     for name, field, model in _sections(Mission):
         optional = "" if field.is_required() else " (may be left out)"
@@ -90,7 +91,7 @@ def mission_file() -> str:
         parts.append(_line(words))
         head: tuple[str, ...] = ("key", "accepted", "if left out")
         rows: list[tuple[str, ...]]
-        keys = {key: f for key, f in model.model_fields.items() if not f.exclude}
+        keys = {key: f for key, f in model.model_fields.items() if key not in NO_KEYS}
         rows = [(f"`{key}`", *_accepted(model, key, f)) for key, f in keys.items()]
         if meanings:
             head += ("meaning",)
@@ -185,7 +186,7 @@ def _accepted(model: type[BaseModel], key: str, field: FieldInfo) -> tuple[str, 
     default = "must be given"
     if field.default is not PydanticUndefined:
         default = "" if field.default is None else _shown(field.default)
-    found = "; ".join(words) or ("a section of its own" if _model_of(field) else "as told here")
+    found = "; ".join(words) or ("a section of its own" if _model_of(field) else "see above")
     return found, default
 
 

@@ -55,7 +55,9 @@ class Run(SphinxDirective):
         typed = "\n".join(_as_typed(command))
         missing = [p for p in self.options.get("needs", "").split() if not shutil.which(p)]
         if missing:
-            text = f"{typed}\n(not run when this page was built, for want of {', '.join(missing)})"
+            text = (
+                f"{typed}\n(not run when this page was built: {', '.join(missing)} not installed)"
+            )
             return [nodes.literal_block(text, text, language="console")]
         folder = _folder(self.env.docname)
         status, printed = ran(command, folder)

@@ -43,13 +43,13 @@ class Row:
 
     def cells(self) -> str:
         """Return the row of the table."""
-        told = [f"{self.ratio * self.height:g} m", f"{self.height:g} m", self.feature]
-        told += [_number(self.proved, "s"), _number(self.flown, "s"), _number(self.angle, "°")]
+        told = [f"{self.ratio * self.height:g}", f"{self.height:g}", self.feature]
+        told += map(_number, (self.proved, self.flown, self.angle))
         return f"| {' | '.join(told)} |"
 
 
-def _number(value: float | None, unit: str) -> str:
-    return "-" if value is None else f"{value:.3g}{'' if unit == '°' else ' '}{unit}"
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3g}"
 
 
 def tuned(feature: str, ratio: float, height: float) -> Row:
@@ -109,7 +109,7 @@ def main() -> int:
     for case in cases:
         rows.append(tuned(*case))
         print(rows[-1].cells(), rows[-1].reason, flush=True)
-    head = "| edge of the tag | height | feature | proved | flown | seen within |\n"
+    head = "| tag, m | height, m | feature | proved, s | flown, s | seen within, ° |\n"
     table = head + "| --- | --- | --- | --- | --- | --- |\n"
     write_text(HERE / "which-tag-table.txt", table + "".join(f"{r.cells()}\n" for r in rows))
     save_figure(draw(rows), HERE / "which-tag.png")

@@ -1,6 +1,9 @@
 from __future__ import annotations
 
 import os
+import shutil
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -26,6 +29,23 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def whole(request: pytest.FixtureRequest) -> bool:
     """Whether random trials are to run at their full number."""
     return bool(request.config.getoption("whole"))
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """A chromium that shows pages."""
+    path = shutil.which("chromium") or shutil.which("chromium-browser")
+    if path is None:
+        if os.environ.get("HOVERPROOF_REQUIRE_TOOLS"):
+            pytest.fail("chromium is needed here: tools/install-system-tools.sh")
+        pytest.skip("not run: chromium is not installed (tools/install-system-tools.sh)")
+    playwright = pytest.importorskip("playwright.sync_api")
+    with playwright.sync_playwright() as driver:
+        root = os.geteuid() == 0
+        options = ["--no-sandbox"] if root else []
+        chromium = driver.chromium.launch(executable_path=path, args=options)
+        yield chromium
+        chromium.close()
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -113,6 +113,31 @@ def test_each_condition_of_a_flight_says_what_it_means():
     assert "From the frame to its arrival at the controller" in text
 
 
+WIDE = ["tutorial", "how-to/fly-less-than-ideal", "explanation/theorems", "generated/05_controller"]
+"""Pages with long lines of code and output, wide tables, formulas and notebooks."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", WIDE)
+def test_a_phone_shows_a_page_and_each_line_of_code_whole(name, browser):
+    page_ = browser.new_page(viewport={"width": 390, "height": 844})
+    page_.goto((SITE / f"{name}.html").as_uri())
+    too_wide = page_.evaluate(
+        "[document.documentElement, ...document.querySelectorAll('pre')]"
+        ".filter(e => e.scrollWidth > e.clientWidth && e.clientWidth).length"
+    )
+    page_.close()
+    assert too_wide == 0
+
+
+@pytest.mark.slow
+def test_each_picture_of_a_page_opens_by_itself():
+    text = (SITE / "tutorial.html").read_text(encoding="utf-8")
+    pictures = re.findall(r'<img [^>]*src="(_images/[^"]*)"', text)
+    assert len(pictures) >= 2
+    assert [p for p in pictures if f'href="{p}"' not in text] == []
+
+
 def shipped_claim(preset):
     path = ROOT / "proofs" / f"{preset}.attraction.cert.json"
     return json.loads(path.read_text(encoding="utf-8"))["claim"]

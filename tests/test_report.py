@@ -6,9 +6,7 @@ import base64
 import io
 import itertools
 import json
-import os
 import re
-import shutil
 from fractions import Fraction
 from html.parser import HTMLParser
 from pathlib import Path
@@ -395,22 +393,6 @@ def test_without_a_compiler_for_the_target_nothing_is_measured_and_that_is_said(
 
 VIEWS = ((1280, "light"), (390, "light"), (390, "dark"))
 """Widths in pixels and colour schemes: a desk, a phone, a phone at night."""
-
-
-@pytest.fixture(scope="module")
-def browser():
-    path = shutil.which("chromium") or shutil.which("chromium-browser")
-    if path is None:
-        if os.environ.get("HOVERPROOF_REQUIRE_TOOLS"):
-            pytest.fail("chromium is needed here: tools/install-system-tools.sh")
-        pytest.skip("not run: chromium is not installed (tools/install-system-tools.sh)")
-    playwright = pytest.importorskip("playwright.sync_api")
-    with playwright.sync_playwright() as driver:
-        root = os.geteuid() == 0
-        options = ["--no-sandbox"] if root else []
-        chromium = driver.chromium.launch(executable_path=path, args=options)
-        yield chromium
-        chromium.close()
 
 
 def opened(browser, path, width, scheme="light"):

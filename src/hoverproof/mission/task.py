@@ -30,8 +30,8 @@ _MassPerTime = Annotated[Fraction, _quantity("kg/s", "0", "1e9", open_low=True)]
 class LawChoice(_Section):
     """Which law flies: feature, goal and force; by default the paper's.
 
-    Bounds, gains and certificates are about the law of the mission. A theorem about regions of
-    attraction is there for the paper's law alone: centroid, image and modelled.
+    Bounds, gains and certificates are about the law of the mission. Where it converges is proved by
+    theorem 3 for the paper's law and the vehicle as modelled, else by theorems 5 and 6.
 
     Attributes
     ----------
