@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from hoverproof.cli.answers.answer import EXIT, Answer
 
@@ -20,6 +20,8 @@ class CheckAnswer(Answer):
 
     With a ``mission``, where the certificate's differs from it; what Coq ``decided``, if asked.
     """
+
+    explained: ClassVar[bool] = False  # it says what the checker says, and no more
 
     certificate: Path
     statement: str | None
