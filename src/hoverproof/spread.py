@@ -119,8 +119,9 @@ def collected(
         _count_in(shared, told)
         done: Iterable[Result] = map(work, items)
     else:
-        begin = {"initializer": _count_in, "initargs": (shared,)}
-        pool = ProcessPoolExecutor(processes, **begin) if scheduler is None else None
+        pool = None
+        if scheduler is None:
+            pool = ProcessPoolExecutor(processes, initializer=_count_in, initargs=(shared,))
         done = spread(work, items, executor=pool, scheduler=scheduler, idle=told)
     results = []
     for result in done:
@@ -131,12 +132,13 @@ def collected(
     return results
 
 
-_counted: Callable[[], None] = lambda: None
+_counted: Callable[[], None] | None = None
 
 
 def count() -> None:
     """Count a part of an item as done, where `collected` counts parts."""
-    _counted()
+    if _counted is not None:
+        _counted()
 
 
 def _count_in(shared: Any, told: Callable[[], None] = lambda: None) -> None:

@@ -158,18 +158,15 @@ def row(
     for again, order in enumerate((places, reversed(places))):
         beside = None
         for j in order:
+            before, asked = cells[j], searches[j]
+            if asked is not None:
+                if before is None or (before.cost >= OUTSIDE and beside is not None):
+                    point = _best(*asked, beside, seed)
+                    if point is not None and (before is None or point.cost < before.cost):
+                        cells[j] = before = point
+                beside = None if before is None or before.cost >= OUTSIDE else before
             if not again:
                 count()
-            asked = searches[j]
-            if asked is None:
-                continue
-            search, four = asked
-            before = cells[j]
-            if before is None or (before.cost >= OUTSIDE and beside is not None):
-                point = _best(search, four, beside, seed)
-                if point is not None and (before is None or point.cost < before.cost):
-                    cells[j] = before = point
-            beside = None if before is None or before.cost >= OUTSIDE else before
     return cells
 
 
