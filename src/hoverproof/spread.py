@@ -6,10 +6,11 @@ away as they come.
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor, wait
 from typing import Any, TypeVar
 
 from hoverproof.errors import InputError, needing
@@ -17,7 +18,7 @@ from hoverproof.errors import InputError, needing
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-CONNECT_SECONDS = 10
+CONNECT_SECONDS, IDLE_SECONDS = 10, 0.2
 MOST_PROCESSES = 1024
 RETRIES = 5
 """How often a piece of work is given to another worker when one fails or is lost."""
@@ -39,6 +40,7 @@ def spread(
     threads: int | None = None,
     scheduler: str | None = None,
     stop: Callable[[], None] | None = None,
+    idle: Callable[[], None] | None = None,
 ) -> Generator[Result, None, None]:
     """Yield ``function(item)`` for each item, in order.
 
@@ -55,6 +57,8 @@ def spread(
         Address of a running Dask scheduler, as ``tcp://host:8786``; needs the extra ``cluster``.
     stop : callable, optional
         Called if the caller does not want the rest: tells work under way to end soon.
+    idle : callable, optional
+        Called now and then while a result is waited for.
 
     Raises
     ------
@@ -67,7 +71,7 @@ def spread(
     width = (threads or processors()) if executor is None else processors()
     with executor or ThreadPoolExecutor(width) as pool:
         try:
-            yield from _in_order(lambda item: pool.submit(function, item), items, 2 * width)
+            yield from _in_order(lambda item: pool.submit(function, item), items, 2 * width, idle)
         except BaseException:  # also if the caller closes this generator
             if stop is not None:
                 stop()
@@ -81,6 +85,7 @@ def collected(
     processes: int | None,
     scheduler: str | None,
     report: Callable[[int, int], None],
+    parts: int = 1,
 ) -> list[Result]:
     """Do work in processes or on a cluster; return the results in the order of the items.
 
@@ -95,6 +100,8 @@ def collected(
         See `spread`, also for what is raised.
     report : callable
         Called with how many are done, of how many.
+    parts : int
+        What an item counts for; work calls `count` when one of them is done.
 
     Raises
     ------
@@ -103,16 +110,47 @@ def collected(
     """
     if processes is not None and not 1 <= processes <= MOST_PROCESSES:
         raise InputError("--processes", "", f"must be from 1 to {MOST_PROCESSES}, not {processes}")
+    total, shared = len(items) * parts, multiprocessing.Value("q", 0)
+
+    def told() -> None:
+        report(min(shared.value, total), total)
+
     if scheduler is None and (processes == 1 or len(items) < 2):
+        _count_in(shared, told)
         done: Iterable[Result] = map(work, items)
     else:
-        pool = ProcessPoolExecutor(processes) if scheduler is None else None
-        done = spread(work, items, executor=pool, scheduler=scheduler)
+        pool = None
+        if scheduler is None:
+            pool = ProcessPoolExecutor(processes, initializer=_count_in, initargs=(shared,))
+        done = spread(work, items, executor=pool, scheduler=scheduler, idle=told)
     results = []
     for result in done:
         results.append(result)
-        report(len(results), len(items))
+        with shared.get_lock():
+            shared.value = max(shared.value, len(results) * parts)
+        told()
     return results
+
+
+_counted: Callable[[], None] | None = None
+
+
+def count() -> None:
+    """Count a part of an item as done, where `collected` counts parts."""
+    if _counted is not None:
+        _counted()
+
+
+def _count_in(shared: Any, told: Callable[[], None] = lambda: None) -> None:
+    """Let this process count what is done in a number that it shares with others."""
+    global _counted
+
+    def counted() -> None:
+        with shared.get_lock():
+            shared.value += 1
+        told()
+
+    _counted = counted
 
 
 def interruptibly(function: Callable[[], Result], stop: Callable[[], None]) -> Result:
@@ -129,14 +167,25 @@ def interruptibly(function: Callable[[], Result], stop: Callable[[], None]) -> R
     return result
 
 
-def _in_order(submit: Callable[[Item], Any], items: Iterable[Item], ahead: int) -> Iterator[Any]:
+def _in_order(
+    submit: Callable[[Item], Any],
+    items: Iterable[Item],
+    ahead: int,
+    idle: Callable[[], None] | None = None,
+) -> Iterator[Any]:
     under_way: deque[Any] = deque()
     for item in items:
         under_way.append(submit(item))
         if len(under_way) >= ahead:
-            yield under_way.popleft().result()
+            yield _result(under_way.popleft(), idle)
     while under_way:
-        yield under_way.popleft().result()
+        yield _result(under_way.popleft(), idle)
+
+
+def _result(future: Any, idle: Callable[[], None] | None) -> Any:
+    while idle is not None and not wait([future], IDLE_SECONDS).done:
+        idle()
+    return future.result()
 
 
 def _on_cluster(

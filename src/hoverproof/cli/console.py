@@ -187,7 +187,15 @@ def progress(title: str) -> Iterator[Callable[..., None]]:
 def at_work() -> Iterator[Callable[[str], None]]:
     """Give a function (text) that says on stderr what is being done; to a person, since when."""
     if not sys.stderr.isatty():
-        yield lambda text: print(f"{text} ...", file=sys.stderr)
+        last = ""
+
+        def say(text: str) -> None:
+            nonlocal last
+            if text != last:
+                print(f"{text} ...", file=sys.stderr)
+            last = text
+
+        yield say
         return
     from rich.console import Console
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn

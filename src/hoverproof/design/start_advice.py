@@ -18,7 +18,8 @@ from pydantic import ValidationError
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.exponential.sooner import OUTSIDE
-from hoverproof.design.outcome import Advice, StartTuned
+from hoverproof.certification.exponential.verdict import Exponential
+from hoverproof.design.outcome import Advice
 from hoverproof.design.start_search import Point, StartSearch
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import with_tolerance
@@ -67,7 +68,7 @@ def what_helps(
     mission: Mission,
     point: Point | None,
     search: Callable[[Mission], StartSearch],
-    proved: Callable[[Mission], StartTuned | None],
+    proved: Callable[[Mission, Progress], Exponential | None],
     tell: Progress,
 ) -> tuple[Advice, ...]:
     """Return changes with which gains are proved.
@@ -78,30 +79,30 @@ def what_helps(
     point : Point or None
         What comes nearest without any.
     search, proved : callable
-        Mission ↦ its search, and the gains that are found and proved for it.
+        Mission ↦ its search; and, told what is being done, what is proved of gains found for it.
     tell : callable
         Is told what is being done.
     """
     other = scaled(mission)
     if other is not None:
-        tell("what would help: the scaled feature")
-        found = proved(other)
+        found = proved(other, _within(tell, "what would help: the scaled feature"))
         if found is not None:
-            return (Advice(SCALED[0], SCALED[1], found.verdict.settling.time),)
+            return (Advice(SCALED[0], SCALED[1], found.settling.time),)
         mission, point = other, None
     words, first = ("", ()) if other is None else (f"{SCALED[0]} and ", SCALED[1])
     found_each: list[Advice] = []
-    for change in _changes(mission, point, search):
+    changes = list(_changes(mission, point, search))
+    for k, change in enumerate(changes, 1):
         if len(found_each) == MOST:
             break
-        tell(f"what would help: {change.key}")
-        size = _least(change, search, tell)
+        doing = _within(tell, f"what would help, {k} of {len(changes)}: {change.key}")
+        size = _least(change, search, doing)
         for part in () if size is None else (size, (size + 1) / 2):
             made = change.to(part)
-            tuned = None if made is None else proved(made[0])
+            tuned = None if made is None else proved(made[0], doing)
             if made is not None and tuned is not None:
                 settings = (*first, *change.settings(made[0]))
-                time = tuned.verdict.settling.time
+                time = tuned.settling.time
                 found_each.append(Advice(words + made[1], settings, time))
                 break
     return tuple(found_each)
@@ -119,17 +120,26 @@ def scaled(mission: Mission) -> Mission | None:
     return mission.model_copy(update={"law": mission.law.model_copy(update={"feature": "scaled"})})
 
 
+def _within(tell: Progress, title: str) -> Progress:
+    """Tell what is being done as a part of something."""
+    return lambda text: tell(f"{title}: {text}")
+
+
 def _least(
     change: Change, search: Callable[[Mission], StartSearch], tell: Progress
 ) -> float | None:
     """Return about the least part of a change with which a start is held; None if none is found."""
+    tried = 0
 
     def held(part: float, near: np.ndarray | None) -> np.ndarray | None:
+        nonlocal tried
+        tried += 1
+        tell(f"{tried} of at most {2 + HALVINGS} sizes")
         made = change.to(part)
         if made is None:
             return None
         try:
-            return search(made[0]).held(near, tell)
+            return search(made[0]).held(near)
         except InputError:
             return None
 

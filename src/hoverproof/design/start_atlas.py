@@ -29,7 +29,7 @@ from hoverproof.mission.sections import Mission
 from hoverproof.servo.laws.hamel_mahony import law_of
 from hoverproof.servo.variables import Design
 from hoverproof.simulation.record import Record
-from hoverproof.spread import collected
+from hoverproof.spread import collected, count
 
 Array = NDArray[np.float64]
 Report = Callable[[int, int], None]
@@ -102,7 +102,7 @@ def start_chart(
     seed = search.run(lambda text: None)
     rest = None if seed is None or seed.cost >= OUTSIDE else seed.z[4:]
     look = partial(row, mission, x, y, search.whole.settled, rest)
-    cells = collected(look, range(len(y.values)), processes, scheduler, report)
+    cells = collected(look, range(len(y.values)), processes, scheduler, report, parts=len(x.values))
     time = np.array([[time_of(cell) for cell in line] for line in cells])
     verdict = np.full(time.shape, NOT_ASKED, np.int16)
     proved = np.full(time.shape, math.nan)
@@ -129,7 +129,7 @@ def _prepared(mission: Mission) -> StartSearch:
         own = _best(search, search.own, None, None)
         if own is not None and own.cost < OUTSIDE:
             break
-        if search.held(None, lambda text: None) is not None:
+        if search.held(None) is not None:
             break
     return search
 
@@ -155,19 +155,18 @@ def row(
     places = range(len(x.values))
     searches = list(_searches(mission, x, y, settled, i))
     cells: list[Point | None] = [None for _ in places]
-    for order in (places, reversed(places)):
+    for again, order in enumerate((places, reversed(places))):
         beside = None
         for j in order:
-            asked = searches[j]
-            if asked is None:
-                continue
-            search, four = asked
-            before = cells[j]
-            if before is None or (before.cost >= OUTSIDE and beside is not None):
-                point = _best(search, four, beside, seed)
-                if point is not None and (before is None or point.cost < before.cost):
-                    cells[j] = before = point
-            beside = None if before is None or before.cost >= OUTSIDE else before
+            before, asked = cells[j], searches[j]
+            if asked is not None:
+                if before is None or (before.cost >= OUTSIDE and beside is not None):
+                    point = _best(*asked, beside, seed)
+                    if point is not None and (before is None or point.cost < before.cost):
+                        cells[j] = before = point
+                beside = None if before is None or before.cost >= OUTSIDE else before
+            if not again:
+                count()
     return cells
 
 

@@ -290,18 +290,16 @@ class StartSearch:
 
         return Descent(value, self.times.slopes, self.highest)
 
-    def held(self, near: Array | None, tell: Progress) -> Array | None:
+    def held(self, near: Array | None) -> Array | None:
         """Return a point with which the start is held, the first that is found; None if none is.
 
         Parameters
         ----------
         near : (7,) or None
             Where to set out; by default as `run` does.
-        tell : callable
-            Is told what is being done.
         """
         if near is None:
-            begin = self.beginnings(tell)
+            begin = self.beginnings(lambda text: None)
         else:
             begin = [] if (at := self.value(near)) is None else [(near, at)]
         for z, at in begin:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -69,9 +70,9 @@ def tune_start(
     if isinstance(found, StartTuned):
         return found
 
-    def proved(changed: Mission) -> StartTuned | None:
-        tried = attempt(changed, limits, tell)
-        return tried if isinstance(tried, StartTuned) else None
+    def proved(changed: Mission, doing: Progress) -> Exponential | None:
+        tried = searched(changed, limits, doing)
+        return None if isinstance(tried, Failed) else tried.verdict
 
     def search(changed: Mission) -> StartSearch:
         return StartSearch.of(changed, limits)
@@ -96,7 +97,38 @@ class Failed:
     point: Point | None
 
 
+class Proved(NamedTuple):
+    """Gains that are proved.
+
+    Attributes
+    ----------
+    verdict : Exponential
+        With the mission that has them.
+    search : StartSearch
+    point : Point
+        What was rounded to them.
+    """
+
+    verdict: Exponential
+    search: StartSearch
+    point: Point
+
+
 def attempt(mission: Mission, limits: Limits, tell: Progress) -> StartTuned | Failed:
+    """Search for gains, prove what is found, and fly it.
+
+    Parameters
+    ----------
+    mission : Mission
+    limits : Limits
+    tell : callable
+        Is told what is being done.
+    """
+    found = searched(mission, limits, tell)
+    return found if isinstance(found, Failed) else _tuned(found, tell)
+
+
+def searched(mission: Mission, limits: Limits, tell: Progress) -> Proved | Failed:
     """Search for gains, and prove what is found.
 
     Parameters
@@ -116,7 +148,7 @@ def attempt(mission: Mission, limits: Limits, tell: Progress) -> StartTuned | Fa
     for _ in range(NARROWED if not reason else 0):
         assert point is not None
         found = _closely_proved(search, point, tell)
-        if isinstance(found, StartTuned):
+        if isinstance(found, Proved):
             return found
         reason = f"the best gains found are not proved: {found}"
         tell("looking for a domain that takes fewer cells")
@@ -148,12 +180,12 @@ def _narrower(search: StartSearch, point: Point) -> tuple[StartSearch, Point] | 
     return None
 
 
-def _closely_proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | str:
+def _closely_proved(search: StartSearch, point: Point, tell: Progress) -> Proved | str:
     """Prove gains with as close a ball of J as few cells show, or else with the ball as it is."""
     tell("searching for gains with closer bounds of J")
     closer = _closer(search, point)
     found = "" if closer is None else _proved(*closer, tell)
-    return found if isinstance(found, StartTuned) else _proved(search, point, tell)
+    return found if isinstance(found, Proved) else _proved(search, point, tell)
 
 
 def _closer(search: StartSearch, point: Point) -> tuple[StartSearch, Point] | None:
@@ -167,7 +199,7 @@ def _closer(search: StartSearch, point: Point) -> tuple[StartSearch, Point] | No
     return (new, found) if found.cost < point.cost else None
 
 
-def _proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | str:
+def _proved(search: StartSearch, point: Point, tell: Progress) -> Proved | str:
     """Round gains and prove them; return why not if they are not."""
     reason = "none of few digits are near them"
     for _, (four, near) in zip(range(PROOFS), rounded(search, point), strict=False):
@@ -176,7 +208,7 @@ def _proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | s
         )
         verdict = converge(tuned, progress=tell)
         if isinstance(verdict, Exponential):
-            return _tuned(search, tuned, verdict, point, tell)
+            return Proved(verdict, search, point)
         reason = verdict.reason
         tell(f"not proved: {reason}")
         if "cells" in reason or "too long" in reason:
@@ -184,10 +216,10 @@ def _proved(search: StartSearch, point: Point, tell: Progress) -> StartTuned | s
     return reason
 
 
-def _tuned(
-    search: StartSearch, tuned: Mission, verdict: Exponential, point: Point, tell: Progress
-) -> StartTuned:
+def _tuned(found: Proved, tell: Progress) -> StartTuned:
     """Put beside what is proved how the own gains do, and how both fly."""
+    verdict, search, point = found
+    tuned = verdict.mission
     tell("searching for weights for the mission's own gains")
     before = settling(search.mission)
     tell("flying")
