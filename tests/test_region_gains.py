@@ -18,7 +18,7 @@ from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.proof import estimate
 from hoverproof.certification.attraction.search import HoverGrid
 from hoverproof.design.limits import Limits, bandwidth
-from hoverproof.design.outcome import Infeasible
+from hoverproof.design.outcome import Infeasible, RegionTuned
 from hoverproof.design.region_search import GainRegionSearch
 from hoverproof.design.region_tuning import tune_region
 from hoverproof.design.tuning import tune
