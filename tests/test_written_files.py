@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 
 import pytest
@@ -124,3 +125,12 @@ def test_a_link_stays_and_what_it_points_to_is_replaced(folder):
 def test_no_file_takes_the_place_of_a_device():
     with pytest.raises(InputError, match="a device, not a file"):
         require_file("/dev/null")
+
+
+def test_what_comes_next_may_be_typed_as_it_stands_whatever_the_file_is_called(capsys):
+    name = "my 'flyer'; true.toml"
+    Path(name).write_text(preset_text("x4-flyer"), encoding="utf-8")
+    (line,) = (x for x in run(capsys, "certify", name)[1].splitlines() if x.startswith("Next: "))
+    words = shlex.split(line.removeprefix("Next: "))
+    assert words[:2] == ["hoverproof", "check"]
+    assert run(capsys, *words[1:])[0] == 0

@@ -17,7 +17,14 @@ from hoverproof.certification.largest import Largest
 from hoverproof.certification.verdict import Undecided
 from hoverproof.cli.answers import exponential, unproved
 from hoverproof.cli.answers.answer import EXIT, Answer
-from hoverproof.cli.answers.words import goal_as_json, goal_text, interval, number, numbers
+from hoverproof.cli.answers.words import (
+    as_argument,
+    goal_as_json,
+    goal_text,
+    interval,
+    number,
+    numbers,
+)
 from hoverproof.design.unproved import Unproved
 from hoverproof.mission.tolerances import UNITS
 from hoverproof.mission.uncertainty import Uncertainty
@@ -96,7 +103,7 @@ class AttractionAnswer(Answer):
         yield "Not covered:"
         for line in not_covered(verdict):
             yield f"  {line}"
-        yield f"Next: hoverproof check {self.path}"
+        yield f"Next: hoverproof check {as_argument(self.path)}"
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""

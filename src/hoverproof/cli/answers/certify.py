@@ -17,6 +17,7 @@ from hoverproof.certification.gains import (
 from hoverproof.certification.region import Box
 from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import (
+    as_argument,
     bounds_as_json,
     goal_as_json,
     goal_text,
@@ -68,7 +69,7 @@ class CertifyAnswer(Answer):
                     yield _worst(undecided)
         yield from self._demanded()
         if self.path is not None:
-            yield f"Next: hoverproof check {self.path}"
+            yield f"Next: hoverproof check {as_argument(self.path)}"
         if self.verdict.proved and self.verdict.problem.box is None:
             yield f"Then: hoverproof region {self.named}, for bounds that are proved"
 

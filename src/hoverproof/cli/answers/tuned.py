@@ -10,6 +10,7 @@ from typing import Any
 from hoverproof.certification.problem import ONES
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.words import (
+    as_argument,
     bounds_as_json,
     gain_units,
     gains_as_json,
@@ -52,7 +53,7 @@ class TunedAnswer(Answer):
             yield "Next: the same with --out FILE.toml writes a mission file with these gains"
         else:
             yield f"  written to              {self.written}"
-            yield f"Next: hoverproof certify {self.written}"
+            yield f"Next: hoverproof certify {as_argument(self.written)}"
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""
