@@ -30,6 +30,9 @@ from hoverproof.mission.tolerances import UNITS
 from hoverproof.mission.uncertainty import Uncertainty
 
 OF_A_PROOF = (
+    "units",
+    "rotor_limits_kept",
+    "ultimate_radius",
     "theorem",
     "decay_rate",
     "settling_time",
