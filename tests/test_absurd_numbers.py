@@ -99,3 +99,19 @@ def test_arithmetic_that_gives_up_is_one_line_and_proves_nothing(monkeypatch, ca
 )
 def test_what_nobody_computes_with_is_refused_in_words_of_the_option(words, reason, capsys):
     assert reason in refusal(capsys, *words.split())
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "attraction x4-flyer --speed {}",
+        "attraction x4-flyer --start=0,0,-{}",
+        "certify x4-flyer --weights {},1,1,1",
+        "certify x4-flyer --box=-1,{},-1,1,-4,-3",
+        "export x4-flyer --out fw --rotor-limits 0,{}",
+        "see 0 --tag 36h11:0:{}",
+    ],
+)
+def test_an_exponent_that_would_fill_the_memory_is_refused_at_once(words, capsys):
+    for number in ("1e999999999", "1e-999999999"):
+        assert "must be" in refusal(capsys, *words.format(number).split())

@@ -292,6 +292,17 @@ def test_it_says_how_to_get_pymavlink(monkeypatch, capsys):
     assert "pip install 'hoverproof[mavlink]'" in line
 
 
+def test_c_that_was_changed_is_not_flown_as_certified(capsys, tmp_path):
+    tool("cc")
+    folder = export(tmp_path, MISSION, LOOP, camera=True, name="flown").folder
+    params = folder / "flown_params.h"
+    params.write_text(params.read_text("utf-8") + "/* mine */\n", encoding="utf-8")
+    wish = ("fly", MISSION, *SET, "--rehearse", "px4", "--package", folder, "--duration", "0.1")
+    assert "its flown_params.h is not as it was exported" in refusal(capsys, *wish)
+    _, out, _ = run(capsys, *wish, "--allow-uncertified", "--json")
+    assert json.loads(out.splitlines()[-1])["certified"] is False
+
+
 @pytest.mark.slow
 def test_a_rehearsal_answers_and_fits_80_columns(capsys, tmp_path):
     tool("cc")

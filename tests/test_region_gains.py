@@ -18,7 +18,7 @@ from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.proof import estimate
 from hoverproof.certification.attraction.search import HoverGrid
 from hoverproof.design.limits import Limits, bandwidth
-from hoverproof.design.outcome import Infeasible
+from hoverproof.design.outcome import Infeasible, RegionTuned
 from hoverproof.design.region_search import GainRegionSearch
 from hoverproof.design.region_tuning import tune_region
 from hoverproof.design.tuning import tune
@@ -174,7 +174,7 @@ def test_a_speed_without_a_region_is_answered_with_one_that_has_a_region(x4, who
         ({"objective": "region", "at_least": 1e-3}, "at_least: is about L"),
         ({"objective": "region", "weights": "search"}, "weights: is about L"),
         ({"objective": "decay", "minimum_decay": 1e-3}, "minimum_decay: is for"),
-        ({"objective": "region", "minimum_decay": -1.0}, "minimum_decay: must be a positive"),
+        ({"objective": "region", "minimum_decay": -1.0}, "minimum_decay: must be a rate from"),
     ],
 )
 def test_options_of_another_objective_are_refused(x4, options, message):
@@ -209,3 +209,8 @@ def test_the_curve_of_region_against_speed_falls_and_each_point_is_proved(capsys
         reach = [p["reach"][way] for p in points]
         assert reach == sorted(reach, reverse=True)
     assert "<svg" in Path("curve.svg").read_text()
+
+
+@pytest.mark.slow
+def test_a_wish_that_asks_for_next_to_nothing_has_an_answer(x4):
+    assert isinstance(tune(x4, objective="region", minimum_decay=1e-6), RegionTuned | Infeasible)

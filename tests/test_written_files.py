@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 
 import pytest
@@ -124,3 +125,27 @@ def test_a_link_stays_and_what_it_points_to_is_replaced(folder):
 def test_no_file_takes_the_place_of_a_device():
     with pytest.raises(InputError, match="a device, not a file"):
         require_file("/dev/null")
+
+
+def test_what_comes_next_may_be_typed_as_it_stands_whatever_the_file_is_called(capsys):
+    name = "my 'flyer'; true.toml"
+    Path(name).write_text(preset_text("x4-flyer"), encoding="utf-8")
+    (line,) = (x for x in run(capsys, "certify", name)[1].splitlines() if x.startswith("Next: "))
+    words = shlex.split(line.removeprefix("Next: "))
+    assert words[:2] == ["hoverproof", "check"]
+    assert run(capsys, *words[1:])[0] == 0
+
+
+def test_an_answer_has_the_same_keys_whatever_it_says(capsys):
+    run(capsys, "certify", "x4-flyer")
+    Path("none.json").write_text("{}")
+    asked = {
+        "check": ("x4-flyer.cert.json", "none.json", "x4-flyer.cert.json --mission racer-250"),
+        "simulate": ("x4-flyer --duration 1", "crazyflie-2.1 --duration 1"),
+        "new": ("mine.toml --yes", "theirs.toml --from x4-flyer"),
+    }
+    for command, ways in asked.items():
+        options = ("--no-figures",) if command == "simulate" else ()
+        told = [run(capsys, command, *way.split(), *options, "--json")[1] for way in ways]
+        keys = {frozenset(json.loads(one)) for one in told}
+        assert len(keys) == 1, command

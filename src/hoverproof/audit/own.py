@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.algebra.decimals import exact
 from hoverproof.audit.log import MOST_ROWS, FlightLog
 from hoverproof.audit.tracks import EVER, thinned
 from hoverproof.errors import InputError
@@ -147,7 +147,7 @@ def _whole(pixels: Any, first: int, last: int) -> NDArray[np.bool_]:
 
 def _felt(held: dict[str, Any]) -> Array:
     """Return V' + Ω × V - g ρ of a flight, (n, 3), body frame, m/s²."""
-    gravity = float(Fraction(held["mission"]["vehicle"]["gravity"]))
+    gravity = float(exact(held["mission"]["vehicle"]["gravity"]))
     velocity, down = held["velocity"], held["rotation"][:, 2]
     change = np.gradient(velocity, held["times"], axis=0)
     return np.asarray(change + np.cross(held["rate"], velocity) - gravity * down)

@@ -10,7 +10,7 @@ from numbers import Real
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.algebra.decimals import decimal_above, decimal_below
+from hoverproof.algebra.decimals import decimal_above, decimal_below, exact
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.cells import Told, grow_tree, most_cells
 from hoverproof.certification.flow import flow_of, samples
@@ -60,8 +60,8 @@ def parse_box(text: str) -> Box:
         If it is not six numbers in order.
     """
     try:
-        x0, x1, y0, y1, z0, z1 = (Fraction(part.strip()) for part in text[:400].split(","))
-    except (ValueError, ZeroDivisionError):
+        x0, x1, y0, y1, z0, z1 = map(exact, text[:400].split(","))
+    except ValueError:
         raise InputError("--box", "", f"must be x0,x1,y0,y1,z0,z1 in m, not {text!r}") from None
     box = ((x0, x1), (y0, y1), (z0, z1))
     if any(a > b or max(abs(a), abs(b)) > 10**6 for a, b in box):

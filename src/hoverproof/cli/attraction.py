@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from hoverproof.algebra.decimals import exact
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.console import (
     Json,
@@ -173,8 +174,8 @@ def _start(text: str, sizes: dict[str, Fraction]) -> Start:
 def _number(option: str, text: str) -> Fraction:
     """Read an exact decimal of a reasonable size."""
     try:
-        value = Fraction(text.strip()[:60])
-    except (ValueError, ZeroDivisionError):
+        value = exact(text[:60])
+    except ValueError:
         raise InputError(option, "", f"must be a number, not {text!r}") from None
     if abs(value) > 10**6 or value.denominator > 10**18:
         raise InputError(option, "", f"must be a decimal within 1e6, not {text!r}")

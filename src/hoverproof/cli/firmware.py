@@ -9,9 +9,13 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from hoverproof.algebra.decimals import exact
 from hoverproof.cli.answers.answer import EXIT, print_json, tell
 from hoverproof.cli.console import Json, MissionName, Set, at_work, fail, load_mission
 from hoverproof.errors import InputError
+
+MOST_NEWTONS = 1e9
+"""As many as a mission may give a rotor."""
 
 
 def export(
@@ -125,9 +129,10 @@ def _read(path: Path) -> Mapping[str, Any]:
 
 def _limits(text: str) -> tuple[Fraction, Fraction]:
     try:
-        low, high = (Fraction(part.strip()) for part in text[:200].split(","))
-    except (ValueError, ZeroDivisionError):
-        raise InputError(
-            "--rotor-limits", "", f"must be LOWEST,HIGHEST in N, not {text!r}"
-        ) from None
+        low, high = map(exact, text[:200].split(","))
+        if max(abs(low), abs(high)) > MOST_NEWTONS:
+            raise ValueError
+    except ValueError:
+        words = f"must be LOWEST,HIGHEST in N, at most {MOST_NEWTONS:g}, not {text!r}"
+        raise InputError("--rotor-limits", "", words) from None
     return low, high

@@ -11,6 +11,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hoverproof.algebra.decimals import exact
 from hoverproof.errors import InputError
 from hoverproof.files import require_file
 
@@ -90,8 +91,8 @@ def parse_weights(
     if text == "search":
         return search_weights(mission, region=region)
     try:
-        weights = tuple(Fraction(part.strip()) for part in text[:400].split(","))
-    except (ValueError, ZeroDivisionError):
+        weights = tuple(map(exact, text[:400].split(",")))
+    except ValueError:
         weights = ()
     if len(weights) != 4 or not all(0 < w <= 10**9 and w.denominator <= 10**18 for w in weights):
         raise InputError(

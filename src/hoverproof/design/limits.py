@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 BANDWIDTH_TIMES_SAMPLE = 0.2
 """Largest bandwidth times sampling period: some 30 samples a period of the fastest motion."""
 
+LEAST = 1e-6
+"""Of a limit, in its unit: nothing is computed with less."""
 ANY = 1e6
 """A bandwidth that is no limit, rad/s."""
 YAW_PART = 4
@@ -68,8 +70,9 @@ class Limits:
             ("--tilt", self.tilt, "rad", math.pi / 2),
             ("--rotor-thrust", self.rotor_thrust, "N", 1e9),
         ):
-            if value is not None and not 0 < value <= most:
-                raise InputError(option, "", f"must be above 0 and at most {most:g} {unit}")
+            if value is not None and not LEAST <= value <= most:
+                words = f"must be from {LEAST:g} to {most:g} {unit}, not {value:g}"
+                raise InputError(option, "", words)
 
     @property
     def rotors(self) -> tuple[float, float] | None:

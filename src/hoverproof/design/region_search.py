@@ -39,6 +39,8 @@ ROUNDS = 4
 STEPS = Ends(evaluations=70, values=1e-4, places=1e-4)
 ENOUGH = 0.01
 """A ball that grows by less than this part ends the search."""
+CLOSE = 1e-9
+"""m: a ball so small is none."""
 LOSS = 0.005
 """Part of the level that rounding may cost."""
 SHARES = (0.01, 0.03, 0.1, 0.3)
@@ -232,8 +234,11 @@ class GainRegionSearch:
         """Return the radius of the ball about the goal that a point's level holds, m."""
         gains = self.gains(math.exp(point.z[0]), math.exp(point.z[1]))
         assert gains is not None
-        found = self._inner(gains).solve(point.z[2:], self._ball(size))
-        assert found is not None
+        inner = self._inner(gains)
+        while (found := inner.solve(point.z[2:], self._ball(size))) is None:
+            size /= 2  # so far away the inequality fails, whatever the level is
+            if size < CLOSE:
+                raise ArithmeticError("no ball of hovers is held")
         s = found[1]
         reached = reach_along(self.potential, sphere(60), s.weights, s.level)
         return min(float(reached.min()), 3 * size)

@@ -27,6 +27,8 @@ from hoverproof.design.infeasible import (
     start_words,
 )
 from hoverproof.design.limits import (
+    ANY,
+    LEAST,
     FirstCommand,
     Limits,
     designed_gains,
@@ -145,8 +147,9 @@ class Wish:
             raise InputError("--objective", "", reason)
         rates = (("--at-least", self.at_least), ("--minimum-decay", self.minimum_decay))
         for option, wished in rates:
-            if wished is not None and not 0 < wished < math.inf:
-                raise InputError(option, "", f"must be a positive rate in 1/s, not {wished}")
+            if wished is not None and not LEAST <= wished <= ANY:
+                words = f"must be a rate from {LEAST:g} to {ANY:g} 1/s, not {wished:g}"
+                raise InputError(option, "", words)
         of_place = self.objective in ("region", "start")
         if of_place and (self.at_least is not None or self.weights != ONES):
             option = "--weights" if self.at_least is None else "--at-least"

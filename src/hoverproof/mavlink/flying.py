@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import re
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -116,9 +118,21 @@ def package_of(
             export_c(mission, made, camera=True, name="flown", **own)
             return Firmware(made)
     firmware = Firmware(folder)
+    if changed := _changed(folder, firmware.manifest.get("files", {})):
+        if not allow_uncertified:
+            words = f"its {changed[0]} is not as it was exported, so not what is certified"
+            raise InputError(str(folder), "", f"{words}; --allow-uncertified flies it")
+        firmware.manifest["certified"] = False
     if not (firmware.manifest["certified"] or allow_uncertified):
         raise InputError(str(folder), "", "is uncertified; --allow-uncertified flies it")
     return firmware
+
+
+def _changed(folder: Path, files: dict[str, str]) -> list[str]:
+    """Return which files of the C of a package have another SHA-256 than its manifest says."""
+    own = [folder / name for name in files if re.fullmatch(r"\w+\.[ch]", name)]
+    held = {path: path.read_bytes() if path.is_file() else b"" for path in own}
+    return [p.name for p in own if hashlib.sha256(held[p]).hexdigest() != files[p.name]]
 
 
 def flight_of(

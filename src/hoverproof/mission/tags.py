@@ -6,11 +6,11 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hoverproof.algebra.decimals import exact
 from hoverproof.errors import InputError, suggestion
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.target_files import Print, read_target
@@ -99,10 +99,10 @@ def board_of_tag(text: str) -> Board:
     """
     parts = text.split(":")
     try:
-        family, number, size = parts[0], int(parts[1]), float(Fraction(parts[2]))
+        family, number, size = parts[0], int(parts[1]), float(exact(parts[2]))
         if len(parts) != 3 or number < 0 or not 0 < size < 1e3:
             raise ValueError
-    except (IndexError, ValueError, ZeroDivisionError, OverflowError):
+    except (IndexError, ValueError, OverflowError):
         wanted = "must be FAMILY:ID:SIZE, with SIZE the black square's side in m, as 36h11:0:0.2"
         raise InputError("--tag", "", f"{wanted}, not {text[:60]!r}") from None
     h = size / 2

@@ -206,6 +206,13 @@ def _turned(flight: xr.Dataset | Record) -> dict[str, float]:
     return {"final_yaw": yaw, "final_heading_error": abs(off)}
 
 
+OF_THE_IDEAL = (
+    *("compared_until", "ideal_settled_at"),
+    *("greatest_distance_from_ideal", "final_distance_from_ideal"),
+)
+"""What `without_conditions` tells."""
+
+
 def without_conditions(
     mission: Mission, flight: xr.Dataset | Record, law: Law | None = None
 ) -> dict[str, Any]:
@@ -246,12 +253,9 @@ def without_conditions(
     same = np.isclose(times[:both], times_of_ideal[:both], rtol=0, atol=step / 2)
     apart = (flight["position"].values[:both] - positions[:both])[same]
     distance = np.linalg.norm(apart, axis=1)
-    return {
-        "compared_until": float(times[:both][same][-1]),
-        "ideal_settled_at": summary(ideal)["settled_at"],
-        "greatest_distance_from_ideal": float(distance.max()),
-        "final_distance_from_ideal": float(distance[-1]),
-    }
+    until, settled = float(times[:both][same][-1]), summary(ideal)["settled_at"]
+    told = until, settled, float(distance.max()), float(distance[-1])
+    return dict(zip(OF_THE_IDEAL, told, strict=True))
 
 
 def save(flight: Record, path: str | Path) -> None:

@@ -19,6 +19,7 @@ from hoverproof.cli.answers import exponential, unproved
 from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import (
     angle,
+    as_argument,
     at_least,
     at_most,
     enclosure,
@@ -33,6 +34,9 @@ from hoverproof.mission.tolerances import UNITS
 from hoverproof.mission.uncertainty import Uncertainty
 
 OF_A_PROOF = (
+    "units",
+    "rotor_limits_kept",
+    "ultimate_radius",
     "theorem",
     "decay_rate",
     "settling_time",
@@ -106,7 +110,7 @@ class AttractionAnswer(Answer):
         yield "Not covered:"
         for line in not_covered(verdict):
             yield f"  {line}"
-        yield f"Next: hoverproof check {self.path}"
+        yield f"Next: hoverproof check {as_argument(self.path)}"
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""

@@ -19,6 +19,7 @@ from hoverproof.certification.region import Box
 from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import (
     about,
+    as_argument,
     at_least,
     at_most,
     bounds_as_json,
@@ -76,7 +77,7 @@ class CertifyAnswer(Answer):
                     yield _worst(undecided.margin_above)
         yield from self._demanded()
         if self.path is not None:
-            yield f"Next: hoverproof check {self.path}"
+            yield f"Next: hoverproof check {as_argument(self.path)}"
         if self.verdict.proved and self.verdict.problem.box is None:
             yield f"Then: hoverproof region {self.named}, for bounds that are proved"
 

@@ -70,16 +70,17 @@ class CheckAnswer(Answer):
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""
-        answer: dict[str, Any] = {"certificate": str(self.certificate)}
-        if self.statement is None:
-            answer |= {"accepted": False, "reason": self.reason}
-        else:
-            answer |= {"accepted": True, "statement": self.statement}
+        coq, accepted = None, self.statement is not None
         if self.decided is not None:
             shown, refused = list(self.decided.shown), self.decided.refused or None
-            answer["coq"] = {"shown": shown, "left": self.decided.left, "refused": refused}
-        if self.mission is not None:
-            about = self.statement is not None and not self.differing
-            answer |= {"mission": self.mission, "about_mission": about}
-            answer["differences"] = list(self.differing)
-        return answer
+            coq = {"shown": shown, "left": self.decided.left, "refused": refused}
+        return {
+            "certificate": str(self.certificate),
+            "accepted": accepted,
+            "statement": self.statement,
+            "reason": self.reason,
+            "coq": coq,
+            "mission": self.mission,
+            "about_mission": None if self.mission is None else accepted and not self.differing,
+            "differences": list(self.differing),
+        }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -10,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from hoverproof.cli.answers.answer import Answer
-from hoverproof.cli.answers.words import interval
+from hoverproof.cli.answers.words import as_argument, interval
 
 
 @dataclass(frozen=True)
@@ -55,8 +54,8 @@ class ExportAnswer(Answer):
         yield f"  law        {manifest['law_sha256']}"
         for theorem, sha256 in manifest["theorems"].items():
             yield f"  theorem {theorem}  {sha256}"
-        folder = shlex.quote(str(self.out))
-        yield f"Next: cd {folder} && cc -std=c99 -O2 -I. *.c example/*.c -lm -o fly && ./fly"
+        build = "cc -std=c99 -O2 -I. *.c example/*.c -lm -o fly"
+        yield f"Next: cd {as_argument(self.out)} && {build} && ./fly"
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""

@@ -13,6 +13,7 @@ from hoverproof.cli.answers.beyond import beyond_text, covering
 from hoverproof.cli.answers.see import images_text
 from hoverproof.cli.answers.words import about, goal_as_json, goal_text, position_text
 from hoverproof.simulation.compiled import VIRTUAL_MACHINE
+from hoverproof.simulation.flight import OF_THE_IDEAL
 from hoverproof.simulation.numbers import SETTLED
 
 if TYPE_CHECKING:
@@ -116,6 +117,7 @@ class FlightAnswer(Answer):
         return {
             "mission": self.mission.name,
             "goal_position": goal_as_json(self.mission),
+            **dict.fromkeys((*OF_THE_IDEAL, "images")),
             **self.facts,
             "figures": [str(p) for p in self.pictures],
             "certified_decay": None

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from hoverproof.cli.answers.answer import Answer
-from hoverproof.cli.answers.words import number
+from hoverproof.cli.answers.words import as_argument, number
 
 if TYPE_CHECKING:
     from hoverproof.mission.sections import Mission
@@ -103,9 +103,10 @@ class NewAnswer(Answer):
             yield from textwrap.wrap(words, 80, initial_indent="  ", subsequent_indent="    ")
         yield "Next:" if own else "Next: put in your vehicle, target and gains, then"
         objective = "" if self._for_start else "--objective decay "
-        yield f"  hoverproof {'attraction' if self._for_start else 'certify'} {path}"
-        yield f"  hoverproof tune {path} {objective}--out {tuned}"
-        yield f"  hoverproof simulate {path}"
+        named = as_argument(path)
+        yield f"  hoverproof {'attraction' if self._for_start else 'certify'} {named}"
+        yield f"  hoverproof tune {named} {objective}--out {as_argument(tuned)}"
+        yield f"  hoverproof simulate {named}"
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""

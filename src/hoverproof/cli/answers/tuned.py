@@ -12,6 +12,7 @@ from hoverproof.certification.problem import ONES
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.words import (
     about,
+    as_argument,
     at_least,
     at_most,
     bounds_as_json,
@@ -56,7 +57,7 @@ class TunedAnswer(Answer):
             yield "Next: the same with --out FILE.toml writes a mission file with these gains"
         else:
             yield f"  written to              {self.written}"
-            yield f"Next: hoverproof certify {self.written}"
+            yield f"Next: hoverproof certify {as_argument(self.written)}"
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
@@ -162,6 +163,12 @@ def hover_error_as_json(error: HoverError | None) -> dict[str, Any] | None:
     return None if error is None else asdict(error)
 
 
+def as_argument(path: Path | str | None) -> str:
+    """Write a path as a shell takes it, and a command not for an option."""
+    text = str(path)
+    return shlex.quote(f"./{text}" if text.startswith("-") else text)
+
+
 def written_text(written: str | None, certificate: Path | None) -> Iterator[str]:
     """Yield where gains and their certificate were written, and what to do next."""
     if written is None:
@@ -169,4 +176,4 @@ def written_text(written: str | None, certificate: Path | None) -> Iterator[str]
     else:
         yield f"  written to              {written}"
         yield f"  certificate             {certificate}"
-        yield f"Next: hoverproof check {certificate}"
+        yield f"Next: hoverproof check {as_argument(certificate or '')}"
