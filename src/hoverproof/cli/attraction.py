@@ -88,7 +88,7 @@ def attraction(
     from hoverproof.design.unproved import unproved
 
     loaded = load_mission(mission, set_)
-    file_to_write(out, f"{default_stem(loaded, mission, set_, proof=True)}.json")
+    file_to_write(out, f"{default_stem(loaded, mission, set_, proof=True)}.cert.json")
     given = {"speed": speed, "tilt": tilt, "rate": rate, "thrust": thrust}
     sizes = {name: _number(f"--{name}", text) for name, text in given.items()}
     if start is None and any(sizes.values()):
