@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from hoverproof.algebra.decimals import exact
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.console import (
     Json,
@@ -173,6 +172,8 @@ def _start(text: str, sizes: dict[str, Fraction]) -> Start:
 
 def _number(option: str, text: str) -> Fraction:
     """Read an exact decimal of a reasonable size."""
+    from hoverproof.mission.fields import exact
+
     try:
         value = exact(text[:60])
     except ValueError:
