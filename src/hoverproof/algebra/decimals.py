@@ -1,14 +1,11 @@
-"""Numbers as they are written, and short ones on a chosen side of a number."""
+"""Short numbers on a chosen side of a number: decimals, and multiples of a power of two."""
 
 from __future__ import annotations
 
 import math
-import re
 from fractions import Fraction
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-LONGEST = 400
-"""Of exponents: such a number is beyond floating point, and one of 1e9 would fill the memory."""
 
 
 def written(value: float | Fraction, digits: int) -> str:
@@ -21,27 +18,6 @@ def written(value: float | Fraction, digits: int) -> str:
     """
     text, _, power = f"{float(value):.{digits}g}".partition("e")
     return f"{text}×10{str(int(power)).translate(SUPERSCRIPT)}" if power else text
-
-
-def exact(text: str) -> Fraction:
-    """Return the number that a text writes, as 0.1, 1e-3 or 1/3.
-
-    Parameters
-    ----------
-    text : str
-
-    Raises
-    ------
-    ValueError
-        If it writes none, or one beyond all that is computed with.
-    """
-    exponent = re.search(r"[eE]([+-]?[0-9_]+)\s*$", text)
-    if len(text) > LONGEST or (exponent and abs(int(exponent[1])) > LONGEST):
-        raise ValueError("a number of so many digits")
-    try:
-        return Fraction(text)
-    except ZeroDivisionError:
-        raise ValueError("a number over 0") from None
 
 
 def decimal_below(value: float | Fraction, digits: int) -> Fraction:

@@ -11,10 +11,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.algebra.decimals import exact
 from hoverproof.audit.log import MOST_ROWS, FlightLog
 from hoverproof.audit.tracks import EVER, thinned
 from hoverproof.errors import InputError
+from hoverproof.mission.fields import exact
 from hoverproof.plant.rigid_body import rotation_rows
 
 Array = NDArray[np.float64]

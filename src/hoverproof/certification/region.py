@@ -10,12 +10,13 @@ from numbers import Real
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.algebra.decimals import decimal_above, decimal_below, exact
+from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.cells import Told, grow_tree, most_cells
 from hoverproof.certification.flow import flow_of, samples
 from hoverproof.certification.pattern import Pattern
 from hoverproof.errors import InputError
+from hoverproof.mission.fields import exact
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import Interval, hover_goal
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from hoverproof.algebra.decimals import exact
 from hoverproof.cli.answers.answer import tell
 from hoverproof.cli.console import (
     Json,
@@ -88,7 +87,7 @@ def attraction(
     from hoverproof.design.unproved import unproved
 
     loaded = load_mission(mission, set_)
-    file_to_write(out, f"{default_stem(loaded, mission, set_, proof=True)}.json")
+    file_to_write(out, f"{default_stem(loaded, mission, set_, proof=True)}.cert.json")
     given = {"speed": speed, "tilt": tilt, "rate": rate, "thrust": thrust}
     sizes = {name: _number(f"--{name}", text) for name, text in given.items()}
     if start is None and any(sizes.values()):
@@ -173,6 +172,8 @@ def _start(text: str, sizes: dict[str, Fraction]) -> Start:
 
 def _number(option: str, text: str) -> Fraction:
     """Read an exact decimal of a reasonable size."""
+    from hoverproof.mission.fields import exact
+
     try:
         value = exact(text[:60])
     except ValueError:

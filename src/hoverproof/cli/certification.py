@@ -74,7 +74,7 @@ def certify(
     over_box = over_box or box is not None
     stem += ".over-box" if over_box else ""
     stem += ".weighted" if weights is not None else ""
-    file_to_write(out, f"{stem}.json")
+    file_to_write(out, f"{stem}.cert.json")
     verdict = _over_box(loaded, box, boxes, weights) if over_box else _as_assumed(loaded, weights)
     path = None
     if verdict.certificate is not None:
@@ -144,7 +144,7 @@ def region(
 
     loaded = load_mission(mission, set_)
     stem = default_stem(loaded, mission, set_, proof=True)
-    file_to_write(out, f"{stem}.json")
+    file_to_write(out, f"{stem}.cert.json")
     verdict = certify_region(loaded, box_sides(loaded, box), boxes)
     path = out or Path(f"{stem}.region.{verdict.ending}.json")
     stem = path.name.removesuffix(".json").removesuffix(f".{verdict.ending}")

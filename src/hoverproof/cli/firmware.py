@@ -9,7 +9,6 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from hoverproof.algebra.decimals import exact
 from hoverproof.cli.answers.answer import EXIT, print_json, tell
 from hoverproof.cli.console import Json, MissionName, Set, at_work, fail, load_mission
 from hoverproof.errors import InputError
@@ -128,6 +127,8 @@ def _read(path: Path) -> Mapping[str, Any]:
 
 
 def _limits(text: str) -> tuple[Fraction, Fraction]:
+    from hoverproof.mission.fields import exact
+
     try:
         low, high = map(exact, text[:200].split(","))
         if max(abs(low), abs(high)) > MOST_NEWTONS:

@@ -11,7 +11,6 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hoverproof.algebra.decimals import exact
 from hoverproof.errors import InputError
 from hoverproof.files import require_file
 
@@ -85,6 +84,7 @@ def parse_weights(
     """Read --weights: four numbers, or the best ones; by default ones."""
     from hoverproof.certification.gains import search_weights
     from hoverproof.certification.problem import ONES
+    from hoverproof.mission.fields import exact
 
     if text is None:
         return ONES

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hoverproof.algebra.decimals import exact
 from hoverproof.errors import InputError, suggestion
+from hoverproof.mission.fields import exact
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.target_files import Print, read_target
 
