@@ -133,7 +133,9 @@ class Times:
                 result[:, k - first] = (there - at.all) / step
         return result
 
-    def descent(self, at: Value, highest: Array) -> Descent:
+    def descent(
+        self, at: Value, highest: Array, look: Callable[[Array, Likely], Value | None] | None = None
+    ) -> Descent:
         """Return a descent from a place at which each program begins where the last one ended.
 
         Parameters
@@ -142,12 +144,14 @@ class Times:
             What is there.
         highest : (k,)
             Upper bounds of the parameters.
+        look : callable, optional
+            What looks at a place; by default `value`.
         """
-        likely = at.found.solution.tight
+        likely, look = at.found.solution.tight, look or self.value
 
         def value(z: Array) -> Value | None:
             nonlocal likely
-            new = self.value(z, likely)
+            new = look(z, likely)
             likely = likely if new is None else new.found.solution.tight
             return new
 
