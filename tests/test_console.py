@@ -18,7 +18,7 @@ import pytest
 from rich.cells import cell_len
 
 from command_line import refusal, run
-from hoverproof.cli.console import app
+from hoverproof.cli.console import app, at_work
 from hoverproof.mission.presets import preset_text, presets
 
 COMMANDS = sorted(name for name in app if not name.startswith("-"))
@@ -212,3 +212,10 @@ def test_attraction_shows_a_person_that_it_is_at_work_and_a_program_what_it_does
     _, out, err = run(capsys, *words)
     assert err.splitlines() == ["searching for weights with a barrier ...", "proving ..."]
     assert "..." not in out
+
+
+def test_what_is_being_done_is_said_once_where_nobody_looks(capsys):
+    with at_work() as doing:
+        for text in ("looking", "looking", "proving", "looking"):
+            doing(text)
+    assert capsys.readouterr().err == "looking ...\nproving ...\nlooking ...\n"

@@ -142,6 +142,20 @@ def test_a_slip_is_refused_on_the_spot_in_the_words_of_the_mission_file(name, sl
         without_asking({name: slip})
 
 
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"half_angle": "0.05"}, "half_angle: 0.05 rad does not see the target at the goal"),
+        ({"latency": "100"}, "no vehicle hovers by images with an age of 101 s, 1 s at most"),
+        ({"rotor_lag": "5"}, "no vehicle hovers on rotors that lag by 5 s, 1 s at most"),
+    ],
+)
+def test_what_no_gains_make_up_for_is_refused_before_any_are_looked_for(given, told, monkeypatch):
+    monkeypatch.setattr("hoverproof.cli.first_mission.first_gains", None)
+    with pytest.raises(InputError, match=told):
+        beginning(**given)
+
+
 @pytest.mark.slow
 def test_a_start_out_of_reach_is_refused_with_one_that_is_held():
     with pytest.raises(InputError, match="would be held") as refused:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from fractions import Fraction as F
@@ -71,6 +72,39 @@ def test_an_error_names_arguments_in_python_and_options_on_the_command_line():
     with pytest.raises(hp.InputError, match=r"^at_least: ") as caught:
         hp.tune("x4-flyer", objective="region", at_least=0.1)
     assert caught.value.line.startswith("--at-least: ")
+
+
+@pytest.mark.parametrize(
+    ("verb", "given", "told"),
+    [
+        (hp.attraction, {"barrier": "x"}, "barrier: must be True or False or None, not 'x'"),
+        (hp.attraction, {"starts": ["x"]}, "starts: must be a list or a tuple, each of the class"),
+        (hp.attraction, {"progress": 1}, "progress: must be something to call or None"),
+        (hp.simulate, {"step": "a"}, "step: must be a finite number or None, not 'a'"),
+        (hp.simulate, {"seed": "a"}, "seed: must be a whole number, not 'a'"),
+        (hp.simulate, {"every": 1.5}, "every: must be a whole number or None, not 1.5"),
+        (hp.simulate, {"duration": float("nan")}, "duration: must be a finite number or None"),
+        (hp.simulate, {"law": "x"}, "law: must be of the class Law or None"),
+        (hp.certify, {"weights": ()}, "weights: must be four positive numbers"),
+        (hp.tune, {"objective": "decay", "weights": -1}, "weights: must be four positive numbers"),
+        (hp.tune, {"bandwidth": True}, "bandwidth: must be a finite number, not True"),
+        (hp.pareto, {"count": 2, "lowest": 0}, "lowest: must be above 0 and at most the highest"),
+        (hp.region, {"box": [1, 2, 3]}, "box: must be "),
+        (hp.atlas, {"processes": 0}, "processes: must be from 1 to 1024, not 0"),
+        (hp.atlas, {"x": []}, "x: must be of the class Axis or text"),
+        (hp.simulate_batch, {"runs": "3"}, "runs: must be a whole number, not '3'"),
+        (hp.report, {"path": 3}, "path: must be text or a path, not 3"),
+    ],
+)
+def test_an_argument_of_another_kind_is_refused_by_its_name(verb, given, told):
+    with pytest.raises(hp.InputError, match="^" + re.escape(told)):
+        verb("x4-flyer", **given)
+
+
+def test_numbers_of_numpy_are_numbers():
+    given = {"duration": np.float64(0.5), "step": np.float64(0.002), "seed": np.int64(2)}
+    flight = hp.simulate("crazyflie-2.1", **given)
+    assert float(flight["time"][-1]) == pytest.approx(0.5)
 
 
 def test_completion_offers_what_a_mission_is_for():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from fractions import Fraction
 from pathlib import Path
 
@@ -26,6 +27,7 @@ from hoverproof.design.start_atlas import (
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
 from hoverproof.show.start_atlas import start_atlas_figure
+from hoverproof.spread import collected, count
 from small_kit import small_vehicle
 
 LAW = {"law": '{feature = "scaled", goal = "inertial", force = "measured"}'}
@@ -97,6 +99,26 @@ def test_a_map_of_a_start_in_few_numbers_and_as_a_picture(mission, drawn):
     assert summed.proved == (atlas["verdict"].values == PROVED).sum() > 0
     words = [text.get_text() for text in start_atlas_figure(mission, atlas).legends[0].get_texts()]
     assert {"no weights found (not refuted)", "proved exactly"} <= set(words)
+
+
+def counted(item):
+    """Count two parts, the second of them late."""
+    count()
+    time.sleep(0.6)
+    count()
+    return item
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_parts_are_counted_as_they_are_done(processes):
+    told = []
+    items = collected(
+        counted, [0, 1, 2], processes, None, lambda done, total: told.append((done, total)), 2
+    )
+    assert items == [0, 1, 2]
+    assert told == sorted(told)
+    assert told[-1] == (6, 6)
+    assert any(done % 2 for done, _ in told)  # told while an item is under way
 
 
 def test_the_soonest_and_found_cells_beside_others_are_proved():

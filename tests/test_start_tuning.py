@@ -11,14 +11,17 @@ import numpy as np
 import pytest
 
 from command_line import run
+from exponential_truth import MISSION, SMALL, soon_found
 from hoverproof import checker, cli
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.cells import most_cells
+from hoverproof.certification.convergence import attraction
 from hoverproof.certification.exponential.closeness import FEW, closest, is_shown
 from hoverproof.certification.exponential.domain import COST_BESIDE, Domain
 from hoverproof.certification.exponential.inequality import Ball, falls
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.program import Program
+from hoverproof.certification.exponential.proof import converge, settling
 from hoverproof.certification.exponential.question import Question
 from hoverproof.certification.exponential.search import deepest
 from hoverproof.certification.exponential.sooner import soonest
@@ -79,7 +82,7 @@ def resized(mission, times):
 def test_the_search_sets_out_near_for_vehicles_of_20_g_and_of_20_kg(small, mass_ratio):
     small()
     search = StartSearch.of(resized(small(), mass_ratio), Limits(20.0))
-    assert search.held(None, lambda text: None) is not None
+    assert search.held(None) is not None
 
 
 def test_few_vertices_give_the_weights_of_all(small):
@@ -113,6 +116,19 @@ def test_the_dual_tells_how_time_and_rate_change_with_gains_d_share_and_rate(sma
         new = search.value(z + step * np.eye(7)[k])
         seen = (new.all - at.all) / step
         assert slopes[:, k] == pytest.approx(seen, rel=0.05, abs=0.02), k
+
+
+@pytest.mark.slow
+def test_tune_says_of_gains_what_attraction_says(small):
+    found = tune(small("[0.2, 0, -1.3]"))
+    assert attraction(found.mission).settling == found.verdict.settling
+    assert attraction(small("[0.2, 0, -1.3]")).settling == found.before
+
+
+def test_where_a_time_is_found_without_a_proof_the_proof_has_that_time():
+    mission = load(MISSION, SMALL["late"])
+    with soon_found():
+        assert settling(mission) == converge(mission).settling
 
 
 @pytest.mark.slow

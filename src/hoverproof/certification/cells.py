@@ -39,6 +39,16 @@ def most_cells(points: int, cost: int) -> int:
     return checker.MAX_WORK // (checker.price(points) * cost)
 
 
+def norms(matrices: Array) -> Array:
+    """Return the spectral norms of matrices, (...); sooner than by singular values.
+
+    Parameters
+    ----------
+    matrices : (..., n, n)
+    """
+    return np.asarray(np.sqrt(np.linalg.eigvalsh(matrices.swapaxes(-1, -2) @ matrices)[..., -1]))
+
+
 def grow_tree(
     box: Array, holds: Holds, most: int, scale: Sequence[float] | None = None
 ) -> str | None:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.certification import scaled
-from hoverproof.certification.cells import Told, View, largest_below, smallest_above
+from hoverproof.certification.cells import Told, View, largest_below, norms, smallest_above
 from hoverproof.certification.pattern import Pattern
 from hoverproof.mission.sections import Mission
 
@@ -353,7 +353,7 @@ def samples(box: Array, count: int = GRID) -> Array:
 
 def _distances(J: Array, j: float) -> Array:
     """Return |J - j I| of each, (k,)."""
-    return np.asarray(np.linalg.norm(J - j * np.eye(3), 2, axis=(1, 2)))
+    return norms(J - j * np.eye(3))
 
 
 def _unit_grid() -> Array:

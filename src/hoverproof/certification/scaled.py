@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof import checker
-from hoverproof.certification.cells import ROOM, Told
+from hoverproof.certification.cells import ROOM, Told, norms
 from hoverproof.certification.pattern import Pattern
 
 Array = NDArray[np.float64]
@@ -377,11 +377,6 @@ def in_ball(J: list[Three], count: int, low: float, high: float) -> Told:
         ends = mid[at] + sum(sign * part[at] for sign, part in zip(signs, slope, strict=True))
         told[at] = norms(ends) + rest[at] < reach
     return told
-
-
-def norms(matrices: Array) -> Array:
-    """Return the spectral norms of matrices, (..., n, n); sooner than by singular values."""
-    return np.asarray(np.sqrt(np.linalg.eigvalsh(matrices.swapaxes(-1, -2) @ matrices)[..., -1]))
 
 
 def _matrices(rows: list[list[Any]], count: int) -> Array:

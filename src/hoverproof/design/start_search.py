@@ -280,15 +280,7 @@ class StartSearch:
         return self.point(*self._descent(at).run(z, at, evaluations))
 
     def _descent(self, at: Value) -> Descent:
-        likely = at.found.solution.tight
-
-        def value(z: Array) -> Value | None:
-            nonlocal likely
-            found = self.value(z, likely)
-            likely = likely if found is None else found.found.solution.tight
-            return found
-
-        return Descent(value, self.times.slopes, self.highest)
+        return self.times.descent(at, self.highest, self.value)
 
     def held(self, near: Array | None) -> Array | None:
         """Return a point with which the start is held, the first that is found; None if none is.

@@ -39,15 +39,16 @@ def _is_a(name: str) -> Callable[[object], bool]:
 
 
 Told = tuple[Callable[[object], bool], str]
+FLOAT = "a finite number"
 CALLED: Told = callable, "something to call"
 MANY: Told = _is_many, "a list or a tuple"
 KINDS: dict[str, Told] = {
     "bool": (lambda value: isinstance(value, bool), "True or False"),
     "int": (_is_whole, "a whole number"),
-    "float": (_is_number, "a finite number"),
+    "float": (lambda value: isinstance(value, float | Integral) and _is_number(value), FLOAT),
     "str": (lambda value: isinstance(value, str), "text"),
     "Path": (lambda value: isinstance(value, Path), "a path"),
-    "Fraction": (_is_number, "a finite number"),
+    "Fraction": (_is_number, FLOAT),
     "None": (lambda value: value is None, "None"),
     **dict.fromkeys(("Callable", "Progress", "Report", "Show"), CALLED),
     **dict.fromkeys(("Sequence", "Collection", "Iterable", "tuple", "Box"), MANY),

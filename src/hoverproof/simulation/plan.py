@@ -205,7 +205,7 @@ class Plan:
         InputError
             If a rate is faster than the integrator.
         """
-        s, dt = self.mission.sensors, Fraction(repr(self.step))
+        s, dt = self.mission.sensors, Fraction(repr(float(self.step)))
 
         def events(key: str, rate: Fraction | None) -> tuple[int, int]:
             share = Fraction(1) if rate is None else (rate * dt).limit_denominator(10**6)

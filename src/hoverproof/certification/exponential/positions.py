@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hoverproof.certification import scaled
 from hoverproof.certification.attraction.potential import sphere
-from hoverproof.certification.cells import View
+from hoverproof.certification.cells import View, norms
 from hoverproof.certification.flow import Flow, OfJ, flow_of
 from hoverproof.certification.pattern import Pattern
 from hoverproof.mission.sections import Mission
@@ -205,7 +205,7 @@ class Scene:
     def _around(self, radius: float) -> tuple[float, float]:
         side = self.goal + radius * np.linspace(-1, 1, ALONG)[:, None]
         J = self.slopes(np.stack(np.meshgrid(*side.T), axis=-1).reshape(-1, 3))
-        middles = np.linspace(0.7, 3, FINE * MIDDLES) * scaled.norms(J).max()
+        middles = np.linspace(0.7, 3, FINE * MIDDLES) * norms(J).max()
         radii = _away(J[None], middles)[-1]
         best = int((middles - radii).argmax())
         return float(middles[best] - radii[best]), float(middles[best] + radii[best])
@@ -238,7 +238,7 @@ class Balls:
         offsets, places = scene.outward()
         beside = np.vstack([np.zeros(3), ARMS * scene.arm * sphere(AROUND if scene.arm else 0)])
         J = np.array([scene.slopes(places + step) for step in beside])
-        size = float(np.median(scaled.norms(J[0])))
+        size = float(np.median(norms(J[0])))
         farthest = _away(J, np.linspace(0.2, 1.2, MIDDLES) * size)
         rises = (np.diff(farthest, axis=0, prepend=-1) > 0).any(axis=1)
         middles = np.linspace(0.2, 1.2, FINE * MIDDLES) * size
@@ -273,5 +273,5 @@ def _counting(law: Law, target: Pattern) -> Law:
 
 def _away(J: Array, middles: Array) -> Array:
     """Return the largest |J - j I| up to each place, of all J there, for each j, (k, m)."""
-    each = (scaled.norms(j[:, None] - middles[:, None, None] * np.eye(3)) for j in J)
+    each = (norms(j[:, None] - middles[:, None, None] * np.eye(3)) for j in J)
     return np.asarray(np.maximum.accumulate(np.max(list(each), axis=0), axis=0))

@@ -44,7 +44,8 @@ class Found(NamedTuple):
     asked : Asked
     solution : Solution
     offset, tilt : float
-        The largest |σ - σ*| and sine of the tilt from the starts on, over those of the limits.
+        The largest |σ - σ*| and sine of the tilt from the starts on, over those of the limits,
+        dimensionless.
     """
 
     asked: Asked
@@ -71,7 +72,7 @@ class Times:
 
     whole: Question
     pose: Callable[[Array], Asked | None]
-    beyond: Callable[[Array], Array] = lambda places: np.zeros((len(places), 0))
+    beyond: Callable[[Array], Array]
     little: Array = field(default_factory=lambda: LITTLE)
 
     @classmethod
@@ -82,9 +83,13 @@ class Times:
         ----------
         question : Question
         starts : (j, 11)
-            See `Question.terms`.
+            See `Question.terms`, bare numbers.
         """
-        return cls(question, lambda z: question.pose(z[:2], math.exp(z[2]), starts, fill=1 - ROOM))
+        return cls(
+            question,
+            lambda z: question.pose(z[:2], math.exp(z[2]), starts, fill=1 - ROOM),
+            lambda places: np.zeros((len(places), 0)),
+        )
 
     def value(self, z: Array, likely: Likely = ()) -> Value | None:
         """Return the logarithm of the time at a point, and what is beyond a limit there.
@@ -128,7 +133,9 @@ class Times:
                 result[:, k - first] = (there - at.all) / step
         return result
 
-    def descent(self, at: Value, highest: Array) -> Descent:
+    def descent(
+        self, at: Value, highest: Array, look: Callable[[Array, Likely], Value | None] | None = None
+    ) -> Descent:
         """Return a descent from a place at which each program begins where the last one ended.
 
         Parameters
@@ -137,12 +144,14 @@ class Times:
             What is there.
         highest : (k,)
             Upper bounds of the parameters.
+        look : callable, optional
+            What looks at a place; by default `value`.
         """
-        likely = at.found.solution.tight
+        likely, look = at.found.solution.tight, look or self.value
 
         def value(z: Array) -> Value | None:
             nonlocal likely
-            new = self.value(z, likely)
+            new = look(z, likely)
             likely = likely if new is None else new.found.solution.tight
             return new
 
