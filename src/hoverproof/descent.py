@@ -22,7 +22,7 @@ class Ends:
     values, places : float
         Largest difference of costs, and of parameters: bare numbers in the units of each.
     enough : float
-        A cost below it is low enough, in the unit of costs.
+        A cost below it is low enough: a bare number in the unit of costs.
     """
 
     evaluations: int

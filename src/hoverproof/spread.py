@@ -101,7 +101,7 @@ def collected(
     report : callable
         Called with how many are done, of how many.
     parts : int
-        What an item counts for; work calls `count` when one of them is done.
+        A bare number, what an item counts for; work calls `count` when one of them is done.
 
     Raises
     ------

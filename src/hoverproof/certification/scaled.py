@@ -1,7 +1,6 @@
-"""The slope J of the scaled centroid over cells of positions, in floating point.
+"""The slope J of the scaled centroid over many cells of positions, in floating point.
 
-The same as `checker.scaled_slope`, where the equations stand, for many cells at once.
-"""
+The equations stand in `checker.scaled_slope`."""
 
 from __future__ import annotations
 
@@ -380,7 +379,12 @@ def in_ball(J: list[Three], count: int, low: float, high: float) -> Told:
 
 
 def norms(matrices: Array) -> Array:
-    """Return the spectral norms of matrices, (..., n, n); sooner than by singular values."""
+    """Return the spectral norms of matrices, (...,); sooner than by singular values.
+
+    Parameters
+    ----------
+    matrices : (..., n, n)
+    """
     return np.asarray(np.sqrt(np.linalg.eigvalsh(matrices.swapaxes(-1, -2) @ matrices)[..., -1]))
 
 

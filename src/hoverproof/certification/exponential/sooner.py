@@ -44,7 +44,8 @@ class Found(NamedTuple):
     asked : Asked
     solution : Solution
     offset, tilt : float
-        The largest |σ - σ*| and sine of the tilt from the starts on, over those of the limits.
+        The largest |σ - σ*| and sine of the tilt from the starts on, over those of the limits,
+        dimensionless.
     """
 
     asked: Asked
@@ -71,7 +72,7 @@ class Times:
 
     whole: Question
     pose: Callable[[Array], Asked | None]
-    beyond: Callable[[Array], Array] = lambda places: np.zeros((len(places), 0))
+    beyond: Callable[[Array], Array]
     little: Array = field(default_factory=lambda: LITTLE)
 
     @classmethod
@@ -81,10 +82,14 @@ class Times:
         Parameters
         ----------
         question : Question
-        starts : (j, 11)
+        starts : (k, 11)
             See `Question.terms`.
         """
-        return cls(question, lambda z: question.pose(z[:2], math.exp(z[2]), starts, fill=1 - ROOM))
+
+        def pose(z: Array) -> Asked | None:
+            return question.pose(z[:2], math.exp(z[2]), starts, fill=1 - ROOM)
+
+        return cls(question, pose, lambda places: np.zeros((len(places), 0)))
 
     def value(self, z: Array, likely: Likely = ()) -> Value | None:
         """Return the logarithm of the time at a point, and what is beyond a limit there.
