@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
+from hoverproof.algebra.decimals import at_least, at_most
 from hoverproof.certification.certificate import exact
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.cli.answers.words import angle, at_least, at_most, enclosure, numbers
+from hoverproof.cli.answers.words import angle, enclosure, numbers
 
 PER_MASS = "N × true / modelled mass"
 """After bounds of the thrust of vehicles whose mass is not the modelled one."""
