@@ -119,8 +119,6 @@ def require_starts(mission: Mission, starts: Sequence[Start]) -> None:
     InputError
         If there are too many, or one holds a target point.
     """
-    if not all(isinstance(start, Start) for start in starts):
-        raise TypeError("each start must be a Start, as hoverproof.Start makes it")
     if len(starts) > MOST_STARTS:
         raise InputError("--start", "", f"at most {MOST_STARTS} starts go into one certificate")
     if any(holds_target_point(mission, start.position) for start in starts):
