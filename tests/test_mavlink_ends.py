@@ -299,6 +299,10 @@ def test_c_that_was_changed_is_not_flown_as_certified(capsys, tmp_path):
     params.write_text(params.read_text("utf-8") + "/* mine */\n", encoding="utf-8")
     wish = ("fly", MISSION, *SET, "--rehearse", "px4", "--package", folder, "--duration", "0.1")
     assert "its flown_params.h is not as it was exported" in refusal(capsys, *wish)
+    manifest = json.loads((folder / "manifest.json").read_text("utf-8"))
+    del manifest["files"]["flown_params.h"]
+    (folder / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
+    assert "its flown_params.h is not as it was exported" in refusal(capsys, *wish)
     _, out, _ = run(capsys, *wish, "--allow-uncertified", "--json")
     assert json.loads(out.splitlines()[-1])["certified"] is False
 

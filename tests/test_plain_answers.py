@@ -10,11 +10,12 @@ from pathlib import Path
 import pytest
 
 from command_line import run
+from hoverproof.algebra.decimals import at_least, at_most
 from hoverproof.certification.attraction.verdict import Sinks, not_covered
 from hoverproof.certification.over_box import enclose
 from hoverproof.certification.region import default_box
 from hoverproof.cli.answers.glossary import SYMBOLS, legend
-from hoverproof.cli.answers.words import angle, at_least, at_most, enclosure
+from hoverproof.cli.answers.words import angle, enclosure
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.reading import load
 from hoverproof.simulation import runs

@@ -6,6 +6,7 @@ import json
 import re
 import subprocess
 import sys
+from decimal import Decimal
 from fractions import Fraction as F
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hoverproof as hp
+from hoverproof.certification.certificate import Certificate
 from hoverproof.certification.over_box import ProvedBounds
 from hoverproof.mission.presets import preset_text
 from hoverproof.show.drawing import html
@@ -40,6 +42,93 @@ def test_a_float_is_the_shortest_decimal_that_is_read_as_it(gain):
         assert hp.load("x4-flyer", {"gains.k4": value}).gains.k4 == F(repr(gain))
     start = hp.load("x4-flyer", {"start.position": np.array([gain, 0.1, -4])}).start
     assert start.position == (F(repr(gain)), F(1, 10), -4)
+
+
+ONES = (F(1), F(1), F(1), F(1))
+BOX = ((F(-1, 10), F(1, 10)), (F(-1, 10), F(1, 10)), (F(-4), F(-3)))
+
+
+def hovers(*place):
+    start = hp.Start.hover(*place)
+    assert start == hp.Start(((F(1, 10),) * 2, (F(0),) * 2, (F(-4),) * 2))
+    return hp.attraction("x4-flyer", starts=iter([start]))
+
+
+@pytest.mark.parametrize(
+    ("verb", "plain", "others"),
+    [
+        (
+            lambda w: hp.certify("x4-flyer", weights=w),
+            ONES,
+            ([1, 1.0, Decimal(1), np.int64(1)], np.ones(4), np.ones(4, np.int32)),
+        ),
+        (
+            lambda box: hp.region("x4-flyer", box),
+            BOX,
+            (np.array(BOX, float), [[-0.1, 0.1], [-0.1, Decimal("0.1")], [-4, np.float64(-3)]]),
+        ),
+        (
+            lambda place: hovers(*place),
+            (F(1, 10), F(0), F(-4)),
+            ((0.1, 0, -4), np.array([0.1, 0, -4]), (Decimal("0.1"), np.int8(0), "-4")),
+        ),
+    ],
+    ids=["weights", "box", "start"],
+)
+def test_any_number_of_python_is_taken_exactly(verb, plain, others):
+    expected = verb(plain).certificate
+    for other in others:
+        assert verb(other).certificate == expected
+
+
+def test_numbers_of_numpy_are_those_of_python(tmp_path):
+    flown = hp.simulate("crazyflie-2.1", duration=0.1, step=0.001, seed=3, every=2)
+    for real, whole in ((np.float64, np.int64), (F, np.uint8)):
+        again = hp.simulate(
+            "crazyflie-2.1", duration=real("0.1"), step=real("0.001"), seed=whole(3), every=whole(2)
+        )
+        assert again.equals(flown)
+    for runs in (2, np.int64(2)):
+        hp.simulate_batch(
+            "x4-flyer", tmp_path / f"{runs!r}.nc", runs=runs, duration=np.float64(0.1)
+        )
+    one, other = (path.read_bytes() for path in tmp_path.iterdir())
+    assert one == other
+
+
+def test_a_package_takes_the_certificate_of_a_verdict_and_limits_of_any_sequence(tmp_path):
+    kept = Path(__file__).parent.parent / "proofs" / "crazyflie-2.1.attraction.cert.json"
+    shown = Certificate(json.loads(kept.read_text(encoding="utf-8")))
+    told = [
+        hp.export_c("crazyflie-2.1", tmp_path / f"{k}", certificate=given, rotor_limits=limits)
+        for k, (given, limits) in enumerate(
+            ((shown, (0, F(1, 5))), (shown.content, np.array([0, 0.2])))
+        )
+    ]
+    assert told[0] == told[1]
+    for wrong in ("x", (1,)):
+        with pytest.raises(hp.InputError, match=r"^rotor_limits: must be two numbers"):
+            hp.export_c("crazyflie-2.1", tmp_path / "no", certificate=shown, rotor_limits=wrong)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: hp.certify("x4-flyer", weights=np.ones(3)), "weights: must be four positive"),
+        (lambda: hp.certify("x4-flyer", weights=(1, 1, 1, np.nan)), "weights: must be a list"),
+        (lambda: hp.tune("x4-flyer", objective="decay", weights="1111"), "weights: must be four"),
+        (lambda: hp.region("x4-flyer", ((0, np.inf), (0, 1), (-4, -3))), "box: must be three"),
+        (lambda: hp.region("x4-flyer", ((0, 1e9), (0, 1), (-4, -3))), "box: the ends must be"),
+        (lambda: hp.Start.hover(0, 0, np.nan), "start: must be numbers"),
+        (lambda: hp.Start(((0, 0), (0, 0))), "start: position: must have three"),
+        (lambda: hp.simulate("x4-flyer", duration=10**400), "duration: must be a finite number"),
+        (lambda: hp.simulate("x4-flyer", seed=True), "seed: must be a whole number"),
+        (lambda: hp.export_c("x4-flyer", "no", certificate="x.json"), "certificate: must be of"),
+    ],
+)
+def test_what_is_none_is_refused_by_the_name_of_the_argument(call, said):
+    with pytest.raises(hp.InputError, match=f"^{said}"):
+        call()
 
 
 @pytest.mark.parametrize("path", [*hp.presets(), *VEHICLES], ids=lambda path: Path(path).stem)

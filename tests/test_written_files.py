@@ -108,6 +108,23 @@ def test_what_cannot_be_written_is_refused_before_the_work(words, reason, capsys
     assert reason in refusal(capsys, *words.split())
 
 
+def test_a_file_that_is_read_only_stays(capsys, folder):
+    kept = folder / "x4-flyer.cert.json"
+    kept.write_text("mine", encoding="utf-8")
+    kept.chmod(0o444)
+    assert "x4-flyer.cert.json: cannot be written: it is read-only" in refusal(
+        capsys, "certify", "x4-flyer"
+    )
+    assert kept.read_text(encoding="utf-8") == "mine"
+
+
+@pytest.mark.parametrize("command", ["attraction", "region"])
+def test_a_mission_whose_files_would_have_too_long_names_is_refused_first(command, capsys, folder):
+    name = "n" * 240
+    (folder / f"{name}.toml").write_text(preset_text("x4-flyer"), encoding="utf-8")
+    assert "File name too long" in refusal(capsys, command, f"{name}.toml")  # no word of progress
+
+
 def test_a_page_that_is_not_written_has_no_name(capsys):
     words = ("audit", "log.nc", "--mission", "x4-flyer", "--no-page", "--out", "a.html")
     assert "--out: does not go with --no-page" in refusal(capsys, *words)

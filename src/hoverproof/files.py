@@ -109,13 +109,13 @@ def require_file(path: Path | str) -> None:
     Raises
     ------
     InputError
-        If it is something else than a file, or its folder is not there or may not be written to.
+        If it is read-only or no file, or its folder is not there or may not be written to.
     """
     path = Path(path)
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:
-        mode = stat.S_IFREG
+        mode = stat.S_IFREG | stat.S_IWUSR
     except (OSError, ValueError) as error:  # as for too long a name, or a null byte
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(str(path), "", f"cannot be written: {reason}") from None
@@ -123,6 +123,8 @@ def require_file(path: Path | str) -> None:
         raise InputError(str(path), "", "is a directory, not a file to write")
     if not stat.S_ISREG(mode):
         raise InputError(str(path), "", "cannot be written: it is a device, not a file")
+    if not mode & 0o222:  # whoever owns the folder could replace it, but it says not to
+        raise InputError(str(path), "", "cannot be written: it is read-only")
     folder = Path(os.path.realpath(path)).parent
     if not folder.is_dir():
         raise InputError(str(path), "", "cannot be written: its folder is not there")

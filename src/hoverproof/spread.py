@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import threading
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor, wait
@@ -132,25 +133,23 @@ def collected(
     return results
 
 
-_counted: Callable[[], None] | None = None
+_here = threading.local()
 
 
 def count() -> None:
-    """Count a part of an item as done, where `collected` counts parts."""
-    if _counted is not None:
-        _counted()
+    """Count a part of an item as done, where `collected` counts parts in this thread."""
+    getattr(_here, "counted", lambda: None)()
 
 
 def _count_in(shared: Any, told: Callable[[], None] = lambda: None) -> None:
-    """Let this process count what is done in a number that it shares with others."""
-    global _counted
+    """Let this thread count what is done in a number that it shares with other processes."""
 
     def counted() -> None:
         with shared.get_lock():
             shared.value += 1
         told()
 
-    _counted = counted
+    _here.counted = counted
 
 
 def interruptibly(function: Callable[[], Result], stop: Callable[[], None]) -> Result:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
+DIGITS = 4
+"""Of a proved bound, as it is told; certificates, and objects for machines, have all."""
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -44,6 +46,28 @@ def decimal_above(value: float | Fraction, digits: int) -> Fraction:
     digits : int
     """
     return -decimal_below(-value, digits)
+
+
+def at_least(value: float | Fraction, digits: int = DIGITS) -> str:
+    """Write a proved lower bound, rounded down.
+
+    Parameters
+    ----------
+    value : float or Fraction
+    digits : int
+    """
+    return written(decimal_below(value, digits), digits)
+
+
+def at_most(value: float | Fraction, digits: int = DIGITS) -> str:
+    """Write a proved upper bound, rounded up.
+
+    Parameters
+    ----------
+    value : float or Fraction
+    digits : int
+    """
+    return written(decimal_above(value, digits), digits)
 
 
 def binary_below(value: Fraction, bits: int) -> Fraction:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from hoverproof.algebra.decimals import decimal_below
+from hoverproof.algebra.decimals import at_least, at_most, decimal_below
 from hoverproof.algebra.definite import is_positive_definite, quadratic_form
 from hoverproof.algebra.derived import kept_json
 from hoverproof.algebra.graph import fingerprint
@@ -69,8 +69,8 @@ class ProvedGains(Proved):
     @property
     def gist(self) -> str:
         """Margin and decay rate."""
-        margin, rate = float(self.margin), float(self.decay_rate)
-        return f"margin of Σ {margin:.6g} kg/s, decay rate of L {rate:.6g} 1/s"
+        margin, rate = at_least(self.margin, 6), at_least(self.decay_rate, 6)
+        return f"margin of Σ {margin} kg/s, decay rate of L {rate} 1/s"
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -105,7 +105,7 @@ class RefutedGains(Refuted):
     @property
     def gist(self) -> str:
         """The worst eigenvalue."""
-        return f"Σ has an eigenvalue of {float(self.margin_above):.6g} kg/s or less"
+        return f"Σ has an eigenvalue of {at_most(self.margin_above, 6)} kg/s or less"
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

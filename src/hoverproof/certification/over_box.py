@@ -13,9 +13,9 @@ from hoverproof.certification.region import (
     Outside,
     default_box,
     enclosures,
+    exact_box,
     halved,
     outside,
-    require_box,
 )
 from hoverproof.certification.verdict import Proved, Refuted, Undecided
 from hoverproof.errors import InputError
@@ -120,8 +120,7 @@ def certify_region(
         If the box holds a target point, where Q is infinite, or if the bounds are "auto" and none
         are proved.
     """
-    box = default_box(mission) if box is None else box
-    require_box(box)
+    box = default_box(mission) if box is None else exact_box(box)
     proved = _enclose(mission, box, most)
     wanted = mission.bounds.eigenvalues
     if not isinstance(wanted, tuple):

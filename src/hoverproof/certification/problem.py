@@ -9,11 +9,9 @@ one bilinear form (see `robust`).
 from __future__ import annotations
 
 import itertools
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from numbers import Real
 from typing import Any, Literal
 
 import casadi as ca
@@ -28,6 +26,7 @@ from hoverproof.certification.flow import Flow, flow_of
 from hoverproof.certification.region import Box, Enclosure
 from hoverproof.certification.robust import Array, Inequality, Term
 from hoverproof.errors import InputError
+from hoverproof.mission.fields import exact
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, Interval, hover_goal
 from hoverproof.servo.law import Law
@@ -304,21 +303,27 @@ def gain_problem(
     return replace(problem, goal_box=goal_box(mission, problem.eigenvalues, problem.box))
 
 
-def require_weights(weights: tuple[Fraction, ...]) -> None:
-    """Refuse weights of L that are none.
+def exact_weights(weights: Iterable[object]) -> tuple[Fraction, ...]:
+    """Return weights of L as exact numbers.
 
     Parameters
     ----------
-    weights : (4,) Fractions
+    weights : (4,) numbers, or texts of them
+        See `hoverproof.mission.fields.exact`.
 
     Raises
     ------
     InputError
-        If they are not four positive numbers.
+        If they are not four positive numbers of a reasonable size.
     """
-    some = weights if isinstance(weights, tuple | list) else ()
-    if len(some) != 4 or not all(isinstance(w, Real) and 0 < w < math.inf for w in some):
-        raise InputError("--weights", "", f"must be four positive numbers, not {weights!r:.80}")
+    try:
+        some = () if isinstance(weights, str) else tuple(map(exact, weights))
+    except (TypeError, ValueError):
+        some = ()
+    if len(some) != 4 or not all(0 < w <= 10**9 and w.denominator <= 10**18 for w in some):
+        reason = f"must be four positive numbers of at most 18 decimals, not {weights!r:.80}"
+        raise InputError("--weights", "", reason)
+    return some
 
 
 def pose(
@@ -340,7 +345,7 @@ def pose(
         If the thrust interval reaches the singularity of the controller, T = c q3*, or if "auto"
         proves nothing.
     """
-    require_weights(weights)
+    weights = exact_weights(weights)
     goal, law = hover_goal(mission), law_of(mission)
     box = tuple(
         (low, high) if low == high else (binary_below(low, BITS), binary_above(high, BITS))

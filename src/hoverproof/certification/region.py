@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from numbers import Real
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,36 +59,38 @@ def parse_box(text: str) -> Box:
     InputError
         If it is not six numbers in order.
     """
-    try:
-        x0, x1, y0, y1, z0, z1 = map(exact, text[:400].split(","))
-    except ValueError:
-        raise InputError("--box", "", f"must be x0,x1,y0,y1,z0,z1 in m, not {text!r}") from None
-    box = ((x0, x1), (y0, y1), (z0, z1))
-    if any(a > b or max(abs(a), abs(b)) > 10**6 for a, b in box):
-        raise InputError("--box", "", f"the ends must be in order and within 1e6 m, not {text!r}")
-    if any(x.denominator > 10**18 for side in box for x in side):
-        raise InputError("--box", "", f"the ends must have at most 18 decimals, not {text!r}")
-    return box
+    ends = text[:400].split(",")
+    if len(ends) != 6:
+        raise InputError("--box", "", f"must be x0,x1,y0,y1,z0,z1 in m, not {text!r}")
+    return exact_box(tuple(zip(ends[::2], ends[1::2], strict=True)))
 
 
-def require_box(box: Box) -> None:
-    """Refuse a box that is none.
+def exact_box(box: Sequence[Sequence[object]]) -> Box:
+    """Return a box with exact ends.
 
     Parameters
     ----------
-    box : (3,) of (low, high)
-        World frame, m.
+    box : (3,) of (low, high), numbers or texts of them
+        World frame, m; see `hoverproof.mission.fields.exact`.
 
     Raises
     ------
     InputError
-        If it has not three sides whose ends are in order.
+        If it has not three sides whose ends are in order and of a reasonable size.
     """
-    sides = [side for side in box if isinstance(side, tuple | list) and len(side) == 2]
-    numbers = all(isinstance(end, Real) for side in sides for end in side)
-    if not len(sides) == len(box) == 3 or not numbers or not all(a <= b for a, b in sides):
-        reason = f"must be ((x0, x1), (y0, y1), (z0, z1)) in m, each in order, not {box!r:.80}"
+    try:
+        sides = tuple((exact(low), exact(high)) for low, high in box)
+    except (TypeError, ValueError):
+        sides = ()
+    if len(sides) != 3:
+        reason = f"must be three sides (low, high) in m, not {box!r:.80}"
         raise InputError("--box", "", reason)
+    if any(a > b or max(abs(a), abs(b)) > 10**6 for a, b in sides):
+        reason = f"the ends must be in order and within 1e6 m, not {box!r:.80}"
+        raise InputError("--box", "", reason)
+    if any(x.denominator > 10**18 for side in sides for x in side):
+        raise InputError("--box", "", f"the ends must have at most 18 decimals, not {box!r:.80}")
+    return sides
 
 
 def default_box(mission: Mission) -> Box:

@@ -1,7 +1,6 @@
-"""The slope J of the scaled centroid over cells of positions, in floating point.
+"""The slope J of the scaled centroid over many cells of positions, in floating point.
 
-The same as `checker.scaled_slope`, where the equations stand, for many cells at once.
-"""
+The equations stand in `checker.scaled_slope`."""
 
 from __future__ import annotations
 

@@ -87,7 +87,8 @@ def attraction(
     from hoverproof.design.unproved import unproved
 
     loaded = load_mission(mission, set_)
-    file_to_write(out, f"{default_stem(loaded, mission, set_, proof=True)}.cert.json")
+    stem = f"{default_stem(loaded, mission, set_, proof=True)}.attraction"
+    file_to_write(out, f"{stem}.cert.json")
     given = {"speed": speed, "tilt": tilt, "rate": rate, "thrust": thrust}
     sizes = {name: _number(f"--{name}", text) for name, text in given.items()}
     if start is None and any(sizes.values()):
@@ -107,7 +108,6 @@ def attraction(
                 loaded, objective=objective, starts=starts, barrier=barrier, progress=doing
             )
         told = unproved(verdict, starts, doing) if objective == "start" else None
-    stem = f"{default_stem(loaded, mission, set_, proof=True)}.attraction"
     path, picture, search = _saved(verdict, told, out, stem), None, None
     if path is not None and figure and verdict.proved:
         picture = _draw(verdict.proved, path)

@@ -143,10 +143,10 @@ def region(
     from hoverproof.cli.answers.region import RegionAnswer
 
     loaded = load_mission(mission, set_)
-    stem = default_stem(loaded, mission, set_, proof=True)
+    stem = f"{default_stem(loaded, mission, set_, proof=True)}.region"
     file_to_write(out, f"{stem}.cert.json")
     verdict = certify_region(loaded, box_sides(loaded, box), boxes)
-    path = out or Path(f"{stem}.region.{verdict.ending}.json")
+    path = out or Path(f"{stem}.{verdict.ending}.json")
     stem = path.name.removesuffix(".json").removesuffix(f".{verdict.ending}")
     picture = path.with_name(f"{stem}.png")
     if verdict.certificate is not None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -116,7 +115,7 @@ def export(
     return tell(answer, json_, loaded)
 
 
-def _read(path: Path) -> Mapping[str, Any]:
+def _read(path: Path) -> dict[str, Any]:
     """Read a certificate of `attraction`; what it says is checked where it is written."""
     from hoverproof import checker
     from hoverproof.certification.reading import readable

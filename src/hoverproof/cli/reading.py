@@ -83,25 +83,13 @@ def parse_weights(
 ) -> tuple[Fraction, ...]:
     """Read --weights: four numbers, or the best ones; by default ones."""
     from hoverproof.certification.gains import search_weights
-    from hoverproof.certification.problem import ONES
-    from hoverproof.mission.fields import exact
+    from hoverproof.certification.problem import ONES, exact_weights
 
     if text is None:
         return ONES
     if text == "search":
         return search_weights(mission, region=region)
-    try:
-        weights = tuple(map(exact, text[:400].split(",")))
-    except ValueError:
-        weights = ()
-    if len(weights) != 4 or not all(0 < w <= 10**9 and w.denominator <= 10**18 for w in weights):
-        raise InputError(
-            "--weights",
-            "",
-            "must be `search` or four positive numbers w1,w2,w3,w4 of at most 18 decimals, "
-            f"not {text!r}",
-        )
-    return weights
+    return exact_weights(text[:400].split(","))
 
 
 def mission_name(path: Path) -> str:

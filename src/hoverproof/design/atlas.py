@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from hoverproof.certification.bounds import eigenvalues_at_goal
 from hoverproof.certification.gains import certify, model_fingerprint
-from hoverproof.certification.problem import ONES, gain_problem, pose
+from hoverproof.certification.problem import ONES, exact_weights, gain_problem, pose
 from hoverproof.design.axes import NOT_ASKED, cell_mission, map_record, on_boundary, two_axes
 from hoverproof.design.axes import QUANTITIES as QUANTITIES
 from hoverproof.design.axes import Axis as Axis
@@ -97,6 +97,7 @@ def atlas(
     if theorem not in get_args(Theorem):
         known = ", ".join(get_args(Theorem))
         raise InputError("--theorem", "", f"must be one of {known}, not {theorem!r}")
+    weights = exact_weights(weights)
     work: dict[str, Any] = {"processes": processes, "scheduler": scheduler, "report": report}
     if theorem == "start":
         if weights != ONES:

@@ -163,8 +163,6 @@ def axis(
     InputError
         If there is no such quantity, or its range cannot be used.
     """
-    if not isinstance(name, str):
-        raise TypeError(f"an axis is the name of a quantity, as 'k1', not {type(name).__name__}")
     name, known = name.removeprefix("gains."), OF_START if of_start else QUANTITIES
     name = name.removeprefix("uncertainty.") if of_start else name
     if name not in known:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from hoverproof.algebra.decimals import decimal_above, decimal_below
 from hoverproof.certification.gains import certify, search_weights
-from hoverproof.certification.problem import ONES, GainProblem, gain_problem, require_weights
+from hoverproof.certification.problem import ONES, GainProblem, exact_weights, gain_problem
 from hoverproof.design.gain_search import GainSearch
 from hoverproof.design.gain_search import Objective as RateObjective
 from hoverproof.design.infeasible import (
@@ -109,7 +109,8 @@ def tune(
     InputError
         If the mission poses no question, or an option is out of range.
     """
-    wish = Wish(bandwidth, objective, rate, tilt, rotor_thrust, weights, at_least, minimum_decay)
+    w = weights if isinstance(weights, str) else exact_weights(weights)
+    wish = Wish(bandwidth, objective, rate, tilt, rotor_thrust, w, at_least, minimum_decay)
     return gains_for(mission, wish)
 
 
@@ -157,7 +158,7 @@ class Wish:
             reason = f"is about L, so not for --objective {self.objective}: {other}"
             raise InputError(option, "", reason)
         if self.weights != "search":
-            require_weights(self.weights)
+            exact_weights(self.weights)
         if self.objective != "start" and self.trade is not None:
             raise InputError("--trade", "", f"is for --objective start, not {self.objective}")
         if self.objective != "region" and self.minimum_decay is not None:

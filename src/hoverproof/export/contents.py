@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import casadi as ca
 
-from hoverproof.algebra.decimals import decimal_below
+from hoverproof.algebra.decimals import at_most, decimal_below
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.errors import InputError
 from hoverproof.export.adapter import Adapter, adapter
@@ -340,4 +340,4 @@ def _tilt(mission: Mission, excess: Fraction, proved: Fraction | None) -> tuple[
     cosine = proved or decimal_below(sqrt_enclosure(1 - sine**2)[0], 9)
     degrees = math.degrees(math.acos(float(cosine)))
     origin = "follows from the level" if proved is None else "proved on the way"
-    return cosine, f"{degrees:.4g} degrees ({origin})"
+    return cosine, f"{at_most(degrees)} degrees ({origin})"

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 from hoverproof.errors import InputError
 from hoverproof.export.precision import PRECISIONS, Precision
+from hoverproof.mission.fields import exact
 from hoverproof.mission.sections import Mission
 
 
@@ -89,7 +91,7 @@ class Options:
             lens = 'camera.lens in the mission: give [camera] file = "camera_info.yaml"'
             needs = lens if sensing == "points" else "--sensing points"
             raise InputError("--pixels", "", f"needs {needs}")
-        limits = _each_rotor(mission, rotor_limits)
+        limits = _each_rotor(mission, None if rotor_limits is None else _pair(rotor_limits))
         origin = _origin_of_limits(mission, given=rotor_limits is not None)
         kept = sensing if camera else None
         taken = "feature" if camera else sensing
@@ -157,6 +159,15 @@ def _commands_rates(mission: Mission, interface: str | None) -> bool:
             "is not known in N, and a law that takes that for its force hovers elsewhere",
         )
     return True
+
+
+def _pair(limits: Sequence[object]) -> tuple[Fraction, Fraction]:
+    try:
+        low, high = map(exact, limits)
+    except (TypeError, ValueError):
+        reason = f"must be two numbers, lowest and highest in N, not {limits!r:.80}"
+        raise InputError("--rotor-limits", "", reason) from None
+    return low, high
 
 
 def _each_rotor(

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
 from hoverproof import checker
-from hoverproof.algebra.decimals import decimal_above, decimal_below
+from hoverproof.algebra.decimals import at_least, at_most, decimal_above, decimal_below
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.task import LawChoice
@@ -139,6 +138,11 @@ class Evidence:
         )
 
     @property
+    def rotors_in_words(self) -> str:
+        """The same in N, rounded outward."""
+        return ", ".join(f"{at_least(low)} to {at_most(high)}" for low, high in self.rotor_thrusts)
+
+    @property
     def interval(self) -> str:
         """Whether the interval of thrusts is certified or assumed."""
         return "certified" if self.certified else "assumed"
@@ -243,10 +247,10 @@ def _gist(held: Mapping[str, Any]) -> str:
             who = "Every vehicle within the tolerances of the mission"
         return f"{who} converges to its goal from every state named here."
     soon = claim["settling"]
-    time, radius = (math.ceil(10**4 * Fraction(soon[key])) / 1e4 for key in ("time", "radius"))
+    time, radius = (at_most(Fraction(soon[key])) for key in ("time", "radius"))
     last = "" if "ultimate" not in claim else " to what the noise leaves"
     return (
         "Every vehicle within the tolerances of the mission, switched on in a state named here, is "
-        f"from {time:g} s on within {radius:g} m of its hover, and Ψ falls{last} as exp(-r t), r = "
-        f"{math.floor(10**4 * Fraction(claim['rate'])) / 1e4:g} 1/s."
+        f"from {time} s on within {radius} m of its hover, and Ψ falls{last} as exp(-r t), r = "
+        f"{at_least(Fraction(claim['rate']))} 1/s."
     )

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from hoverproof.certification.certificate import Certificate
 from hoverproof.certification.convergence import Progress, attraction
 from hoverproof.certification.gains import certify
 from hoverproof.certification.problem import pose
@@ -26,7 +26,7 @@ def export_c(
     /,
     out: str | Path,
     *,
-    certificate: Mapping[str, Any] | None = None,
+    certificate: Certificate | dict[str, Any] | None = None,
     allow_uncertified: bool = False,
     law: Law | None = None,
     progress: Progress | None = None,
@@ -42,8 +42,8 @@ def export_c(
     mission : Mission, or str or Path as `hoverproof.load` takes
     out : str or Path
         Folder to write to; made if needed.
-    certificate : mapping, optional
-        Content of a certificate of `hoverproof.attraction` about this mission, which is enough.
+    certificate : Certificate or dict, optional
+        Of `hoverproof.attraction` about this mission, which is enough; or what its file holds.
     allow_uncertified : bool
         Write a package even if nothing is proved; every file of it then says so.
     law : Law, optional
@@ -82,11 +82,12 @@ def export_c(
     if gains is None and certificate is None and not allow_uncertified:
         check_options(mission, **options)  # before what may take a while
         certificate = _converges(mission, verdict.status, progress)
-    standing = Standing(verdict.problem.thrust, gains, certificate)
+    shown = certificate.content if isinstance(certificate, Certificate) else certificate
+    standing = Standing(verdict.problem.thrust, gains, shown)
     return write_package(mission, out, standing, **options)
 
 
-def _converges(mission: Mission, gains: str, progress: Progress | None) -> dict[str, Any]:
+def _converges(mission: Mission, gains: str, progress: Progress | None) -> Certificate:
     """Return the certificate that a vehicle converges from its start, though its gains are `gains`.
 
     Refuted gains are not looked at: who wants them nevertheless proves it before.
@@ -97,7 +98,7 @@ def _converges(mission: Mission, gains: str, progress: Progress | None) -> dict[
     if not verdict.proved:
         reason = f"the gains alone are {gains}, and from its start it is {verdict.status} too"
         raise NotCertified(mission.name, verdict.status, f"{reason}: {verdict.reason}")
-    return verdict.proved.certificate.content
+    return verdict.proved.certificate
 
 
 def exported(mission: Mission, law: Law | None = None, *, camera: bool) -> Firmware:

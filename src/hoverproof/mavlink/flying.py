@@ -118,9 +118,9 @@ def package_of(
             export_c(mission, made, camera=True, name="flown", **own)
             return Firmware(made)
     firmware = Firmware(folder)
-    if changed := _changed(folder, firmware.manifest.get("files", {})):
+    if changed := _changed(folder, firmware):
         if not allow_uncertified:
-            words = f"its {changed[0]} is not as it was exported, so not what is certified"
+            words = f"its {min(changed)} is not as it was exported, so not what is certified"
             raise InputError(str(folder), "", f"{words}; --allow-uncertified flies it")
         firmware.manifest["certified"] = False
     if not (firmware.manifest["certified"] or allow_uncertified):
@@ -128,11 +128,14 @@ def package_of(
     return firmware
 
 
-def _changed(folder: Path, files: dict[str, str]) -> list[str]:
-    """Return which files of the C of a package have another SHA-256 than its manifest says."""
-    own = [folder / name for name in files if re.fullmatch(r"\w+\.[ch]", name)]
-    held = {path: path.read_bytes() if path.is_file() else b"" for path in own}
-    return [p.name for p in own if hashlib.sha256(held[p]).hexdigest() != files[p.name]]
+def _changed(folder: Path, firmware: Firmware) -> set[str]:
+    """Return which files of the C of a package are not of the SHA-256 that its manifest says."""
+    told = firmware.manifest.get("files", {})
+    own = {name for name in told if re.fullmatch(r"\w+\.[ch]", name)}
+    own |= {path.name for path in folder.glob(f"{firmware.name}*.[ch]")}  # one more may be compiled
+    held = {path.name: path.read_bytes() for path in map(folder.joinpath, own) if path.is_file()}
+    sums = {name: hashlib.sha256(content).hexdigest() for name, content in held.items()}
+    return {name for name in own if name not in sums or sums[name] != told.get(name)}
 
 
 def flight_of(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
-import math
 import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
+from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar, get_args
@@ -14,10 +15,10 @@ from typing import Any, Concatenate, ParamSpec, TypeVar, get_args
 from pydantic import ValidationError
 
 from hoverproof.errors import InputError, suggestion
-from hoverproof.mission.arguments import require_arguments
+from hoverproof.mission.arguments import taken
 from hoverproof.mission.camera import Lens
 from hoverproof.mission.camera_info import lens_of_file
-from hoverproof.mission.fields import Section, shown
+from hoverproof.mission.fields import Section, exact, shown
 from hoverproof.mission.presets import preset_text, presets
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.target import MAX_POINTS
@@ -78,8 +79,8 @@ def of_mission(
     @functools.wraps(verb)
     def of(mission: Mission | str | Path, *args: _P.args, **kwargs: _P.kwargs) -> _R:
         read = mission if isinstance(mission, Mission) else load(mission)
-        require_arguments(verb, (read, *args), kwargs)
-        return verb(read, *args, **kwargs)
+        bound = taken(verb, (read, *args), kwargs)
+        return verb(*bound.args, **bound.kwargs)
 
     return of  # type: ignore[return-value]  # the mission may be given by keyword as well
 
@@ -257,8 +258,10 @@ def _exact_value(value: object) -> object:
         return {key: _exact_value(entry) for key, entry in value.items()}
     if hasattr(value, "tolist"):  # an array of numpy or a number of its
         return _exact_value(value.tolist())
-    if isinstance(value, float):
-        return Fraction(repr(value)) if math.isfinite(value) else value
+    if isinstance(value, float | Decimal):
+        with contextlib.suppress(ValueError):
+            return exact(value)
+        return value
     return [_exact_value(entry) for entry in value] if isinstance(value, Sequence) else value
 
 

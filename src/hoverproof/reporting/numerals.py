@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from hoverproof.algebra.decimals import decimal_above, decimal_below, written
+from hoverproof.algebra import decimals
+from hoverproof.algebra.decimals import DIGITS, written
 from hoverproof.certification.flow import flow_of
 from hoverproof.mission.sections import Mission
-
-DIGITS = 4
 
 
 def short(value: float | Fraction, digits: int = DIGITS) -> str:
@@ -35,7 +34,7 @@ def at_least(value: Fraction, digits: int = DIGITS) -> str:
     digits : int
         Number of digits.
     """
-    return short(decimal_below(value, digits), digits)
+    return decimals.at_least(value, digits).replace("-", "−")
 
 
 def at_most(value: Fraction, digits: int = DIGITS) -> str:
@@ -48,7 +47,7 @@ def at_most(value: Fraction, digits: int = DIGITS) -> str:
     digits : int
         Number of digits.
     """
-    return short(decimal_above(value, digits), digits)
+    return decimals.at_most(value, digits).replace("-", "−")
 
 
 def interval(ends: Sequence[float | Fraction]) -> str:

@@ -16,7 +16,6 @@ from hoverproof.certification.convergence import Converges, start_or_ball
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.certification.gains import GainsVerdict, certify
 from hoverproof.certification.over_box import BoundsVerdict, certify_region
-from hoverproof.certification.region import default_box
 from hoverproof.design.atlas import axis, cell_values, chart
 from hoverproof.errors import InputError
 from hoverproof.export.cost import Footprint, Rounding, footprint, rounding
@@ -203,9 +202,7 @@ def gather(
         verdict=verdict,
         demands=demands_of(mission, verdict.problem.eigenvalues),
         atlas=part("atlas", "atlas", lambda: _map(mission)),
-        region=part(
-            "region", "eigenvalue region", lambda: certify_region(mission, default_box(mission))
-        ),
+        region=part("region", "eigenvalue region", lambda: certify_region(mission)),
         attraction=part(
             "attraction", "region of attraction", lambda: Attracted(*start_or_ball(mission))
         ),

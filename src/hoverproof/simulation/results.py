@@ -230,7 +230,8 @@ def reopen(path: Path, batch: Batch) -> Iterator[RunsFile]:
         ) from None
     for key, value in batch.identity.items():
         if found.get(key) != value:
-            reason = f"was made with another {key}, so it cannot be resumed"
+            other = "other" if key.endswith("s") else "another"
+            reason = f"was made with {other} {key}, so it cannot be resumed"
             if not isinstance(value, dict):
                 reason += f": {found.get(key)} there, {value} here"
             raise InputError(str(path), "", reason)

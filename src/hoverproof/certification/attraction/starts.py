@@ -17,6 +17,7 @@ from hoverproof.algebra.decimals import decimal_above
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.region import Box, holds_target_point
 from hoverproof.errors import InputError
+from hoverproof.mission.fields import exact
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import rotation_rows
 
@@ -28,11 +29,14 @@ GRID = 1 << 204
 TURNING_GRID = 1 << 188
 """Coarser for the derivative of the axis, so that the checker sees that one is across the axis."""
 ZERO = Fraction(0)
+SIZES = "speed", "tilt", "rate", "thrust"
 
 
 @dataclass(frozen=True)
 class Start:
     """All states in these bounds, with any heading and any yaw rate.
+
+    Numbers may be given as any that `hoverproof.mission.fields.exact` takes.
 
     Attributes
     ----------
@@ -55,11 +59,19 @@ class Start:
     thrust: Fraction = ZERO
 
     def __post_init__(self) -> None:
-        if any(a > b for a, b in self.position):
-            raise InputError("start", "position", "has an end below its beginning")
-        for name in ("speed", "tilt", "rate", "thrust"):
-            if getattr(self, name) < 0:
-                raise InputError("start", name, f"must not be negative, not {getattr(self, name)}")
+        try:
+            position = tuple((exact(low), exact(high)) for low, high in self.position)
+            sizes = {name: exact(getattr(self, name)) for name in SIZES}
+        except (TypeError, ValueError):
+            reason = f"must be numbers, its position three sides (low, high), not {self!r:.160}"
+            raise InputError("start", "", reason) from None
+        if len(position) != 3 or any(a > b for a, b in position):
+            raise InputError("start", "position", "must have three sides, from low to high each")
+        for name, value in sizes.items():
+            if value < 0:
+                raise InputError("start", name, f"must not be negative, not {value}")
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "position", position)
 
     @classmethod
     def hover(cls, x: Fraction, y: Fraction, z: Fraction) -> Start:

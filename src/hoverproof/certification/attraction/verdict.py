@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from hoverproof.algebra.decimals import at_least, at_most
 from hoverproof.certification.attraction.starts import Start, State
 from hoverproof.certification.verdict import Proved, Refuted, Undecided
 
@@ -96,7 +97,7 @@ class Attraction(Proved):
     def gist(self) -> str:
         """How far the hovers inside reach from the goal."""
         sides = ("sideways", "up", "down")
-        return ", ".join(f"{float(getattr(self.reach, side)):.4g} m {side}" for side in sides)
+        return ", ".join(f"{at_least(getattr(self.reach, side))} m {side}" for side in sides)
 
     @property
     def tolerant(self) -> bool:
@@ -126,7 +127,7 @@ class Sinks(Refuted):
     @property
     def reason(self) -> str:
         """What happens."""
-        return f"the vehicle sinks to the target within {float(self.time):.4g} s"
+        return f"the vehicle sinks to the target within {at_most(self.time)} s"
 
 
 AttractionVerdict = Attraction | Sinks | Undecided

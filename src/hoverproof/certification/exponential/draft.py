@@ -146,7 +146,9 @@ class Rounded:
         """
         stretch = self.tilted.stretch(self.weights)
         offset = float(settled_offset(question))
-        level = (offset - self.tilted.shift) ** 2 / (2 * stretch) - self.floor
+        level = max(offset - self.tilted.shift, 0.0) ** 2 / (2 * stretch) - self.floor
+        if level <= 0:
+            raise NotShown("disturbances leave more than the radius in which it has settled")
         time = math.log(max(float(self.level) / level, 1.0)) / float(self.rate)
         return Settling(question.radius, decimal_above(time * (1 + SPARE) + 1e-6, 4))
 

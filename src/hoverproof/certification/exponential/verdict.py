@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from hoverproof.algebra.decimals import at_most
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.region import Box
 from hoverproof.certification.verdict import Proved
@@ -103,5 +104,5 @@ class Exponential(Proved):
     @property
     def gist(self) -> str:
         """How soon it is how near."""
-        radius, time = float(self.settling.radius), float(self.settling.time)
-        return f"within {radius:.4g} m of the goal from {time:.4g} s on"
+        radius, time = at_most(self.settling.radius), at_most(self.settling.time)
+        return f"within {radius} m of the goal from {time} s on"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from hoverproof.algebra.decimals import at_least, at_most
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import Attraction, Sinks
 from hoverproof.certification.certificate import exact
@@ -20,14 +21,13 @@ from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import (
     angle,
     as_argument,
-    at_least,
-    at_most,
     enclosure,
     goal_as_json,
     goal_text,
-    interval,
+    inside,
     number,
     numbers,
+    whole,
 )
 from hoverproof.design.unproved import Unproved
 from hoverproof.mission.tolerances import UNITS
@@ -246,10 +246,10 @@ def describe(start: Start) -> str:
     """
     point = all(a == b for a, b in start.position)
     sides = (", " if point else " x ").join(
-        number(a) if a == b else interval((a, b)) for a, b in start.position
+        whole(a) if a == b else inside((a, b)) for a, b in start.position
     )
     sizes = [
-        f"{word} <= {number(value)} {unit}"
+        f"{word} <= {at_least(value, 6)} {unit}"
         for word, value, unit in (
             ("speed", start.speed, "m/s"),
             ("tilt", start.tilt, "rad"),

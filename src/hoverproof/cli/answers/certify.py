@@ -9,6 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from hoverproof.algebra.decimals import at_least, at_most
 from hoverproof.certification.gains import (
     GainsVerdict,
     ProvedGains,
@@ -20,15 +21,14 @@ from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import (
     about,
     as_argument,
-    at_least,
-    at_most,
     bounds_as_json,
     goal_as_json,
     goal_text,
-    interval,
+    inside,
     number,
     numbers,
     sides_text,
+    whole,
 )
 from hoverproof.paper.conditions import Demand
 from hoverproof.plausibility import Finding
@@ -92,20 +92,20 @@ class CertifyAnswer(Answer):
 
     def _question(self) -> Iterator[str]:
         problem = self.verdict.problem
-        flow, thrust = problem.flow, interval(problem.thrust)
+        flow, thrust = problem.flow, inside(problem.thrust)
         if self.asked is not None and problem.box != self.asked:  # nothing is known over that box
             yield f"  not known whether Σ({flow.symbol}, T) ≻ 0 with bounds over the box"
             yield f"  {sides_text(self.asked)} m and every thrust T in {thrust} N"
             return
         claim = CLAIM[self.verdict.status].format(f"Σ({flow.symbol}, T)")
         yield f"  {claim} {flow.every}"
-        yield f"  {flow.within(problem.eigenvalues, number)} and every thrust T in {thrust} N"
+        yield f"  {flow.within(problem.eigenvalues, whole)} and every thrust T in {thrust} N"
         if problem.box is not None:
             yield f"  ({flow.bounds} proved over the box"
             yield f"  {sides_text(problem.box)} m)"
             own = problem.mission.bounds.eigenvalues
             if isinstance(own, tuple):
-                yield f"  the mission's own bounds {flow.within(own, number)} are not used"
+                yield f"  the mission's own bounds {flow.within(own, whole)} are not used"
         else:
             yield f"  ({flow.bounds} assumed, not proved: see hoverproof region)"
         yield from goal_text(problem.mission)

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from hoverproof.algebra.decimals import at_least
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.region_tuned import WAYS, region_tuned_as_json
 from hoverproof.cli.answers.start_tuned import StartTunedAnswer
 from hoverproof.cli.answers.tuned import infeasible_as_json, tuned_as_json
-from hoverproof.cli.answers.words import about, at_least, number
+from hoverproof.cli.answers.words import about, number
 from hoverproof.design.outcome import Infeasible, RegionTuned, StartTuned, Tuned
 from hoverproof.servo.variables import Design
 

@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
+from hoverproof.algebra.decimals import at_least, at_most
 from hoverproof.certification.certificate import exact
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.cli.answers.words import angle, at_least, at_most, enclosure, numbers
+from hoverproof.cli.answers.words import angle, enclosure, numbers
 
 PER_MASS = "N × true / modelled mass"
 """After bounds of the thrust of vehicles whose mass is not the modelled one."""
@@ -63,11 +64,12 @@ def _out_of_image(verdict: Exponential) -> list[str]:
     camera, cone = verdict.mission.camera, verdict.image_cone
     if cone is None or camera.half_angle is not None or verdict.field_of_view is None:
         return []
+    held = at_least(cone)
     if verdict.field_of_view <= cone - camera.tilt:
-        return [f"the image holds {cone:g} rad about the optical axis: all in it"]
+        return [f"the image holds {held} rad about the optical axis: all in it"]
     return [
-        f"the image holds {cone:g} rad about the optical axis:",
-        f"they may leave it; camera.half_angle = {cone:g} asks for",
+        f"the image holds {held} rad about the optical axis:",
+        f"they may leave it; camera.half_angle = {held} asks for",
         "a proof that they do not",
     ]
 

@@ -10,7 +10,7 @@ from typing import Any
 from hoverproof.certification.flow import flow_of
 from hoverproof.certification.over_box import BoundsVerdict
 from hoverproof.cli.answers.answer import EXIT, Answer
-from hoverproof.cli.answers.words import about, number, numbers, position_text, sides_text
+from hoverproof.cli.answers.words import about, numbers, position_text, sides_text, whole
 
 CONTENTS = {
     "proved": "the bounds",
@@ -47,7 +47,7 @@ class RegionAnswer(Answer):
         if found is None:
             yield "  nothing is proved there within the limit of boxes (--boxes)"
         else:
-            yield f"  proved there            {flow.within(found.eigenvalues, number)}"
+            yield f"  proved there            {flow.within(found.eigenvalues, whole)}"
             yield f"  found there             {flow.within(found.attained, about)}"
         if broken is not None:
             spot = broken.outside
@@ -93,5 +93,5 @@ class RegionAnswer(Answer):
 
 def _asked(verdict: BoundsVerdict) -> str:
     flow = flow_of(verdict.mission)
-    within = flow.within(verdict.bounds, number)
+    within = flow.within(verdict.bounds, whole)
     return f"bounds {within} of {flow.words}" if flow.symbol == "Q" else f"bounds {within}"

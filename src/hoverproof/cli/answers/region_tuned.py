@@ -8,11 +8,11 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from hoverproof.algebra.decimals import at_least
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.words import (
     about,
-    at_least,
     gain_units,
     gains_as_json,
     gains_text,

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from hoverproof.algebra.decimals import at_most
 from hoverproof.cli.answers.answer import Answer
-from hoverproof.cli.answers.words import about, at_most, wrapped
+from hoverproof.cli.answers.words import about, wrapped
 from hoverproof.design.atlas import Axis
 from hoverproof.design.atlas_summary import StartSummary
 from hoverproof.mission.sections import Mission

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from hoverproof.algebra.decimals import at_least
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.attraction import considered
 from hoverproof.cli.answers.beyond import beyond_text, covering
@@ -16,7 +17,6 @@ from hoverproof.cli.answers.exponential import PER_MASS, settled_text
 from hoverproof.cli.answers.words import (
     about,
     angle,
-    at_least,
     enclosure,
     gain_units,
     gains_as_json,

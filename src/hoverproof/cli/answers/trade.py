@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from hoverproof.algebra.decimals import at_most
 from hoverproof.cli.answers.attraction import considered
 from hoverproof.cli.answers.curve import CurveAnswer, Found, gains_row, nothing_row
-from hoverproof.cli.answers.words import about, at_most, number, wrapped
+from hoverproof.cli.answers.words import about, number, wrapped
 from hoverproof.design.outcome import StartTuned
 from hoverproof.design.start_trade import TRADED
 from hoverproof.mission.sections import Mission

@@ -8,13 +8,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from hoverproof.algebra.decimals import at_least, at_most
 from hoverproof.certification.problem import ONES
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.words import (
     about,
     as_argument,
-    at_least,
-    at_most,
     bounds_as_json,
     gain_units,
     gains_as_json,

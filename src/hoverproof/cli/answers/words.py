@@ -10,7 +10,7 @@ from dataclasses import asdict
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from hoverproof.algebra.decimals import decimal_above, decimal_below, written
+from hoverproof.algebra.decimals import at_least, at_most, written
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -20,13 +20,15 @@ if TYPE_CHECKING:
     from hoverproof.mission.sections import Mission
     from hoverproof.servo.hover_error import HoverError
 
-DIGITS = 4
-"""Of a proved bound; an object for machines has all."""
-
 
 def number(value: Any) -> str:
     """Write a number that a mission gives, with six digits."""
     return written(float(value), 6)
+
+
+def whole(value: Any) -> str:
+    """Write what a proof is about as it was given, or found in few digits, with all of them."""
+    return written(float(value), 12)
 
 
 def about(value: Any) -> str:
@@ -34,20 +36,9 @@ def about(value: Any) -> str:
     return written(float(value), 3)
 
 
-def at_least(value: float | Fraction) -> str:
-    """Write a proved lower bound, rounded down to four digits."""
-    return written(decimal_below(value, DIGITS), DIGITS)
-
-
-def at_most(value: float | Fraction) -> str:
-    """Write a proved upper bound, rounded up to four digits."""
-    return written(decimal_above(value, DIGITS), DIGITS)
-
-
 def angle(value: Fraction) -> str:
     """Write a proved upper bound of an angle."""
-    degrees = written(decimal_above(math.degrees(value), 3), 3)
-    return f"{at_most(value)} rad ({degrees}°)"
+    return f"{at_most(value)} rad ({at_most(math.degrees(value), 3)}°)"
 
 
 def numbers(values: Iterable[Any]) -> list[float]:
@@ -71,9 +62,14 @@ def enclosure(ends: Sequence[Fraction]) -> str:
     return f"[{at_least(ends[0])}, {at_most(ends[1])}]"
 
 
+def inside(ends: Sequence[Fraction]) -> str:
+    """Write an interval over which something is proved, rounded inward to six digits."""
+    return f"[{at_most(ends[0], 6)}, {at_least(ends[1], 6)}]"
+
+
 def sides_text(box: Sequence[Sequence[Fraction]]) -> str:
-    """Write a box as a product of intervals."""
-    return " x ".join(map(interval, box))
+    """Write a box, over which something is proved, as a product of intervals."""
+    return " x ".join(map(inside, box))
 
 
 def position_text(p: Sequence[float | Fraction]) -> str:
