@@ -79,7 +79,7 @@ def resized(mission, times):
 def test_the_search_sets_out_near_for_vehicles_of_20_g_and_of_20_kg(small, mass_ratio):
     small()
     search = StartSearch.of(resized(small(), mass_ratio), Limits(20.0))
-    assert search.held(None, lambda text: None) is not None
+    assert search.held(None) is not None
 
 
 def test_few_vertices_give_the_weights_of_all(small):

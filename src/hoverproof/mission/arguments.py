@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from hoverproof.errors import InputError
-from hoverproof.mission.fields import exact
+from hoverproof.mission.exact import exact
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")

@@ -18,7 +18,8 @@ from hoverproof.errors import InputError, suggestion
 from hoverproof.mission.arguments import taken
 from hoverproof.mission.camera import Lens
 from hoverproof.mission.camera_info import lens_of_file
-from hoverproof.mission.fields import Section, exact, shown
+from hoverproof.mission.exact import exact
+from hoverproof.mission.fields import Section, shown
 from hoverproof.mission.presets import preset_text, presets
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.target import MAX_POINTS
