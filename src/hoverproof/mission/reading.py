@@ -255,6 +255,8 @@ def _exact_value(value: object) -> object:
     """Take a float for the shortest decimal that is read as it, also inside a list."""
     if isinstance(value, str | bool | int | Fraction):
         return value
+    if isinstance(value, Path):
+        return str(value)
     if isinstance(value, Mapping):
         return {key: _exact_value(entry) for key, entry in value.items()}
     if hasattr(value, "tolist"):  # an array of numpy or a number of its
