@@ -78,6 +78,14 @@ def converges():
     return {name: attraction_once(load(name)) for name in ("crazyflie-2.1", "x4-flyer")}
 
 
+def test_tolerances_are_told_with_all_the_digits_that_they_were_given_with():
+    covers = {"thrust": F("0.0123456789"), "latency": F("0.0000123456789")}
+    mission = load("crazyflie-2.1", {f"uncertainty.{key}": x for key, x in covers.items()})
+    said = ", ".join(mission.covers())
+    assert "thrust ±1.23456789 %" in said
+    assert "latency up to 1.23456789e-05 s" in said
+
+
 @few
 @given(above_zero, above_zero, above_zero, above_zero, intervals, intervals, intervals)
 def test_what_is_told_of_theorem_5_is_proved(

@@ -40,7 +40,7 @@ def shown(value: object) -> str:
     """
     if isinstance(value, Fraction):
         beyond = abs(value) > sys.float_info.max
-        return f"a number beyond {'-' * (value < 0)}1e308" if beyond else f"{float(value):g}"
+        return f"a number beyond {'-' * (value < 0)}1e308" if beyond else f"{float(value):.12g}"
     if isinstance(value, list):
         return f"[{', '.join(map(shown, value))}]" if len(value) < 8 else f"{len(value)} entries"
     if isinstance(value, dict):
