@@ -83,7 +83,7 @@ def test_any_number_of_python_is_taken_exactly(verb, plain, others):
 
 def test_numbers_of_numpy_are_those_of_python(tmp_path):
     flown = hp.simulate("crazyflie-2.1", duration=0.1, step=0.001, seed=3, every=2)
-    for real, whole in ((np.float64, np.int64), (F, np.uint8)):
+    for real, whole in ((np.float32, np.int64), (F, np.uint8)):
         again = hp.simulate(
             "crazyflie-2.1", duration=real("0.1"), step=real("0.001"), seed=whole(3), every=whole(2)
         )
@@ -107,7 +107,7 @@ def test_a_package_takes_the_certificate_of_a_verdict_and_limits_of_any_sequence
     ]
     assert told[0] == told[1]
     for wrong in ("x", (1,)):
-        with pytest.raises(hp.InputError, match=r"^rotor_limits: must be two numbers"):
+        with pytest.raises(hp.InputError, match=r"^rotor_limits: must be"):
             hp.export_c("crazyflie-2.1", tmp_path / "no", certificate=shown, rotor_limits=wrong)
 
 
@@ -124,6 +124,9 @@ def test_a_package_takes_the_certificate_of_a_verdict_and_limits_of_any_sequence
         (lambda: hp.simulate("x4-flyer", duration=10**400), "duration: must be a finite number"),
         (lambda: hp.simulate("x4-flyer", seed=True), "seed: must be a whole number"),
         (lambda: hp.export_c("x4-flyer", "no", certificate="x.json"), "certificate: must be of"),
+        (lambda: hp.export_c("x4-flyer", "no", camera="yes"), "camera: must be True or False"),
+        (lambda: hp.export_c("x4-flyer", "no", name=3), "name: must be text or None"),
+        (lambda: hp.replace("x4-flyer", {"camera.file": Path("no.yaml")}), r"no\.yaml: "),
     ],
 )
 def test_what_is_none_is_refused_by_the_name_of_the_argument(call, said):

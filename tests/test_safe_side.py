@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from matplotlib.figure import Figure
 
 from hoverproof.algebra.decimals import at_least, at_most
 from hoverproof.certification.attraction.starts import Start
@@ -23,6 +24,7 @@ from hoverproof.export.standing import Standing, evidence
 from hoverproof.mission.reading import load
 from hoverproof.reporting import numerals
 from hoverproof.reporting.tables import attraction_table, exponential_table
+from hoverproof.show.exponential import View, draw_distance
 from once import attraction_once
 
 SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
@@ -76,6 +78,14 @@ def test_no_start_is_told_that_is_not_inside(side, x, speed):
 @pytest.fixture(scope="module")
 def converges():
     return {name: attraction_once(load(name)) for name in ("crazyflie-2.1", "x4-flyer")}
+
+
+def test_tolerances_are_told_with_all_the_digits_that_they_were_given_with():
+    covers = {"thrust": F("0.0123456789"), "latency": F("0.0000123456789")}
+    mission = load("crazyflie-2.1", {f"uncertainty.{key}": x for key, x in covers.items()})
+    said = ", ".join(mission.covers())
+    assert "thrust ±1.23456789 %" in said
+    assert "latency up to 1.23456789e-05 s" in said
 
 
 @few
@@ -145,6 +155,16 @@ def test_what_is_told_of_theorem_3_is_proved(converges, level, height, far, tilt
     for low, high in (line(text, "thrust")[:2], told(rows["thrust on the way"])[:2]):
         assert low <= thrust[0]
         assert thrust[1] <= high
+
+
+def test_the_legend_of_a_figure_tells_what_is_proved(converges):
+    verdict, axes = converges["crazyflie-2.1"], Figure().subplots()
+    settling = replace(verdict.settling, radius=F("0.041249"))  # nearest, it is less
+    draw_distance(axes, View(replace(verdict, settling=settling)), None)
+    bound, proved = (told(label) for label in axes.get_legend_handles_labels()[1])
+    assert bound[-1] <= verdict.rate
+    assert proved[0] >= settling.radius
+    assert proved[1] >= settling.time
 
 
 @pytest.mark.parametrize("scale", [F(1), F(1, 12345), F(98765, 3)])

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hoverproof.audit.log import MOST_ROWS, FlightLog
 from hoverproof.audit.tracks import EVER, thinned
 from hoverproof.errors import InputError
-from hoverproof.mission.fields import exact
+from hoverproof.mission.exact import exact
 from hoverproof.plant.rigid_body import rotation_rows
 
 Array = NDArray[np.float64]

@@ -26,7 +26,7 @@ from hoverproof.certification.flow import Flow, flow_of
 from hoverproof.certification.region import Box, Enclosure
 from hoverproof.certification.robust import Array, Inequality, Term
 from hoverproof.errors import InputError
-from hoverproof.mission.fields import exact
+from hoverproof.mission.exact import exact
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import HoverGoal, Interval, hover_goal
 from hoverproof.servo.law import Law
@@ -309,7 +309,7 @@ def exact_weights(weights: Iterable[object]) -> tuple[Fraction, ...]:
     Parameters
     ----------
     weights : (4,) numbers, or texts of them
-        See `hoverproof.mission.fields.exact`.
+        See `hoverproof.mission.exact.exact`.
 
     Raises
     ------

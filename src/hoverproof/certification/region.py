@@ -15,7 +15,7 @@ from hoverproof.certification.cells import Told, grow_tree, most_cells
 from hoverproof.certification.flow import flow_of, samples
 from hoverproof.certification.pattern import Pattern
 from hoverproof.errors import InputError
-from hoverproof.mission.fields import exact
+from hoverproof.mission.exact import exact
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.goal import Interval, hover_goal
 
@@ -71,7 +71,7 @@ def exact_box(box: Sequence[Sequence[object]]) -> Box:
     Parameters
     ----------
     box : (3,) of (low, high), numbers or texts of them
-        World frame, m; see `hoverproof.mission.fields.exact`.
+        World frame, m; see `hoverproof.mission.exact.exact`.
 
     Raises
     ------

@@ -172,7 +172,7 @@ def _start(text: str, sizes: dict[str, Fraction]) -> Start:
 
 def _number(option: str, text: str) -> Fraction:
     """Read an exact decimal of a reasonable size."""
-    from hoverproof.mission.fields import exact
+    from hoverproof.mission.exact import exact
 
     try:
         value = exact(text[:60])

@@ -126,7 +126,7 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _limits(text: str) -> tuple[Fraction, Fraction]:
-    from hoverproof.mission.fields import exact
+    from hoverproof.mission.exact import exact
 
     try:
         low, high = map(exact, text[:200].split(","))

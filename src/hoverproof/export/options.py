@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from hoverproof.errors import InputError
 from hoverproof.export.precision import PRECISIONS, Precision
-from hoverproof.mission.fields import exact
+from hoverproof.mission.exact import exact
 from hoverproof.mission.sections import Mission
 
 

@@ -20,6 +20,7 @@ from hoverproof.export.options import Options
 from hoverproof.export.standing import Standing, checked
 from hoverproof.export.targets import TARGETS, titles
 from hoverproof.files import write_text
+from hoverproof.mission import arguments
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import choices_of
@@ -78,6 +79,7 @@ class NotCertified(Exception):
         )
 
 
+@arguments.checked
 def write_package(
     mission: Mission,
     out: str | Path,
@@ -155,6 +157,7 @@ def write_package(
     return manifest
 
 
+@arguments.checked
 def check_options(
     mission: Mission,
     *,

@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import functools
 import inspect
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from decimal import Decimal
 from numbers import Integral, Real
@@ -18,7 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from hoverproof.errors import InputError
-from hoverproof.mission.fields import exact
+from hoverproof.mission.exact import exact
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -59,13 +58,6 @@ def _is_number(value: object) -> bool:
     return isinstance(value, Real | Decimal) and not isinstance(value, bool)
 
 
-def _finite(value: Any) -> float:
-    number = float(value)
-    if not math.isfinite(number):
-        raise ValueError
-    return number
-
-
 CALLED = Kind(_if(callable), "something to call")
 MANY = Kind(
     _if(lambda value: isinstance(value, Iterable) and not isinstance(value, str | bytes | Mapping)),
@@ -77,7 +69,7 @@ KINDS: dict[str, Kind] = {
         _if(lambda value: isinstance(value, Integral) and not isinstance(value, bool), int),
         "a whole number",
     ),
-    "float": Kind(_if(_is_number, _finite), "a finite number"),
+    "float": Kind(_if(_is_number, lambda value: float(exact(value))), "a finite number"),
     "Fraction": Kind(_if(_is_number, exact), "a finite number"),
     "str": Kind(_if(lambda value: isinstance(value, str)), "text"),
     "Path": Kind(_if(lambda value: isinstance(value, Path)), "a path"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Callable
 from fractions import Fraction
@@ -16,33 +15,6 @@ MAX_DIGITS = 32
 LEAST = "1e-12"
 """The least that a positive quantity is, in the units of a mission file: far below anything built,
 and far above what floating point, which looks for proofs, takes for zero."""
-LONGEST = 400
-"""Of exponents: such a number is beyond floating point, and one of 1e9 would fill the memory."""
-
-
-def exact(value: object) -> Fraction:
-    """Return a number exactly: what a text writes, as 0.1, 1e-3 or 1/3, or any number of Python.
-
-    Parameters
-    ----------
-    value : str or number
-        A float is taken for the shortest decimal that is read as it.
-
-    Raises
-    ------
-    ValueError
-        If it is none, or one beyond all that is computed with.
-    """
-    if isinstance(value, Fraction):
-        return value
-    text = str(value)
-    exponent = re.search(r"[eE]([+-]?[\d_]+)\s*$", text)
-    if len(text) > LONGEST or (exponent and abs(int(exponent[1])) > LONGEST):
-        raise ValueError("a number of so many digits")
-    try:
-        return Fraction(text)
-    except ZeroDivisionError:
-        raise ValueError("a number over 0") from None
 
 
 def reject(reason: str, *, key: str = "") -> PydanticCustomError:
@@ -68,7 +40,7 @@ def shown(value: object) -> str:
     """
     if isinstance(value, Fraction):
         beyond = abs(value) > sys.float_info.max
-        return f"a number beyond {'-' * (value < 0)}1e308" if beyond else f"{float(value):g}"
+        return f"a number beyond {'-' * (value < 0)}1e308" if beyond else f"{float(value):.12g}"
     if isinstance(value, list):
         return f"[{', '.join(map(shown, value))}]" if len(value) < 8 else f"{len(value)} entries"
     if isinstance(value, dict):

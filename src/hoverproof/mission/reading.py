@@ -18,7 +18,8 @@ from hoverproof.errors import InputError, suggestion
 from hoverproof.mission.arguments import taken
 from hoverproof.mission.camera import Lens
 from hoverproof.mission.camera_info import lens_of_file
-from hoverproof.mission.fields import Section, exact, shown
+from hoverproof.mission.exact import exact
+from hoverproof.mission.fields import Section, shown
 from hoverproof.mission.presets import preset_text, presets
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.target import MAX_POINTS
@@ -254,6 +255,8 @@ def _exact_value(value: object) -> object:
     """Take a float for the shortest decimal that is read as it, also inside a list."""
     if isinstance(value, str | bool | int | Fraction):
         return value
+    if isinstance(value, Path):
+        return str(value)
     if isinstance(value, Mapping):
         return {key: _exact_value(entry) for key, entry in value.items()}
     if hasattr(value, "tolist"):  # an array of numpy or a number of its

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.errors import InputError, suggestion
-from hoverproof.mission.fields import exact
+from hoverproof.mission.exact import exact
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.target_files import Print, read_target
 

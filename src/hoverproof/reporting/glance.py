@@ -105,7 +105,7 @@ def _on_the_way(region: Attraction | Exponential) -> Iterator[str]:
 
 
 def _degrees(angle: Fraction) -> str:
-    return f"{short(math.ceil(math.degrees(angle) * 10) / 10)}°"
+    return f"{at_most(math.degrees(angle), 3)}°"
 
 
 def _unproved(start: Converges) -> str:

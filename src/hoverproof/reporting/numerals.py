@@ -24,12 +24,12 @@ def short(value: float | Fraction, digits: int = DIGITS) -> str:
     return written(value, digits).replace("-", "−")
 
 
-def at_least(value: Fraction, digits: int = DIGITS) -> str:
+def at_least(value: float | Fraction, digits: int = DIGITS) -> str:
     """Write a proved lower bound, rounded down.
 
     Parameters
     ----------
-    value : Fraction
+    value : float or Fraction
         Any number.
     digits : int
         Number of digits.
@@ -37,12 +37,12 @@ def at_least(value: Fraction, digits: int = DIGITS) -> str:
     return decimals.at_least(value, digits).replace("-", "−")
 
 
-def at_most(value: Fraction, digits: int = DIGITS) -> str:
+def at_most(value: float | Fraction, digits: int = DIGITS) -> str:
     """Write a proved upper bound, rounded up.
 
     Parameters
     ----------
-    value : Fraction
+    value : float or Fraction
         Any number.
     digits : int
         Number of digits.

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from hoverproof.algebra.decimals import at_least
 from hoverproof.certification.attraction.motion import energies
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.verdict import Attraction
@@ -368,7 +369,9 @@ def draw_energy(axes: Axes, region: Attraction, flights: Flights) -> None:
         if kept.any():
             axes.plot([], [], **look, label=label)
     largest = max(np.nanmax(flights.energy), level)
-    axes.axhline(level, color="black", linestyle="--", label=f"proved level {level:.4g}")
+    axes.axhline(
+        level, color="black", linestyle="--", label=f"proved level {at_least(region.level)}"
+    )
     axes.set_ylim(AT_REST * largest, 10 * largest)
     plain_powers(axes.yaxis)
     last = int(np.nonzero(flights.energy > AT_REST * largest)[1].max(initial=0))

@@ -15,6 +15,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from hoverproof.algebra.decimals import at_least, at_most
 from hoverproof.certification.attraction.potential import sphere
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.candidate import Tilted
@@ -276,12 +277,13 @@ def draw_distance(axes: Axes, view: View, flight: Record | None) -> None:
     time = np.linspace(0, until, TIMES)
     level = float(verdict.start_level) * np.exp(-float(verdict.rate) * time)
     bound = view.distances(view.offset(level))
-    rate = f"{float(verdict.rate):.3g}"
+    rate = at_least(verdict.rate)
     axes.semilogy(time, bound, "--", color=COLOURS[0], label=f"bound, Ψ ≤ Ψ(0) exp(−{rate} t)")
     radius, soon = float(settling.radius), float(settling.time)
     axes.plot([soon, until], [radius, radius], color="black", linewidth=2)
     axes.plot(soon, radius, "o", color="black")
-    axes.plot([], [], "o-", color="black", label=f"proved: within {radius:.3g} m from {soon:.3g} s")
+    proved = f"within {at_most(settling.radius)} m from {at_most(settling.time)} s"
+    axes.plot([], [], "o-", color="black", label=f"proved: {proved}")
     least = radius
     if flight is not None:
         away = np.asarray(flight["position"].values) - view.scene.goal

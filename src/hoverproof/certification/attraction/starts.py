@@ -17,7 +17,7 @@ from hoverproof.algebra.decimals import decimal_above
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.certification.region import Box, holds_target_point
 from hoverproof.errors import InputError
-from hoverproof.mission.fields import exact
+from hoverproof.mission.exact import exact
 from hoverproof.mission.sections import Mission
 from hoverproof.plant.rigid_body import rotation_rows
 
@@ -36,7 +36,7 @@ SIZES = "speed", "tilt", "rate", "thrust"
 class Start:
     """All states in these bounds, with any heading and any yaw rate.
 
-    Numbers may be given as any that `hoverproof.mission.fields.exact` takes.
+    Numbers may be given as any that `hoverproof.mission.exact.exact` takes.
 
     Attributes
     ----------
