@@ -22,6 +22,7 @@ from hoverproof.mission.sections import Mission
 from hoverproof.reporting.parts import Flown, Map
 from hoverproof.show import attraction, exponential, panels, style
 from hoverproof.show.atlas import atlas_figure
+from hoverproof.show.image_plane import draw_image
 from hoverproof.show.region import region_figure
 
 WIDTH = 4.2
@@ -288,7 +289,7 @@ def flight_pictures(flown: Flown) -> Iterator[Picture]:
     )
     yield picture(
         "flight-image",
-        lambda: panel(panels.image_tracks, flight, 4.4),
+        lambda: panel(draw_image, flight, 4.4),
         "Tracks of the target points in the image.",
         "What the camera sees: the tracks of the target points in the image plane.",
     )
