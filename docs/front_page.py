@@ -36,6 +36,7 @@ from hoverproof.reporting.parts import gather
 from hoverproof.show import exponential, panels
 from hoverproof.show.atlas import draw_atlas
 from hoverproof.show.attraction import View, outside_by
+from hoverproof.show.image_plane import draw_image
 from hoverproof.show.start_atlas import draw_start_atlas
 from hoverproof.show.style import COLOURS
 
@@ -272,7 +273,7 @@ def draw_path(axes: Axes, flight: xr.Dataset) -> None:
 
 def draw_tracks(axes: Axes, flight: xr.Dataset) -> None:
     """Draw the tracks of the points in the image."""
-    panels.image_tracks(axes, flight)
+    draw_image(axes, flight)
     axes.get_legend().remove()
 
 

@@ -109,6 +109,16 @@ def test_what_is_drawn_agrees_with_what_is_proved(proved):
     start = view.hovers(view.scene.offset(view.middles))
     assert 0.9 < start[0] / float(proved.start_level) <= 1
     assert view.offset(float(proved.level)) <= float(proved.offset)
+    within = view.seen(view.scene.goal + view.scene.ends(float(proved.offset)))
+    assert (view.out_of_wedge(*within) < 0).all()
+    lowest, highest = map(float, proved.heights)
+    heights = np.array([lowest - 1e-6, lowest + 1e-6, highest - 1e-6, highest + 1e-6])
+    assert (view.out_of_wedge(np.zeros(4), heights) > 0).tolist() == [True, False, False, True]
+    (a, b), *_ = proved.wedge
+    assert a == 0  # the target is its own image, so the wedge is as far on the other side
+    beside = np.array([-1.001, -0.999, 0.999, 1.001]) * float(b)
+    outside = [True, False, False, True]
+    assert (view.out_of_wedge(beside, np.ones(4)) > 0).tolist() == outside
 
 
 def test_a_simulated_flight_stays_below_the_bound_of_the_figure(proved):

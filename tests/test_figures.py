@@ -22,8 +22,9 @@ from hoverproof.mission.reading import load
 from hoverproof.plant.goal import hover_goal
 from hoverproof.show import figures, panels, style
 from hoverproof.show.decay import Decay, decay_along
+from hoverproof.show.image_plane import draw_image, seen, view_angle
 from hoverproof.show.region import region_figure
-from hoverproof.show.scene import Scene, view_angle
+from hoverproof.show.scene import Scene
 from hoverproof.simulation.flight import flown, simulate
 from hoverproof.simulation.timing import Timing
 
@@ -196,9 +197,42 @@ def test_limits_of_the_rotors_and_the_edge_of_the_image_are_drawn_if_there_are_a
     panels.required_view(axes, bounded)
     assert drawn(axes, "nearest edge").get_ydata()[0] == 45
     axes = Figure().subplots()
-    panels.image_tracks(axes, bounded)
+    draw_image(axes, bounded)
     (edge,) = (p for p in axes.patches if p.get_label() == "edge of the image")
     assert (edge.get_width(), edge.get_height()) == (3.2, 2.0)
+
+
+def test_the_lens_of_the_mission_is_drawn_as_wide_as_it_sees():
+    tilted = {"camera.half_angle": "0.6", "camera.rotation": "[0.1, 0, 0]"}
+    for change, half in (({"camera.half_angle": "0.6"}, 0.6), (tilted, 0.5)):
+        recorded = simulate(load("x4-flyer", change), duration=1)
+        axes = Figure().subplots()
+        panels.required_view(axes, recorded)
+        assert drawn(axes, "lens").get_ydata()[0] == pytest.approx(np.degrees(half))
+        axes = figures.features_figure(recorded).axes[0]
+        assert f"to {np.degrees(half):.1f}° off the axis" in drawn(axes, "lens").get_label()
+        assert axes.patches[-1].radius == pytest.approx(np.tan(half))
+
+
+def test_what_no_camera_sees_of_a_crash_is_not_drawn_and_the_title_says_how_it_ended():
+    crash = simulate(load("x4-flyer", {"model_error.mass": "0.005"}))
+    assert np.abs(crash["image"].values).max() > 1000
+    figure = figures.features_figure(crash)
+    assert "with mass +0.5 %" in figure.get_suptitle()
+    assert crash.attrs["outcome"] in figure.get_suptitle()
+    left = figure.axes[0]
+    assert all(abs(end) < 10 for end in (*left.get_xlim(), *left.get_ylim()))
+    assert drawn(left, "points up to 90").get_label().endswith("(not drawn)")
+    image = seen(crash)
+    assert np.isnan(image[-1]).all()
+    assert np.array_equal(image[0], crash["image"].values[0])
+
+
+def test_a_point_behind_the_camera_is_seen_nowhere(flight):
+    over = flight["rotation"].values * [[1, -1, -1]]  # a half turn about the first axis
+    behind = flight.assign(rotation=(flight["rotation"].dims, over))
+    assert np.isnan(seen(behind)).all()
+    assert (view_angle(behind) > np.pi / 2).all()
 
 
 def test_the_words_of_limits_do_not_take_the_width_of_the_panels(x4):

@@ -9,6 +9,7 @@ from dataclasses import replace
 from fractions import Fraction as F
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -24,7 +25,8 @@ from hoverproof.export.standing import Standing, evidence
 from hoverproof.mission.reading import load
 from hoverproof.reporting import numerals
 from hoverproof.reporting.tables import attraction_table, exponential_table
-from hoverproof.show.exponential import View, draw_distance
+from hoverproof.show import attraction as of_potential
+from hoverproof.show import exponential as of_exponential
 from once import attraction_once
 
 SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
@@ -157,14 +159,37 @@ def test_what_is_told_of_theorem_3_is_proved(converges, level, height, far, tilt
         assert thrust[1] <= high
 
 
-def test_the_legend_of_a_figure_tells_what_is_proved(converges):
-    verdict, axes = converges["crazyflie-2.1"], Figure().subplots()
-    settling = replace(verdict.settling, radius=F("0.041249"))  # nearest, it is less
-    draw_distance(axes, View(replace(verdict, settling=settling)), None)
-    bound, proved = (told(label) for label in axes.get_legend_handles_labels()[1])
-    assert bound[-1] <= verdict.rate
-    assert proved[0] >= settling.radius
-    assert proved[1] >= settling.time
+def labels(draw, *arguments):
+    """Return the labels of what is drawn, one below the other."""
+    axes = Figure().subplots()
+    draw(axes, *arguments)
+    return "\n".join(axes.get_legend_handles_labels()[1])
+
+
+@pytest.mark.parametrize("scale", [F(1), F(98765, 3)])
+def test_what_the_figures_say_is_proved(converges, scale):
+    verdict = converges["crazyflie-2.1"]
+    radius, time = (F(getattr(verdict.settling, k)) * scale for k in ("radius", "time"))
+    verdict = replace(verdict, settling=Settling(radius, time), rate=verdict.rate * scale)
+    view = of_exponential.View(verdict)
+    text = labels(of_exponential.draw_distance, view, None)
+    near, soon = line(text, "proved: within")
+    assert near >= radius
+    assert soon >= time
+    assert told(text.split("exp(−")[1])[0] <= verdict.rate
+    low, high = line(
+        labels(of_exponential.draw_section, view, None), "nor this, as the theorem states it:"
+    )
+    assert low <= verdict.heights[0]
+    assert high >= verdict.heights[1]
+    region = converges["x4-flyer"]
+    region = replace(region, level=F("3084.83") * scale, barrier_height=F("0.50785"))
+    zero, true, times = np.zeros(1), np.ones(1, bool), np.arange(of_potential.SAMPLES + 1.0)
+    still = of_potential.Flights(zero, zero, true, true, times, np.exp(-times)[None])
+    assert line(labels(of_potential.draw_energy, region, still), "proved level")[0] <= region.level
+    view = of_potential.View.of(region)
+    text = labels(of_potential.draw_section, region, view, still)
+    assert line(text, "barrier,")[0] >= region.barrier_height  # of which states it is said
 
 
 @pytest.mark.parametrize("scale", [F(1), F(1, 12345), F(98765, 3)])

@@ -22,6 +22,7 @@ from hoverproof.mission.sections import Mission
 from hoverproof.reporting.parts import Flown, Map
 from hoverproof.show import attraction, exponential, panels, style
 from hoverproof.show.atlas import atlas_figure
+from hoverproof.show.image_plane import draw_image
 from hoverproof.show.region import region_figure
 
 WIDTH = 4.2
@@ -170,7 +171,7 @@ def region_picture(mission: Mission, found: BoundsVerdict) -> Picture:
 
 
 def attraction_pictures(region: Attraction) -> list[Picture]:
-    """Draw a region of attraction in cross-section, and Λ along flights.
+    """Draw a region of attraction in cross-section, and Λ, or Ψ, along flights.
 
     Parameters
     ----------
@@ -207,8 +208,9 @@ def attraction_pictures(region: Attraction) -> list[Picture]:
         picture(
             "attraction-energy",
             energy,
-            "The function Λ over time along simulated flights, and the proved level.",
-            "Λ along those flights, from inside and outside of the certified set.",
+            f"{region.symbol} over time along simulated flights, and the proved level.",
+            f"{region.symbol} along those flights, of the vehicle as modelled, from inside and "
+            "outside of the certified set.",
         ),
     ]
 
@@ -242,8 +244,10 @@ def exponential_pictures(verdict: Exponential) -> list[Picture]:
             section,
             "Cross-section of the hovers inside and of what no motion leaves, with target, goal "
             "and starts.",
-            "Hovers inside, and what no motion from there leaves; the shapes are drawn in floating "
-            "point from proved numbers, and the simulated flight illustrates.",
+            "Hovers inside, and what no motion from there leaves: where the error of the feature "
+            "is within its bound, and the heights and directions around it that the theorem "
+            "states. The shapes are drawn in floating point from proved numbers, and the "
+            "simulated flight illustrates.",
         ),
         picture(
             "attraction-distance",
@@ -285,7 +289,7 @@ def flight_pictures(flown: Flown) -> Iterator[Picture]:
     )
     yield picture(
         "flight-image",
-        lambda: panel(panels.image_tracks, flight, 4.4),
+        lambda: panel(draw_image, flight, 4.4),
         "Tracks of the target points in the image.",
         "What the camera sees: the tracks of the target points in the image plane.",
     )

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoverproof.reporting.parts import Flown
+from hoverproof.show.image_plane import WIDEST, seen
 from hoverproof.show.scene import Scene
 from hoverproof.simulation.record import Record
 
@@ -38,6 +39,7 @@ def player_data(flown: Flown) -> dict[str, Any]:
         "goal": _short(scene.goal),
         "goal_image": _short(scene.goal_image(yaw)),
         "image_size": scene.image_size,
+        "lens": math.tan(half) if (half := scene.half_angle) and half <= WIDEST else None,
         "rotors": _short(scene.rotor_places),
         "arm": scene.arm,
         "drawn_size": 1 if size < 1.5 else round(size),
@@ -58,7 +60,7 @@ def _track(flight: Record) -> dict[str, Any]:
         "attitude": _short(turns),
         "tilt": _short(np.degrees(flight["tilt"].values[kept])),
         "thrust": _short(flight["thrust"].values[kept], 7),
-        "image": _short(flight["image"].values[kept].reshape(len(kept), -1)),
+        "image": _short(seen(flight)[kept].reshape(len(kept), -1)),
     }
 
 
@@ -82,7 +84,9 @@ def _quaternions(turns: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _short(values: NDArray[np.float64], digits: int = 5) -> Any:
-    """Return nested lists, rounded to so many digits of the largest of all numbers."""
-    largest = float(np.abs(values).max(initial=0.0)) or 1.0
+    """Return nested lists, rounded to so many digits of the largest of all; None for NaN."""
+    known = np.isfinite(values)
+    largest = float(np.abs(values[known]).max(initial=0.0)) or 1.0
     places = digits - 1 - math.floor(math.log10(largest))
-    return (np.round(values, max(places, 0)) + 0.0).tolist()
+    rounded = np.round(values, max(places, 0)) + 0.0
+    return (rounded if known.all() else np.where(known, rounded, None)).tolist()

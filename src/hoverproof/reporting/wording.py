@@ -279,9 +279,9 @@ def attraction(region: Attraction | Exponential) -> str:
             f"{at_most(settling.time)} s on it is within {at_most(settling.radius)} m of it."
         )
     height = region.barrier_height
-    symbol, turning = ("Ψ", "heading") if region.tolerant else ("Λ", "heading and yaw rate")
+    symbol, turning = region.symbol, "heading" if region.tolerant else "heading and yaw rate"
     where = "state" if height is None else "level hover at rest"
-    above = "" if height is None else f" and at least {at_least(height)} m above the target"
+    above = "" if height is None else f" and at least {at_most(height)} m above the target"
     return (
         f"From every {where} with {symbol} at most {at_least(region.level, 6)}{above}, with any "
         f"{turning}, the motion of {who} comes to the hover at the goal, while all target points "

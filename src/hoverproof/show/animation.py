@@ -15,8 +15,9 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
 from hoverproof.errors import InputError
+from hoverproof.show.image_plane import draw_lens, goal_label, image_axes, seen
 from hoverproof.show.movie import Pixels, check_file, film
-from hoverproof.show.panels import goal_label, image_axes, image_edge, space_axes
+from hoverproof.show.panels import space_axes
 from hoverproof.show.scene import Array, Scene
 from hoverproof.show.style import COLOURS
 
@@ -125,7 +126,7 @@ class Stage:
         self.times = flight["time"].values
         self.places = flight["position"].values
         self.rotations = flight["rotation"].values
-        self.image = flight["image"].values
+        self.image = seen(flight)
         self.figure = Figure(figsize=(9.6, 5.4), dpi=DPI, layout="constrained")
         canvas: Any = FigureCanvasAgg(self.figure)
         self.canvas = canvas
@@ -146,9 +147,9 @@ class Stage:
             artist.set_animated(True)
         self.canvas.draw()
         self.still = self.canvas.copy_from_bbox(self.figure.bbox)
-        seen = plane.get_tightbbox()
-        assert seen is not None
-        self.split = seen.x0 / self.figure.bbox.width - ROOM
+        right = plane.get_tightbbox()
+        assert right is not None
+        self.split = right.x0 / self.figure.bbox.width - ROOM
 
     def pixels(self, time: float) -> Pixels:
         """Return the picture at a time of the flight, s, (height, width, 4), a new array.
@@ -226,11 +227,8 @@ class Stage:
         self.tracks = [axes.plot([], [], color=c, linewidth=1)[0] for c in colours]
         self.dots = [axes.plot([], [], "o", color=c)[0] for c in colours]
         everything = self.image.reshape(-1, 2)
-        axes.update_datalim(everything)
-        if self.scene.image_size is not None:
-            outline = image_edge(self.scene.image_size)
-            outline.set_label("edge of the image")
-            axes.add_patch(outline)
+        axes.update_datalim(everything[np.isfinite(everything[:, 0])])
+        draw_lens(axes, self.scene)
         image_axes(axes)
         axes.set_title("what the camera sees", fontsize="medium", pad=22)
         axes.grid(alpha=0.3)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from hoverproof.algebra.decimals import at_least
+from hoverproof.algebra.decimals import at_least, at_most
 from hoverproof.certification.attraction.motion import energies
 from hoverproof.certification.attraction.potential import Potential
 from hoverproof.certification.attraction.verdict import Attraction
@@ -23,7 +23,7 @@ from hoverproof.plant.rigid_body import STATE_SIZE
 from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
 from hoverproof.servo.linearised import slowest_rate
 from hoverproof.servo.loop import LoopNumbers
-from hoverproof.show.style import COLOURS, legend_above, plain_powers, save_figure
+from hoverproof.show.style import COLOURS, heading, legend_above, plain_powers, save_figure
 from hoverproof.simulation.compiled import runner
 from hoverproof.simulation.step import flight_states
 from hoverproof.spread import spread
@@ -197,7 +197,7 @@ def fly(region: Attraction, view: View, count: int = FLIGHTS) -> Flights:
 
 
 def attraction_figure(region: Attraction) -> Figure:
-    """Draw the certified hovers in cross-section and in space, and Λ along flights.
+    """Draw the certified hovers in cross-section and in space, and Λ, or Ψ, along flights.
 
     The shaded set is computed in floating point from the proved level and weights.
 
@@ -210,7 +210,8 @@ def attraction_figure(region: Attraction) -> Figure:
     flights = fly(region, view)
     figure = Figure(figsize=(16, 6.6), layout="constrained")
     grid = figure.add_gridspec(1, 3, width_ratios=(1.2, 1.1, 0.9), wspace=0.08)
-    figure.suptitle(f"{region.mission.name}: where the controller may be switched on (proved)")
+    words = "where the controller may be switched on (proved), for {who}"
+    figure.suptitle(heading(region.mission, words, 130))
     section = figure.add_subplot(grid[0])
     draw_section(section, region, view, flights)
     _draw_space(figure.add_subplot(grid[1], projection="3d"), region, view)
@@ -268,9 +269,9 @@ def draw_section(axes: Axes, region: Attraction, view: View, flights: Flights) -
     )
     axes.plot([], [], color=COLOURS[1], label="largest bounded level set of the paper's L")
     if region.barrier_height is not None:
-        at = float(region.barrier_height)
+        at, barrier = float(region.barrier_height), at_most(region.barrier_height)
         axes.axhline(at, color="black", linewidth=1.5, linestyle=":")
-        axes.plot([], [], ":", color="black", label=f"barrier, {at:.2f} m above the target")
+        axes.plot([], [], ":", color="black", label=f"barrier, {barrier} m above the target")
     for kept, marker, colour, label in (
         (flights.settled, ".", COLOURS[2], "simulated start that reaches the goal"),
         (~flights.settled, "x", COLOURS[3], "simulated start that does not reach it"),
@@ -350,6 +351,8 @@ def _draw_space(axes: Any, region: Attraction, view: View) -> None:
 def draw_energy(axes: Axes, region: Attraction, flights: Flights) -> None:
     """Draw Λ along simulated flights, and the proved level.
 
+    The flights are of the vehicle as modelled, of which Ψ of the theorem about tolerances is Λ.
+
     Parameters
     ----------
     axes : Axes
@@ -369,13 +372,12 @@ def draw_energy(axes: Axes, region: Attraction, flights: Flights) -> None:
         if kept.any():
             axes.plot([], [], **look, label=label)
     largest = max(np.nanmax(flights.energy), level)
-    axes.axhline(
-        level, color="black", linestyle="--", label=f"proved level {at_least(region.level)}"
-    )
+    proved = f"proved level {at_least(region.level)}"
+    axes.axhline(level, color="black", linestyle="--", label=proved)
     axes.set_ylim(AT_REST * largest, 10 * largest)
     plain_powers(axes.yaxis)
     last = int(np.nonzero(flights.energy > AT_REST * largest)[1].max(initial=0))
     axes.set_xlim(0, flights.time[min(last + 1, SAMPLES)])
     axes.set_xlabel("time (s)")
-    axes.set_ylabel("Λ along the simulated flights (m)")
+    axes.set_ylabel(f"{region.symbol} along simulated flights, as modelled (m)")
     legend_above(axes, 2)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -19,6 +18,7 @@ from hoverproof.algebra.decimals import at_least, at_most
 from hoverproof.certification.attraction.potential import sphere
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.exponential.candidate import Tilted
+from hoverproof.certification.exponential.domain import mirrored
 from hoverproof.certification.exponential.inequality import MEMORY, THRUST, TORQUE, W2, W3, W4
 from hoverproof.certification.exponential.limits import Limits
 from hoverproof.certification.exponential.positions import DIRECTIONS, Scene
@@ -26,7 +26,7 @@ from hoverproof.certification.exponential.question import Question
 from hoverproof.certification.exponential.reach import Reach
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.show.style import COLOURS, plain_powers, save_figure
+from hoverproof.show.style import COLOURS, heading, plain_powers, save_figure
 from hoverproof.simulation.flight import flown
 from hoverproof.simulation.record import Record
 from hoverproof.simulation.timing import Timing
@@ -113,6 +113,22 @@ class View:
         axis = np.array([*self.scene.goal[:2], self.top])
         return np.asarray(axis + across[:, None] * self.along - height[:, None] * [0, 0, 1.0])
 
+    def out_of_wedge(self, across: Array, height: Array) -> Array:
+        """Return how far points of the plane are out of the wedge that no motion leaves, (k,), m.
+
+        Parameters
+        ----------
+        across, height : (k,)
+            See `places`.
+        """
+        ray = self.scene.target.mean - self.places(across, height)
+        low, high = map(float, self.verdict.heights)
+        out = [low - height, height - high]
+        for k, (a, b) in enumerate(self.verdict.wedge[:2]):
+            least = -b if a == 0 and mirrored(self.verdict.mission.target, k) else a
+            out += [float(least) * height - ray[:, k], ray[:, k] - float(b) * height]
+        return np.asarray(np.max(out, axis=0))
+
     def hovers(self, offset: Array) -> Array:
         """Return Ψ of level hovers at rest where the feature is off by that, (k, 3).
 
@@ -170,14 +186,12 @@ def exponential_figure(verdict: Exponential) -> Figure:
     flight = fly(view)
     figure = Figure(figsize=(13, 6.2), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1, 1.15))
-    covers = ", ".join(words.replace(" ", "\xa0") for words in mission.uncertainty.covers())
-    who = f"every vehicle with {covers}" if covers else "the vehicle as modelled"
-    figure.suptitle("\n".join(textwrap.wrap(f"{mission.name}: {who}", 100)))
+    figure.suptitle(heading(mission, "{who}", 100))
     draw_section(left, view, flight)
     left.set_title("vertical section through goal and start")
     draw_distance(right, view, flight)
     right.set_title("settling")
-    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
 
@@ -207,6 +221,7 @@ def draw_section(axes: Axes, view: View, flight: Record | None) -> None:
     """
     verdict, scene = view.verdict, view.scene
     side, height = window(view)
+    low, high = verdict.heights
     across, up = np.linspace(-side, side, CELLS), np.linspace(0, height, CELLS)
     a, h = np.meshgrid(across, up)
     with np.errstate(all="ignore"):
@@ -217,8 +232,13 @@ def draw_section(axes: Axes, view: View, flight: Record | None) -> None:
     axes.contourf(across, up, away, levels=[0, d], colors=["#56B4E9"], alpha=0.25)
     axes.contourf(across, up, psi, levels=[0, level], colors=["#009E73"], alpha=0.4)
     axes.contour(across, up, away, levels=[d], colors=COLOURS[0], linewidths=1.2)
-    axes.fill([], [], color="#009E73", alpha=0.5, label="hovers inside, Ψ ≤ ℓ")
-    axes.fill([], [], color="#56B4E9", alpha=0.3, label="no motion leaves this, |σ − σ*| ≤ d")
+    out = view.out_of_wedge(a.ravel(), h.ravel()).reshape(a.shape)
+    axes.contour(across, up, out, levels=[0], colors=COLOURS[0], linewidths=1.2, linestyles="--")
+    axes.fill([], [], color="#009E73", alpha=0.5, label="level hovers within the proved level of Ψ")
+    of_feature = "no motion leaves this: bound of the feature's error"
+    axes.fill([], [], color="#56B4E9", alpha=0.3, label=of_feature)
+    stated = f"nor this, as the theorem states it: {at_least(low)} to {at_most(high)} m high"
+    axes.plot([], [], "--", color=COLOURS[0], linewidth=1.2, label=stated)
     if flight is not None:
         path = view.seen(np.asarray(flight["position"].values))
         axes.plot(*path, color=COLOURS[1], linewidth=1.5, label="simulated flight (no proof)")
@@ -238,6 +258,8 @@ def draw_section(axes: Axes, view: View, flight: Record | None) -> None:
 def window(view: View) -> tuple[float, float]:
     """Return half the width and the height of a window that holds domain, target and starts, m.
 
+    It is as high as the wedge, which may be far wider.
+
     Parameters
     ----------
     view : View
@@ -245,7 +267,8 @@ def window(view: View) -> tuple[float, float]:
     ends = view.scene.goal + view.scene.ends(float(view.verdict.offset))
     shown = np.vstack([ends, view.middles, view.scene.points, view.scene.goal])
     across, height = view.seen(shown)
-    return 1.08 * float(np.abs(across).max()), 1.08 * float(height.max())
+    highest = max(float(height.max()), float(view.verdict.heights[1]))
+    return 1.08 * float(np.abs(across).max()), 1.08 * highest
 
 
 def _draw_starts(axes: Axes, view: View) -> None:
@@ -277,13 +300,13 @@ def draw_distance(axes: Axes, view: View, flight: Record | None) -> None:
     time = np.linspace(0, until, TIMES)
     level = float(verdict.start_level) * np.exp(-float(verdict.rate) * time)
     bound = view.distances(view.offset(level))
-    rate = at_least(verdict.rate)
-    axes.semilogy(time, bound, "--", color=COLOURS[0], label=f"bound, Ψ ≤ Ψ(0) exp(−{rate} t)")
+    label = f"bound, Ψ ≤ Ψ(0) exp(−{at_least(verdict.rate)} t)"
+    axes.semilogy(time, bound, "--", color=COLOURS[0], label=label)
     radius, soon = float(settling.radius), float(settling.time)
     axes.plot([soon, until], [radius, radius], color="black", linewidth=2)
     axes.plot(soon, radius, "o", color="black")
-    proved = f"within {at_most(settling.radius)} m from {at_most(settling.time)} s"
-    axes.plot([], [], "o-", color="black", label=f"proved: {proved}")
+    proved = f"proved: within {at_most(settling.radius)} m from {at_most(settling.time)} s"
+    axes.plot([], [], "o-", color="black", label=proved)
     least = radius
     if flight is not None:
         away = np.asarray(flight["position"].values) - view.scene.goal

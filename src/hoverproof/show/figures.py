@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from hoverproof.show import panels
 from hoverproof.show.decay import Decay
+from hoverproof.show.image_plane import draw_image
 from hoverproof.show.scene import Flight, Scene
 from hoverproof.show.style import save_figure
 from hoverproof.simulation.record import Record
@@ -32,7 +33,7 @@ def motion_figure(flight: Flight, first: Flight | None = None) -> Figure:
     early = panels.beginning(flight)
     columns = 1 if early is None else 2
     figure = Figure(figsize=(7 + 4 * (columns - 1), 10), layout="constrained")
-    figure.suptitle(f"{Scene.of(flight).title}: motion")
+    figure.suptitle(Scene.of(flight).titled("motion"))
     widths = (1.5, 1)[:columns]
     axes = figure.subplots(len(drawn), columns, sharex="col", squeeze=False, width_ratios=widths)
     for row, draw in zip(axes, drawn, strict=True):
@@ -62,9 +63,9 @@ def features_figure(flight: Flight, decay: Decay | None = None) -> Figure:
         Proved for this flight; drawn as a line beside L.
     """
     figure = Figure(figsize=(11, 5.4), layout="constrained")
-    figure.suptitle(f"{Scene.of(flight).title}: image features and errors")
+    figure.suptitle(Scene.of(flight).titled("image features and errors"))
     left, right = figure.subplots(1, 2, width_ratios=(1, 1.25))
-    panels.image_tracks(left, flight)
+    draw_image(left, flight)
     panels.errors(right, flight, decay)
     return figure
 
@@ -78,9 +79,13 @@ def path_figure(flight: Flight) -> Figure:
         From `hoverproof.simulate` or `flown`.
     """
     figure = Figure(figsize=(12.2, 5.2), layout="constrained")
-    figure.suptitle(f"{Scene.of(flight).title}: path over the target")
+    figure.suptitle(Scene.of(flight).titled("path over the target"))
     grid = figure.add_gridspec(1, 3, width_ratios=(1.4, 1, 1), wspace=0.18)
-    panels.path(figure.add_subplot(grid[0], projection="3d"), flight)
+    space = figure.add_subplot(grid[0], projection="3d")
+    panels.path(space, flight)
+    space.get_legend().remove()
+    labels = space.get_legend_handles_labels()
+    figure.legend(*labels, loc="outside lower center", ncols=6, frameon=False)
     panels.from_above(figure.add_subplot(grid[1]), flight)
     panels.from_the_side(figure.add_subplot(grid[2]), flight)
     return figure

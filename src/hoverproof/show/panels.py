@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle, Rectangle
 from matplotlib.ticker import AutoLocator, MaxNLocator, MultipleLocator
 from mpl_toolkits.mplot3d import Axes3D
 
 from hoverproof.show.decay import Decay
-from hoverproof.show.scene import Array, Flight, Scene, view_angle
+from hoverproof.show.image_plane import DEGREES, lens_label, view_angle
+from hoverproof.show.scene import Array, Flight, Scene
 from hoverproof.show.style import COLOURS, STYLES, legend_above, plain_powers
 
 FLOOR = 1e-10
 LIMIT_NEAR = 0.25
+ERRORS = "image", "velocity", "force", "body rate"
+"""What δ1 to δ4 are the errors of."""
 LITTLE, SHORT = 0.2, 0.4
 NEAR_CORNER = 0.45
 """Of a step of the ticks: no number of y stands so near the corner that x has in common with it."""
 SLIM = 0.4
 """The smaller range of a plan is at least that share of the larger one."""
-DEGREES = 180 / np.pi
 
 
 def position(axes: Axes, flight: Flight) -> None:
@@ -91,7 +92,7 @@ def rotor_forces(axes: Axes, flight: Flight) -> None:
 
 
 def required_view(axes: Axes, flight: Flight) -> None:
-    """Draw the largest angle of a point off the optical axis over time, its maximum marked.
+    """Draw the largest angle of a point off the axis over time, its maximum marked.
 
     Parameters
     ----------
@@ -111,7 +112,9 @@ def required_view(axes: Axes, flight: Flight) -> None:
         clip_on=False,
         label=f"largest, {angle[top]:.1f}° at {times[top]:g} s",
     )
-    size = Scene.of(flight).image_size
+    half, size = Scene.of(flight).half_angle, Scene.of(flight).image_size
+    if half is not None:
+        axes.axhline(half * DEGREES, color=COLOURS[4], linewidth=1.2, label=lens_label(half))
     if size is not None:
         edge = float(np.arctan(min(size) / 2)) * DEGREES
         axes.axhline(
@@ -122,84 +125,8 @@ def required_view(axes: Axes, flight: Flight) -> None:
     legend_above(axes)
 
 
-def image_tracks(axes: Axes, flight: Flight) -> None:
-    """Draw the tracks of the target points in the image, their start, end and goal.
-
-    The dotted circle is the smallest field of view around the optical axis that holds them; the
-    edge of the image is drawn if the camera has one.
-
-    Parameters
-    ----------
-    axes : Axes
-        What to draw on.
-    flight : Dataset or Record
-        From `simulate`.
-    """
-    scene = Scene.of(flight)
-    for i, track in enumerate(np.swapaxes(flight["image"].values, 0, 1)):
-        colour = COLOURS[i % len(COLOURS)]
-        axes.plot(track[:, 0], track[:, 1], color=colour, linewidth=1.3)
-        axes.plot(*track[0], "o", color=colour, fillstyle="none")
-        axes.plot(*track[-1], "x", color=colour)
-    yaw = float(flight["euler_angles"].values[-1, 2])
-    goal = scene.goal_image(yaw)
-    axes.plot(*goal.T, "s", color="black", fillstyle="none", markersize=9, markeredgewidth=0.8)
-    angle = float(view_angle(flight).max())
-    axes.add_patch(Circle((0, 0), np.tan(angle), fill=False, linestyle=":", color="grey"))
-    axes.plot(0, 0, "+", color="grey", markersize=9)
-    for marker, label in (("o", "start"), ("x", "end"), ("s", goal_label(yaw))):
-        axes.plot([], [], marker, color="black", fillstyle="none", label=label)
-    axes.plot([], [], ":", color="grey", label=f"needed view, {2 * angle * DEGREES:.0f}° cone")
-    if scene.image_size is not None:
-        outline = image_edge(scene.image_size)
-        outline.set_label("edge of the image")
-        axes.add_patch(outline)
-    image_axes(axes)
-    legend_above(axes, 2)
-
-
-def goal_label(yaw: float) -> str:
-    """Name the image of the goal, with the yaw (rad) at which it is drawn unless that is zero.
-
-    Parameters
-    ----------
-    yaw : float
-        rad.
-    """
-    turned = abs(yaw) * DEGREES
-    return "goal" if turned < 0.5 else f"goal, at yaw {yaw * DEGREES:.0f}°"
-
-
-def image_edge(size: tuple[float, float]) -> Rectangle:
-    """Return the outline of an image (width, height) about the optical axis.
-
-    Parameters
-    ----------
-    size : (width, height)
-        In focal lengths, dimensionless.
-    """
-    width, height = size
-    return Rectangle((-width / 2, -height / 2), width, height, fill=False, linestyle="--")
-
-
-def image_axes(axes: Axes) -> None:
-    """Label axes of the image plane, y down as in an image.
-
-    Parameters
-    ----------
-    axes : Axes
-        What to draw on.
-    """
-    axes.set_xlabel("image x = X/Z (focal lengths)")
-    axes.set_ylabel("image y = Y/Z (focal lengths), down")
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.autoscale_view()
-    if not axes.yaxis_inverted():
-        axes.invert_yaxis()
-
-
 def errors(axes: Axes, flight: Flight, decay: Decay | None = None) -> None:
-    """Draw |δ1| to |δ4| and L on a log scale, with the certified decay as a line.
+    """Draw the sizes of the errors and L on a log scale, with the certified decay as a line.
 
     Parameters
     ----------
@@ -209,10 +136,10 @@ def errors(axes: Axes, flight: Flight, decay: Decay | None = None) -> None:
         From `hoverproof.show.decay.decay_along`.
     """
     times, level = flight["time"].values, flight["lyapunov"].values
-    for i in range(4):
+    for i, error in enumerate(ERRORS):
         size = np.linalg.norm(flight[f"delta{i + 1}"].values, axis=1)
-        axes.plot(times, size, STYLES[i], color=COLOURS[i], label=f"|δ{i + 1}|", linewidth=1.3)
-    axes.plot(times, level, color="black", linewidth=1.8, label="L")
+        axes.plot(times, size, STYLES[i], color=COLOURS[i], label=error, linewidth=1.3)
+    axes.plot(times, level, color="black", linewidth=1.8, label="L = half the sum of squares")
     if decay is not None:
         covered = times[times <= decay.until]
         label = decay.label()
@@ -227,7 +154,7 @@ def errors(axes: Axes, flight: Flight, decay: Decay | None = None) -> None:
         axes.set_ylim(max(FLOOR * largest, 0.3 * drawn[drawn > 0].min()), 10 * largest)
     plain_powers(axes.yaxis)
     axes.set_xlabel("time (s)")
-    axes.set_ylabel("errors and L (dimensionless)")
+    axes.set_ylabel("errors of the law, and L (dimensionless)")
     legend_above(axes, 3)
 
 
@@ -276,8 +203,11 @@ def space_axes(axes: Axes3D, places: Array) -> None:
     _, step, *_ = AutoLocator().tick_values(0, (high - low).max())
     for axis in (axes.xaxis, axes.zaxis):
         axis.set_major_locator(MultipleLocator(step))
-    ticks = MultipleLocator(step).tick_values(low[1], high[1] - NEAR_CORNER * step)
-    axes.yaxis.set_ticks([y for y in ticks if low[1] <= y <= high[1] - NEAR_CORNER * step])
+    ticks, apart, last = [], step, high[1] - NEAR_CORNER * step
+    while len(ticks) < 2:
+        ticks = [y for y in MultipleLocator(apart).tick_values(low[1], last) if low[1] <= y <= last]
+        apart /= 2
+    axes.yaxis.set_ticks(ticks)
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
     axes.set_zlabel("z (m), down", labelpad=14)  # clear of the numbers
@@ -313,8 +243,8 @@ def from_the_side(axes: Axes, flight: Flight) -> None:
     axes.set_xlabel("x (m)")
     axes.set_ylabel("z (m), down")
     axes.set_title("from the side", fontsize="medium")
-    ground = Scene.of(flight).points[:, 2].max()
-    axes.axhline(ground, color="grey", linewidth=0.8)
+    along, ground = flight["position"].values[:, 0], Scene.of(flight).points[:, 2].max()
+    axes.plot(along, np.full(len(along), ground), color="grey", linewidth=0.8)
 
 
 def _plan(axes: Axes, flight: Flight, i: int, j: int) -> None:

@@ -32,8 +32,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hoverproof.show.panels import DEGREES
-from hoverproof.show.scene import Array, Scene
+from hoverproof.show.image_plane import DEGREES
+from hoverproof.show.scene import FLOWN, Array, Scene
 from hoverproof.show.style import (
     COLOURS,
     STYLES,
@@ -46,7 +46,7 @@ from hoverproof.simulation.numbers import SETTLED
 
 RUNS_FIGURES = ("fans", "starts")
 
-FLOWN, NOT_FLOWN = "flown", "not_flown"
+NOT_FLOWN = "not_flown"
 SETTLES, STAYS_AWAY = "settled", "flown, not settled"
 BAND = (5, 50, 95)
 MOST_TIMES = 300

@@ -18,6 +18,8 @@ from hoverproof.plant.rigid_body import rotation_matrix
 from hoverproof.simulation.record import Recorded
 
 Array = NDArray[np.float64]
+FLOWN = "flown"
+"""How a flight ended that is whole."""
 Flight: TypeAlias = Recorded
 """What `simulate` or `flown` returned. A picture needs no xarray, which takes long to import."""
 
@@ -48,6 +50,12 @@ class Scene:
     image_size : (width, height) or None
         Of the image, in numbers of focal lengths, with the optical axis in its middle; None
         without an edge.
+    half_angle : float or None
+        Of the cone about the z axis of the body that the lens sees, rad, if the mission tells it.
+    errors : str
+        What of the vehicle is not as modelled, in words.
+    ended : str
+        How the flight ended, if early.
     """
 
     name: str
@@ -59,6 +67,9 @@ class Scene:
     rotor_places: Array
     rotor_limits: tuple[float | None, float | None]
     image_size: tuple[float, float] | None
+    half_angle: float | None
+    errors: str
+    ended: str
 
     @classmethod
     def of(cls, record: Flight) -> Scene:
@@ -66,7 +77,8 @@ class Scene:
 
         ``mission``, ``law`` and ``goal_position`` must be there. Of ``conditions`` (JSON, as
         ``mission``) come the limits of the rotors (``rotors.min_thrust``, ``rotors.max_thrust``, N)
-        and the edge of the image (``sensors.focal_length``, ``width``, ``height``, px).
+        the edge of the image (``sensors.focal_length``, ``width``, ``height``, px) and errors of
+        the model (``model_error``).
 
         Parameters
         ----------
@@ -87,13 +99,26 @@ class Scene:
             rotor_places=places,
             rotor_limits=(_maybe(rotors, "min_thrust"), _maybe(rotors, "max_thrust")),
             image_size=_image_size(conditions.get("sensors", {})),
+            half_angle=_half_angle(mission.get("camera", {})),
+            errors=_errors(conditions.get("model_error", {})),
+            ended="" if (ended := record.attrs.get("outcome", FLOWN)) == FLOWN else ended,
         )
 
     @property
     def title(self) -> str:
-        """Name of the mission, with the law where that is not the paper's."""
+        """Name of the mission, the law where it is not the paper's, and errors of the model."""
         papers = LawChoice().name
-        return self.name if self.law == papers else f"{self.name} ({self.law})"
+        name = self.name if self.law == papers else f"{self.name} ({self.law})"
+        return f"{name}, {self.errors}" if self.errors else name
+
+    def titled(self, words: str) -> str:
+        """Return the title of a figure: `title`, its words, and how the flight ended if early.
+
+        Parameters
+        ----------
+        words : str
+        """
+        return f"{self.title}: {words}" + (f"\nended early: {self.ended}" if self.ended else "")
 
     def goal_image(self, yaw: float) -> Array:
         """Return the pinhole image of the target from the goal, (n, 2), at a yaw in rad.
@@ -108,23 +133,28 @@ class Scene:
         return np.array(ca.evalf(pinhole(seen))).T
 
 
-def view_angle(flight: Flight) -> Array:
-    """Return the largest angle of a target point off the optical axis, (time,), rad.
-
-    Parameters
-    ----------
-    flight : Dataset or Record
-        From `simulate`.
-    """
-    image = flight["image"].values
-    return np.asarray(np.arctan(np.linalg.norm(image, axis=-1)).max(axis=-1), np.float64)
-
-
 def _rotor_places(vehicle: dict[str, Any]) -> Array:
     """Return where rotors are, (n, 3), m, of what `Vehicle.as_flown` says."""
     if "arm" in vehicle:
         return _float(vehicle["arm"]) * np.array([(*place, 0) for place in X.places], float)
     return np.array([(_float(x), _float(y), 0.0) for x, y, _ in vehicle["rotors"]])
+
+
+def _half_angle(camera: dict[str, Any]) -> float | None:
+    """Return the half angle of the cone about the z axis of the body that a lens sees, rad."""
+    half, lean = _maybe(camera, "half_angle"), camera.get("rotation", ("0", "0", "0"))[:2]
+    return None if half is None else half - sum(abs(_float(angle)) for angle in lean)
+
+
+def _errors(errors: dict[str, Any]) -> str:
+    """Say what of a vehicle is not as modelled: shares, but for the angles of the camera."""
+    found = []
+    for name, error in errors.items():
+        sizes = [_float(e) for e in (error if isinstance(error, list) else [error])]
+        unit, factor = (" rad", 1) if name == "camera_tilt" else (" %", 100)
+        told = ", ".join(f"{factor * size:+g}" for size in sizes)
+        found.append(f"{name.replace('_', ' ')} {told}{unit}")
+    return f"with {', '.join(found)}" if found else ""
 
 
 def _image_size(sensors: dict[str, Any]) -> tuple[float, float] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import textwrap
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from matplotlib.ticker import (
 )
 
 from hoverproof.files import replacing
+from hoverproof.mission.sections import Mission
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Okabe and Ito's palette, told apart by the colour-blind."""
@@ -46,6 +48,21 @@ class Powers(LogFormatterSciNotation):
         set_by_tex = super().__call__(x, pos).replace(r"\times", "×")
         raised = re.sub(r"\^\{(.*?)\}", lambda power: power[1].translate(RAISED), set_by_tex)
         return re.sub(r"\$|\\mathdefault|[{}]", "", raised)
+
+
+def heading(mission: Mission, words: str, width: int) -> str:
+    """Return the title of what is proved: name, and the words with which vehicles for ``{who}``.
+
+    Parameters
+    ----------
+    mission : Mission
+    words : str
+    width : int
+        Number of letters in a line.
+    """
+    covers = ", ".join(each.replace(" ", "\xa0") for each in mission.covers())
+    who = f"every vehicle with {covers}" if covers else "the vehicle as modelled"
+    return "\n".join(textwrap.wrap(f"{mission.name}: {words.format(who=who)}", width))
 
 
 def plain_powers(axis: Axis) -> None:

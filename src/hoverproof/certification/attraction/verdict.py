@@ -104,6 +104,11 @@ class Attraction(Proved):
         """Whether it is about every vehicle within tolerance: of Ψ in place of Λ."""
         return bool(self.certificate.content["kind"] == "potential")
 
+    @property
+    def symbol(self) -> str:
+        """What its Lyapunov function is called; of the vehicle as modelled, both are the same."""
+        return "Ψ" if self.tolerant else "Λ"
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Sinks(Refuted):

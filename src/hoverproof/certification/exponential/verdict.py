@@ -97,6 +97,12 @@ class Exponential(Proved):
         return min(low for low, _ in self.rotor_thrusts), max(h for _, h in self.rotor_thrusts)
 
     @property
+    def heights(self) -> tuple[Fraction, Fraction]:
+        """Between which heights above the mean of the target it stays, m."""
+        low, high = self.wedge[2]
+        return 1 / high, 1 / low
+
+    @property
     def image_cone(self) -> float | None:
         """Half angle of the largest cone about the optical axis in the image, rad, if told."""
         return cone_in_image(self.mission)

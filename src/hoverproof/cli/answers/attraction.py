@@ -192,7 +192,7 @@ def _proved(verdict: Attraction | Exponential) -> Iterator[str]:
 
 
 def _states(verdict: Attraction) -> str:
-    inside = f"{'Ψ' if verdict.tolerant else 'Λ'} <= {at_least(verdict.level)}"
+    inside = f"{verdict.symbol} <= {at_least(verdict.level)}"
     if verdict.barrier_height is None:
         return f"in every state with {inside} and T > 0; the hovers of these reach from the goal"
     above = f"at least {at_most(verdict.barrier_height)} m above the target"
@@ -287,7 +287,7 @@ def _region_as_json(verdict: Attraction) -> dict[str, Any]:
         "reach": {way: float(getattr(reach, way)) for way in ("sideways", "up", "down")},
         "starts": [exact(start.content()) for start in verdict.starts],
         "units": {
-            "rate": f"1, of {'Ψ' if verdict.tolerant else 'Λ'}' <= -(k1/m) rate |Y|²",
+            "rate": f"1, of {verdict.symbol}' <= -(k1/m) rate |Y|²",
             "tilt": "rad",
             "thrust": "N",
             "largest_eigenvalue": "1/m",

@@ -33,7 +33,7 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     if verdict.ultimate_radius is not None:
         yield f"  ultimate bound          {at_most(verdict.ultimate_radius)} m from the goal"
     yield "  On the way:"
-    yield f"  height                  in {enclosure(heights(verdict))} m above the target"
+    yield f"  height                  in {enclosure(verdict.heights)} m above the target"
     yield f"  tilt                    {angle(verdict.tilt)} or less"
     yield f"  thrust                  in {enclosure(verdict.thrust)} {PER_MASS}"
     if verdict.field_of_view is not None:
@@ -72,17 +72,6 @@ def _out_of_image(verdict: Exponential) -> list[str]:
         f"they may leave it; camera.half_angle = {held} asks for",
         "a proof that they do not",
     ]
-
-
-def heights(verdict: Exponential) -> tuple[Fraction, Fraction]:
-    """Return the ends of the heights above the mean of the target on the way, m.
-
-    Parameters
-    ----------
-    verdict : Exponential
-    """
-    low, high = verdict.wedge[2]
-    return 1 / high, 1 / low
 
 
 def beyond(verdict: Exponential) -> list[str]:
@@ -125,7 +114,7 @@ def as_json(verdict: Exponential) -> dict[str, Any]:
         "decay_rate": float(verdict.rate),
         "settling_time": float(verdict.settling.time),
         "settling_radius": float(verdict.settling.radius),
-        "heights": numbers(heights(verdict)),
+        "heights": numbers(verdict.heights),
         "tilt": float(verdict.tilt),
         "thrust": numbers(verdict.thrust),
         "slope": numbers(verdict.slope),

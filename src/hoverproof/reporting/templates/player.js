@@ -30,6 +30,7 @@ function Player(root, flight) {
   const [slider, button, chooser] = [part("time"), part("play"), part("span")];
   const WATCHED = 12;  // seconds in which a span is shown
   const views = { "3d": [0.65, 0.42], above: [-Math.PI / 2, 1.5707], side: [-Math.PI / 2, 0] };
+  for (const s of flight.spans) s.image = s.image.map((row) => row.map((x) => x ?? NaN));  // unseen
   let span = flight.spans[0], time = 0, playing = false, before = 0;
   let [azimuth, elevation] = views["3d"], zoom = 1;
 
@@ -218,8 +219,10 @@ function Player(root, flight) {
 
   function drawImage(state, c) {
     const { pen, width, height } = sized(image);
-    const seen = flight.spans.flatMap((s) => s.image.flatMap(pairs)).concat(flight.goal_image, [[0, 0]]);
-    const edge = flight.image_size;
+    const seen = flight.spans.flatMap((s) => s.image.flatMap(pairs)).concat(flight.goal_image, [[0, 0]])
+      .filter((p) => !isNaN(p[0]));
+    const [edge, lens] = [flight.image_size, flight.lens];
+    if (lens) seen.push([-lens, -lens], [lens, lens]);
     if (edge) seen.push([-edge[0] / 2, -edge[1] / 2], [edge[0] / 2, edge[1] / 2]);
     const ends = [0, 1].map((k) => seen.map((p) => p[k])).map((v) => [Math.min(...v), Math.max(...v)]);
     const reach = Math.max(ends[0][1] - ends[0][0], ends[1][1] - ends[1][0]) * 0.58 || 1;
@@ -235,6 +238,10 @@ function Player(root, flight) {
       const [[x0, y0], [x1, y1]] = [at([-edge[0] / 2, -edge[1] / 2]), at([edge[0] / 2, edge[1] / 2])];
       line(pen, [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]], c.muted, 1, [4, 3]);
     }
+    if (lens) {
+      const around = (k) => at([lens * Math.cos(k * Math.PI / 60), lens * Math.sin(k * Math.PI / 60)]);
+      line(pen, Array.from({ length: 121 }, (_, k) => around(k)), c.front);
+    }
     for (const p of flight.goal_image) square(pen, at(p), c.ink, 11, false);
     const flown = span.image.slice(0, state.index + 1).map(pairs).concat([state.image]);
     state.image.forEach((p, i) => {
@@ -244,7 +251,7 @@ function Player(root, flight) {
     });
     pen.fillStyle = c.muted;
     pen.textAlign = "left";
-    pen.fillText("what the camera sees; squares: goal", 8, height - 8);
+    pen.fillText(`what the camera sees; squares: goal${lens ? "; circle: lens" : ""}`, 8, height - 8);
   }
 
   function draw() {
