@@ -22,9 +22,9 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from hoverproof.cli import console
-from hoverproof.cli.answers.glossary import SYMBOLS
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.sections import Mission
+from hoverproof.reporting.symbols import SYMBOLS
 
 ROOT = Path(__file__).parents[1]
 HUGE = 10**300

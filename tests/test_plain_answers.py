@@ -14,10 +14,11 @@ from hoverproof.algebra.decimals import at_least, at_most
 from hoverproof.certification.attraction.verdict import Sinks, not_covered
 from hoverproof.certification.over_box import enclose
 from hoverproof.certification.region import default_box
-from hoverproof.cli.answers.glossary import SYMBOLS, legend
+from hoverproof.cli.answers.glossary import legend
 from hoverproof.cli.answers.words import angle, enclosure
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.reading import load
+from hoverproof.reporting.symbols import STATED, SYMBOLS
 from hoverproof.simulation import runs
 
 
@@ -155,8 +156,12 @@ def test_bounds_are_written_on_the_safe_side():
 
 def test_symbols_are_explained_at_the_foot_where_they_stand_alone():
     assert legend(["x4-flyer: proved", "written to  L.toml, Q-tuned.toml"]) == []
-    words = " ".join(" ".join(legend(["  XᵀΣX <= -1, every Q", "  Ψ falls"])).split())
+    assert " ".join(" ".join(legend(["  every Q"])).split()) == f"Symbols: Q: {SYMBOLS['Q']}"
+    *told, where = legend(["  XᵀΣX <= -1, every Q", "  Ψ falls"])
+    words = " ".join(" ".join(told).split())
     assert words == "Symbols: " + "; ".join(f"{s}: {SYMBOLS[s]}" for s in "QΣΨ")
+    assert where == f"Theorems: {STATED}"
+    assert legend(["  converges (theorem 5, exponential)"]) == [where]
 
 
 @pytest.mark.parametrize(
@@ -173,7 +178,7 @@ def test_symbols_are_explained_at_the_foot_where_they_stand_alone():
 )
 def test_an_answer_explains_its_symbols_before_what_comes_next(arguments, symbols, capsys):
     out = run(capsys, *arguments)[1]
-    foot = re.search(r"(?ms)^Symbols: (.*?)(?=^Next:|\Z)", out)
+    foot = re.search(r"(?ms)^Symbols: (.*?)(?=^Theorems:|^Next:|\Z)", out)
     assert (foot is None) == (not symbols)
     if foot is not None:
         told = " ".join(foot[1].split())

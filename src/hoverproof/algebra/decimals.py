@@ -7,6 +7,7 @@ from fractions import Fraction
 
 DIGITS = 4
 """Of a proved bound, as it is told; certificates, and objects for machines, have all."""
+PI_BELOW = Fraction(314159265358979, 10**14)
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -68,6 +69,17 @@ def at_most(value: float | Fraction, digits: int = DIGITS) -> str:
     digits : int
     """
     return written(decimal_above(value, digits), digits)
+
+
+def degrees_at_most(angle: float | Fraction) -> str:
+    """Write a proved upper bound of an angle in degrees, rounded up.
+
+    Parameters
+    ----------
+    angle : float or Fraction
+        Not negative, rad.
+    """
+    return at_most(Fraction(angle) * 180 / PI_BELOW)
 
 
 def binary_below(value: Fraction, bits: int) -> Fraction:

@@ -35,6 +35,7 @@ from hoverproof.mission.reading import of_mission
 from hoverproof.mission.sections import Mission
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.hamel_mahony import law_of
+from hoverproof.servo.lyapunov import thrust_at
 
 WITNESS_BITS = 40
 DIGITS = 10
@@ -101,6 +102,11 @@ class RefutedGains(Refuted):
     X: list[Fraction]
     value: Fraction
     margin_above: Fraction
+
+    @property
+    def thrust(self) -> Fraction:
+        """A thrust with that f(T), N, q* in the middle of its box."""
+        return thrust_at(self.f, self.mission, self.problem.centroid)
 
     @property
     def gist(self) -> str:

@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import casadi as ca
 
-from hoverproof.algebra.decimals import at_most, decimal_below
+from hoverproof.algebra.decimals import decimal_below, degrees_at_most
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.errors import InputError
 from hoverproof.export.adapter import Adapter, adapter
@@ -338,6 +338,6 @@ def _tilt(mission: Mission, excess: Fraction, proved: Fraction | None) -> tuple[
     if proved is None and (mission.bounds.level is None or sine >= 1):  # is the horizontal part
         return Fraction(0), "90 degrees (the certificate sets no bound of its own)"
     cosine = proved or decimal_below(sqrt_enclosure(1 - sine**2)[0], 9)
-    degrees = math.degrees(math.acos(float(cosine)))
+    degrees = degrees_at_most(math.acos(float(cosine)))
     origin = "follows from the level" if proved is None else "proved on the way"
-    return cosine, f"{at_most(degrees)} degrees ({origin})"
+    return cosine, f"{degrees} degrees ({origin})"

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from fractions import Fraction
 
+from hoverproof.algebra.decimals import degrees_at_most
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.convergence import Converges, not_covered
 from hoverproof.certification.exponential.verdict import Exponential
@@ -92,20 +91,16 @@ def _in_flight(region: Attraction | Exponential, flight: Flown | Missing) -> Ite
 
 
 def _on_the_way(region: Attraction | Exponential) -> Iterator[str]:
-    yield f"tilt up to {_degrees(region.tilt)}"
+    yield f"tilt up to {degrees_at_most(region.tilt)}°"
     if isinstance(region, Attraction):
         low, high = region.thrust
         yield f"thrust from {at_least(low, 4)} to {at_most(high, 4)} N"
         return
     if region.field_of_view is not None:
         axis = region.mission.camera.axis_seen
-        yield f"every target point within {_degrees(region.field_of_view)} of the {axis}"
+        yield f"every target point within {degrees_at_most(region.field_of_view)}° of the {axis}"
     low, high = region.rotor_thrust
     yield f"each rotor from {at_least(low)} to {at_most(high)} N"
-
-
-def _degrees(angle: Fraction) -> str:
-    return f"{at_most(math.degrees(angle), 3)}°"
 
 
 def _unproved(start: Converges) -> str:

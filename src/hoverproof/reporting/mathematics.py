@@ -15,6 +15,9 @@ from hoverproof.certification.exponential.verdict import Exponential
 
 DENOMINATOR = 10**15
 RELATIONS = "⪯⪰≺≻"
+BREAK = r"\allowbreak "
+"""Where a formula may go on in a new line, if the page is narrow."""
+IMPLIES = rf"{BREAK}\Longrightarrow\quad "
 
 IMPLIED = (
     ("10", "image error"),
@@ -30,14 +33,17 @@ IMPLIED = (
 
 
 def mathml(latex: str, *, block: bool = False) -> str:
-    """Return a formula as MathML.
+    """Return a formula as MathML, in pieces that wrap like words where it may be broken.
 
     Parameters
     ----------
     latex : str
+        With `BREAK` between what may stand in lines of their own.
     block : bool
         Whether it stands on a line of its own.
     """
+    if BREAK in latex:
+        return " ".join(mathml(piece) for piece in latex.split(BREAK))
     upright = latex.replace(r"\mathrm{", r"\text{")  # whole words, whatever stands around them
     made: str = convert(upright, display="block" if block else "inline")
     made = re.sub(r"&#x([0-9A-F]+);", lambda m: _character(int(m[1], 16)), made)
@@ -67,10 +73,12 @@ def claim(
     """
     return [
         *question(eigenvalues, thrust, symbol),
-        rf"\Longrightarrow\quad X^T \Sigma({symbol}, T)\, X \ge \mu \left|X\right|^2",
-        rf"\mu = {decimal(margin)}\ \mathrm{{kg/s}}",
+        rf"\Longrightarrow\quad X^T \Sigma({symbol}, T)\, X \ge "
+        r"\mathrm{margin} \left|X\right|^2",
+        rf"\mathrm{{margin}} = {decimal(margin)}\ \mathrm{{kg/s}}",
         r"\Longrightarrow\quad \mathcal{L}(t) \le \mathcal{L}(0)\, e^{-r t}",
-        rf"r = \frac{{2 \mu}}{{m}} \ge {decimal(decimal_below(rate, 8))}\ \mathrm{{s}}^{{-1}}",
+        r"r = \frac{2\ \mathrm{margin}}{m} \ge "
+        rf"{decimal(decimal_below(rate, 8))}\ \mathrm{{s}}^{{-1}}",
     ]
 
 
@@ -150,16 +158,19 @@ def attraction_claim(region: Attraction) -> list[str]:
     height = region.barrier_height
     above = "" if height is None else rf",\quad h \ge {decimal(height)}\ \mathrm{{m}}"
     return [
-        rf"{symbol} = W(\xi) + \tfrac12\left("
-        rf"{a2} \left|\delta_2\right|^2 + {a3} \left|\delta_3\right|^2 + "
-        rf"{a4} \left|\delta_4\right|^2\right)",
-        *_of_vehicles(region),
-        r"W(\xi) = \sum_i \left|P'_i - \xi\right| + q_3^* e_3^T \xi - W_0",
-        rf"{symbol}(0) \le {decimal(region.level)}{above}\quad\Longrightarrow\quad "
-        r"\xi(t) \to \xi^*",
-        rf"\dot{symbol} \le -\frac{{k_1}}{{m}}\, {decimal(region.rate)} \left("
-        r"\left|q - q_3^* \rho\right|^2 + \left|\delta_2\right|^2 + "
-        r"\left|\delta_3\right|^2 + \left|\delta_4\right|^2\right)",
+        BREAK.join(
+            (
+                rf"{symbol} = W(\xi) + {_half_of(a2, 2)}",
+                rf"+ {_half_of(a3, 3)}",
+                rf"+ {_half_of(a4, 4)}",
+                *_of_vehicles(region),
+            )
+        ),
+        rf"W(\xi) = \sum_i \left|P'_i - \xi\right| {BREAK}+ q_3^* e_3^T \xi - W_0",
+        rf"{symbol}(0) \le {decimal(region.level)}{above}{IMPLIES}\xi(t) \to \xi^*",
+        rf"\dot{symbol} \le -{decimal(region.rate)}\, \frac{{k_1}}{{m}}\, \left|Y\right|^2,{BREAK}"
+        r"\left|Y\right|^2 = \left|q - q_3^* \rho\right|^2 + \left|\delta_2\right|^2 + "
+        r"\left|\delta_3\right|^2 + \left|\delta_4\right|^2",
     ]
 
 
@@ -173,15 +184,21 @@ def exponential_claim(verdict: Exponential) -> list[str]:
     """
     w2, w3, w4 = map(decimal, verdict.weights)
     radius, time = decimal(verdict.settling.radius), decimal(verdict.settling.time)
+    left = "" if verdict.ultimate_radius is None else r" + \ell_\infty"
     return [
-        r"\Psi = \tfrac12\left(\left|\delta_1\right|^2 + "
-        rf"{w2} \left|\delta_2\right|^2 + {w3} \left|\delta_3\right|^2 + "
-        rf"{w4} \left|\delta_4\right|^2\right)",
-        *_of_vehicles(verdict),
-        rf"\Psi(0) \le {decimal(verdict.level)}\quad\Longrightarrow\quad "
-        rf"\Psi(t) \le \Psi(0)\, e^{{-r t}},\quad r = {decimal(verdict.rate)}\ \mathrm{{s}}^{{-1}}",
-        rf"\Psi(0) \le {decimal(verdict.start_level)}\quad\Longrightarrow\quad "
-        rf"\left|\xi(t) - \xi^*\right| \le {radius}\ \mathrm{{m}}\ "
+        BREAK.join(
+            (
+                rf"\Psi = {_half_of('', 1)}",
+                rf"+ {_half_of(w2, 2)}",
+                rf"+ {_half_of(w3, 3)}",
+                rf"+ {_half_of(w4, 4)}",
+                *_of_vehicles(verdict),
+            )
+        ),
+        rf"\Psi(0) \le {decimal(verdict.level)}{IMPLIES}\Psi(t) \le \Psi(0)\, e^{{-r t}}{left},"
+        rf"{BREAK}r = {decimal(verdict.rate)}\ \mathrm{{s}}^{{-1}}",
+        rf"\Psi(0) \le {decimal(verdict.start_level)}{IMPLIES}"
+        rf"\left|\xi(t) - \xi^*\right| \le {radius}\ \mathrm{{m}}\ {BREAK}"
         rf"\mathrm{{for}}\ t \ge {time}\ \mathrm{{s}}",
     ]
 
@@ -191,11 +208,19 @@ def _of_vehicles(verdict: Attraction | Exponential) -> Iterator[str]:
     content = verdict.certificate.content
     if content.get("lag"):
         a5, a6 = (decimal(Fraction(content["lag"][name])) for name in ("torque", "thrust"))
-        yield rf"\qquad +\, \tfrac\tau 2 \left({a5} \left|\mu\right|^2 + {a6} \mu_T^2\right)"
+        yield rf"+ \tfrac\tau 2 {a5} \left|\mu\right|^2"
+        yield rf"+ \tfrac\tau 2 {a6} \mu_T^2"
     if content.get("memory"):
-        weight = r"e^{r (x - t)} " if content["kind"] == "exponential" else ""
+        weight = r"e^{r (z - t)} " if content["kind"] == "exponential" else ""
         memory = decimal(Fraction(content["memory"]))
-        yield rf"\qquad +\, {memory} \iint {weight}\left|y(x)\right|^2"
+        yield (
+            rf"+ {memory} \int_{{-\bar\tau}}^0 \int_{{t+x}}^t {weight}"
+            r"\left|y(z)\right|^2 \mathrm{d}z\, \mathrm{d}x"
+        )
+
+
+def _half_of(weight: str, error: int) -> str:
+    return rf"\tfrac12\, {weight} \left|\delta_{error}\right|^2"
 
 
 def fraction(x: Fraction) -> str:

@@ -19,12 +19,13 @@ from hoverproof.certification.convergence import not_covered
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.export.cost import STEPS
 from hoverproof.paper.judge import Verdict
-from hoverproof.reporting import mathematics, pictures, tables, wording
+from hoverproof.reporting import mathematics, pictures, symbol_tables, tables, wording
 from hoverproof.reporting.assets import asset, pages
 from hoverproof.reporting.glance import NOT_PROVED, Line
 from hoverproof.reporting.numerals import short
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts, sentence
 from hoverproof.reporting.player import player_data
+from hoverproof.reporting.symbols import STATED
 from hoverproof.version import __version__
 
 CONTENTS = (
@@ -128,6 +129,8 @@ def context(parts: Parts, origin: Origin, glance: Sequence[Line]) -> dict[str, A
         "rounding_steps": STEPS,
         "not_claimed": wording.not_said(parts),
         "law_words": wording.law(parts.mission),
+        "nominal": wording.nominal(parts),
+        "stated": STATED,
         **vars(origin),
         **_theorem(parts),
         **_tables(parts),
@@ -158,11 +161,13 @@ def _theorem(parts: Parts) -> dict[str, Any]:
     told["meanings"] = [
         (id, words, papers[id].derived.latex()) for id, words in mathematics.IMPLIED if papers
     ]
+    told["symbols"] = [] if papers else list(symbol_tables.of_gains(parts.mission, symbol))
     told["ledger_reasons"] = [(id, papers[id].reason) for id in ("conditions", "theorem") if papers]
     told["conditions_words"] = wording.conditions(parts)
     if (attracted := _attraction(parts)) is not None:
         told["not_covered"] = not_covered(attracted)
         told["attraction_words"] = wording.attraction(attracted)
+        told["attraction_symbols"] = list(symbol_tables.of_starts(attracted))
         told["attraction_statement"] = attracted.certificate.statement
         told["attraction_claim"] = (
             mathematics.exponential_claim(attracted)

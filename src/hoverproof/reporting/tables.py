@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from hoverproof.algebra.decimals import degrees_at_most
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.bounds import eigenvalue_bounds
 from hoverproof.certification.exponential.verdict import Exponential
@@ -103,11 +104,23 @@ def _target_table(mission: Mission, q_star: Sequence[Fraction]) -> Table:
         *weights,
         ("goal", goal),
         ("hover there", place(hover_goal(mission).position)),
-        ("wanted centroid q*", f"({', '.join(short(c, 6) for c in q_star)})"),
+        ("wanted centroid q*", _vector(q_star)),
+        *_wanted(mission),
         ("start", place(mission.start.position)),
         *_moving(mission),
     ]
     return Table("Target, goal and start (world frame, z down)", rows)
+
+
+def _wanted(mission: Mission) -> list[tuple[str, str]]:
+    """Return what stands in place of q* in the law, where that is something else."""
+    if mission.law.feature == "centroid":
+        return []
+    return [("scaled, s*, which the law uses", _vector(law_of(mission).goal_feature(mission)))]
+
+
+def _vector(entries: Sequence[Fraction]) -> str:
+    return f"({', '.join(short(c, 6) for c in entries)})"
 
 
 def _bounds_table(mission: Mission) -> Table:
@@ -132,7 +145,7 @@ def hover_error_tables(mission: Mission) -> list[Table]:
     title = "What an error of thrust or mass does to the height above the target at rest"
     rows = hover_error(mission).rows() if rests_as_modelled(law_of(mission)) else []
     if mission.law.force == "measured":
-        rows = [("none", "the law measures its force, which is zero at rest")]
+        rows = [("nothing", "the law measures the sum of all forces, which is zero at rest")]
     elif not rows:
         rows = [("not computed for this law", "fly it: [model_error] mass and thrust of a mission")]
     return [Table(title, rows)]
@@ -147,6 +160,10 @@ def strange_tables(mission: Mission) -> list[Table]:
     """
     rows = [(finding.key, finding.reason) for finding in warnings(mission)]
     return [Table("Not as in any vehicle: check the units", rows)] if rows else []
+
+
+def _angle(value: Fraction) -> str:
+    return f"{at_most(value)} rad ({degrees_at_most(value)}°)"
 
 
 def _heading(mission: Mission) -> list[tuple[str, str]]:
@@ -238,7 +255,7 @@ def attraction_table(region: Attraction) -> Table:
         ("sideways, all round", f"{at_least(reach.sideways)} m"),
         ("up", f"{at_least(reach.up)} m"),
         ("down", f"{at_least(reach.down)} m"),
-        ("tilt on the way", f"{at_most(region.tilt)} rad or less"),
+        ("tilt on the way", f"{_angle(region.tilt)} or less"),
         (
             "thrust on the way",
             f"{at_least(region.thrust[0], 5)} to {at_most(region.thrust[1], 5)} N",
@@ -265,14 +282,14 @@ def exponential_table(verdict: Exponential) -> Table:
         ("settled", f"within {at_most(settling.radius)} m from {at_most(settling.time)} s on"),
         ("decay rate of Ψ", f"{at_least(verdict.rate)} 1/s or more"),
         ("height above the target", f"{at_least(low)} to {at_most(high)} m"),
-        ("tilt on the way", f"{at_most(verdict.tilt)} rad or less"),
+        ("tilt on the way", f"{_angle(verdict.tilt)} or less"),
         (
             "thrust on the way, × true / modelled mass",
             f"{at_least(verdict.thrust[0], 5)} to {at_most(verdict.thrust[1], 5)} N",
         ),
     ]
     if verdict.field_of_view is not None:
-        rows.append(("target points", f"within {at_most(verdict.field_of_view)} rad of the axis"))
+        rows.append(("target points", f"within {_angle(verdict.field_of_view)} of the axis"))
     least, most = verdict.rotor_thrust
     rows.append(("thrust of each rotor", f"{at_least(least)} to {at_most(most)} N"))
     return Table("Every vehicle within tolerance, and what holds on the way", rows)

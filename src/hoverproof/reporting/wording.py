@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.exponential.verdict import Exponential
@@ -174,9 +174,9 @@ def headline(parts: Parts) -> str:
     )
     if verdict.status == "proved":
         return (
-            f"The gains work for {question}: Σ({symbol}, T) is positive definite there, and the "
-            f"Lyapunov function falls at least as fast as exp(−{at_least(verdict.decay_rate)} t), "
-            "t in s."
+            f"The gains work for the vehicle as modelled: Σ({symbol}, T) is positive definite for "
+            f"{question}, and while {symbol} and T stay there the Lyapunov function L falls at "
+            f"least as fast as exp(−{at_least(verdict.decay_rate)} t), t in s (theorem 1)."
         )
     if verdict.status == "refuted":
         return (
@@ -193,15 +193,13 @@ def merits(parts: Parts) -> Iterable[tuple[str, str, str]]:
     ----------
     parts : Parts
     """
-    verdict, attracted = parts.verdict, parts.attraction
-    flight, firmware = parts.flight, parts.firmware
-    if verdict.status == "proved":
-        yield "margin of Σ, proved", f"≥ {at_least(verdict.margin)} kg/s", ""
-        yield "decay rate of L, proved", f"≥ {at_least(verdict.decay_rate)} 1/s", ""
-    elif verdict.margin_above is not None:
-        yield "worst eigenvalue of Σ", f"≤ {at_most(verdict.margin_above)} kg/s", "proved"
-    if isinstance(attracted, Attracted):
-        yield _switched_on(attracted)
+    attracted, flight, firmware = parts.attraction, parts.flight, parts.firmware
+    if isinstance(attracted, Attracted) and _is_timed(attracted):
+        yield from _timed(attracted)
+    else:
+        yield from _nominal(parts)
+        if isinstance(attracted, Attracted):
+            yield _switched_on(attracted)
     if isinstance(flight, Flown):
         settled = flight.summary["settled_at"]
         value = "not reached" if settled is None else f"{short(settled)} s"
@@ -213,14 +211,47 @@ def merits(parts: Parts) -> Iterable[tuple[str, str, str]]:
         yield "firmware, Cortex-M4F", f"≤ {count} instructions", flash
 
 
+def nominal(parts: Parts) -> str:
+    """Say what the theorem about the gains is about.
+
+    Parameters
+    ----------
+    parts : Parts
+    """
+    symbol = parts.verdict.problem.flow.symbol
+    return f"the vehicle as modelled, while {symbol} and T stay in their bounds"
+
+
+def _nominal(parts: Parts) -> Iterator[tuple[str, str, str]]:
+    verdict = parts.verdict
+    if verdict.status == "proved":
+        yield "margin of Σ, proved", f"≥ {at_least(verdict.margin)} kg/s", "theorem 1"
+        rate = f"≥ {at_least(verdict.decay_rate)} 1/s"
+        yield "decay rate of L, proved", rate, f"theorem 1: {nominal(parts)}"
+    elif verdict.margin_above is not None:
+        yield "worst eigenvalue of Σ", f"≤ {at_most(verdict.margin_above)} kg/s", "proved"
+
+
+def _is_timed(attracted: Attracted) -> bool:
+    """Tell whether it is proved how soon the start has settled, which counts for more."""
+    return isinstance(attracted.region, Exponential) and attracted.start.status == "proved"
+
+
+def _timed(attracted: Attracted) -> Iterator[tuple[str, str, str]]:
+    region = attracted.region
+    assert isinstance(region, Exponential)
+    near, soon = at_most(region.settling.radius), at_most(region.settling.time)
+    every = "every vehicle within tolerance" if region.mission.covers() else "as modelled"
+    yield "settles after", f"{soon} s", f"to {near} m from the goal; proved, {every}"
+    yield "decay rate of Ψ, proved", f"≥ {at_least(region.rate)} 1/s", f"theorem 5: {every}"
+
+
 def _switched_on(attracted: Attracted) -> tuple[str, str, str]:
     region = attracted.region
     if region is None:
         return "region of attraction", "undecided", ""
     if isinstance(region, Exponential):
-        near, soon = at_most(region.settling.radius), at_most(region.settling.time)
-        every = ", every vehicle within tolerance" if region.mission.covers() else ""
-        return "settles after", f"{soon} s", f"to {near} m from the goal; proved{every}"
+        return next(_timed(attracted))
     reach = region.reach
     holds = "" if attracted.start is region else ", start not inside"
     return (

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cache
 
 import casadi as ca
 
+from hoverproof.algebra.graph import evaluate
 from hoverproof.algebra.linear import lie_derivative, solve_affine
+from hoverproof.mission.sections import Mission
+from hoverproof.plant.goal import Interval
 from hoverproof.servo.controller import derive_controller
 from hoverproof.servo.law import Law
-from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY
+from hoverproof.servo.laws.hamel_mahony import HAMEL_MAHONY, law_of
 from hoverproof.servo.variables import Design, Errors, Measurement
 
 ERROR_SIZE = Errors.size()
@@ -118,6 +123,24 @@ def thrust_of_factor(f: ca.SX, design: Design, law: Law = HAMEL_MAHONY) -> ca.SX
     thrust = ca.SX.sym("T")
     numerator, denominator = _thrust_factor_parts(thrust, design, law)
     return solve_affine(denominator - numerator / f, thrust)
+
+
+def thrust_at(f: Fraction, mission: Mission, wanted: Sequence[Interval]) -> Fraction:
+    """Return the thrust T, N, at which f(T) has a given value, with the gains of a mission.
+
+    Parameters
+    ----------
+    f : Fraction
+        f(T), 1/m.
+    mission : Mission
+    wanted : (3,) of (low, high)
+        Box around q* or what stands in its place, whose middle is taken.
+    """
+    law, factor = law_of(mission), ca.SX.sym("f")
+    d, middle = law.design.symbols(), [(low + high) / 2 for low, high in wanted]
+    inverse = ca.Function("thrust", [d.vector(), factor], [thrust_of_factor(factor, d, law)])
+    (((thrust,),),) = evaluate(inverse, [law.design.values(mission, middle), [f]])
+    return Fraction(thrust)
 
 
 def _thrust_factor_parts(thrust: ca.SX, design: Design, law: Law) -> tuple[ca.SX, ca.SX]:

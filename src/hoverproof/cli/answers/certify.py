@@ -124,7 +124,7 @@ class CertifyAnswer(Answer):
         yield "  counterexample, exact:"
         rows = "; ".join(", ".join(map(str, row)) for row in verdict.Q)
         yield f"    {verdict.problem.flow.symbol} = [{rows}] 1/m"
-        yield f"    f = {verdict.f} 1/m"
+        yield f"    f = {verdict.f} 1/m, T = {number(verdict.thrust)} N"
         yield f"    X = ({', '.join(map(str, verdict.X))})"
         yield f"    XᵀΣX <= {verdict.value} (about {about(verdict.value)}) < 0"
         yield f"  written to              {self.path}"

@@ -1,4 +1,4 @@
-"""What the symbols of the answers mean, for the foot of an answer and a page of the manual."""
+"""What the symbols of an answer mean, for its foot."""
 
 from __future__ import annotations
 
@@ -6,27 +6,23 @@ import re
 import textwrap
 from collections.abc import Sequence
 
-SYMBOLS = {
-    "Q": "3x3, from velocity to motion of the centroid in the image; holds the unknown depths",
-    "J": "3x3, from velocity to motion of the scaled centroid",
-    "T": "thrust",
-    "L": "Lyapunov function, half the weighted sum of the squared errors",
-    "Σ": "11x11, decay of L: m L' = -XᵀΣX, X the errors",
-    "W": "diagonal, weights of L",
-    "f": "f(T), how the thrust enters Σ",
-    "Λ": "Lyapunov function of the vehicle as modelled",
-    "Ψ": "Lyapunov function that holds for every vehicle within tolerance",
-}
-"""In the order in which they are explained."""
+from hoverproof.reporting.symbols import STATED, SYMBOLS
+
+THEOREMS = re.compile(r"\btheorems? \d|[ΣΛΨ]")
+"""What stands for a theorem."""
 
 
 def legend(lines: Sequence[str]) -> list[str]:
-    """Return lines that say what the symbols in some lines mean; none if no symbol is there.
+    """Return lines that say what the symbols in some lines mean, and where theorems are stated.
+
+    None if there is neither.
 
     Parameters
     ----------
     lines : sequence of str
     """
-    alone = re.findall(r"(?<![\w.-])\w(?![\w.-])|[ΣΛΨ]", "\n".join(lines))
+    text = "\n".join(lines)
+    alone = re.findall(r"(?<![\w.-])\w(?![\w.-])|[ΣΛΨ]", text)
     words = "; ".join(f"{symbol}: {means}" for symbol, means in SYMBOLS.items() if symbol in alone)
-    return textwrap.wrap(f"Symbols: {words}", 80, subsequent_indent="  ") if words else []
+    told = textwrap.wrap(f"Symbols: {words}", 80, subsequent_indent="  ") if words else []
+    return [*told, *([f"Theorems: {STATED}"] if THEOREMS.search(text) else [])]

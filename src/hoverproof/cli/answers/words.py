@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shlex
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
@@ -10,7 +9,7 @@ from dataclasses import asdict
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from hoverproof.algebra.decimals import at_least, at_most, written
+from hoverproof.algebra.decimals import at_least, at_most, degrees_at_most, written
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -38,7 +37,7 @@ def about(value: Any) -> str:
 
 def angle(value: Fraction) -> str:
     """Write a proved upper bound of an angle."""
-    return f"{at_most(value)} rad ({at_most(math.degrees(value), 3)}°)"
+    return f"{at_most(value)} rad ({degrees_at_most(value)}°)"
 
 
 def numbers(values: Iterable[Any]) -> list[float]:
