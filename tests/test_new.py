@@ -15,6 +15,7 @@ from pathlib import Path
 import pexpect
 import pytest
 
+from command_line import run
 from hoverproof import cli
 from hoverproof.certification.convergence import attraction
 from hoverproof.certification.gains import certify
@@ -104,6 +105,14 @@ def test_a_vehicle_is_taken_from_a_mission_but_for_what_is_given():
     assert WORDS["inertia"] not in said
 
 
+@pytest.mark.parametrize(("layout", "rotors"), [("x", 4), ("plus", 4), ("hex", 6), ("octo", 8)])
+def test_a_vehicle_has_the_layout_that_is_named(layout, rotors):
+    vehicle = of(without_asking({"layout": layout, "rotor_distance": "0.3"})).vehicle
+    assert (vehicle.layout, float(vehicle.arm), len(vehicle.frame.names)) == (layout, 0.3, rotors)
+    taken = of(without_asking({"vehicle": "research-1.5kg", "layout": layout})).vehicle
+    assert taken.layout == layout
+
+
 def test_each_number_has_a_comment():
     text = written(decided("mine", DEFAULTS))
     values = [line for line in text.splitlines() if re.match(r"\w+ = [\d.]", line)]
@@ -131,6 +140,10 @@ def test_each_number_has_a_comment():
         ("wind", "10", "must be below gravity"),
         ("autopilot", "betaflight", "must be one of none, crazyflie, px4, ardupilot"),
         ("vehicle", "crazyfly", "did you mean"),
+        ("vehicle", "2.5", "no such mission file or preset"),
+        ("vehicle", "0", "no such mission file or preset"),
+        ("layout", "hexa", "must be one of x, plus, hex, octo, not 'hexa'"),
+        ("layout", "6", "must be one of x, plus, hex, octo, not '6'"),
         ("start", "1 1 3", "must be above every target point (z is down)"),
     ],
 )
@@ -160,8 +173,49 @@ def test_what_no_gains_make_up_for_is_refused_before_any_are_looked_for(given, t
 def test_a_start_out_of_reach_is_refused_with_one_that_is_held():
     with pytest.raises(InputError, match="would be held") as refused:
         beginning(start="3,0,-1.5")
-    start = re.search(r"\((.*?)\) would", str(refused.value))[1]
+    start = refused.value.held
+    assert f"{start} would be held" in str(refused.value)
     assert first_gains(of(without_asking({"start": start}))) is not None
+
+
+FAR = ("--mass=2.5", "--rotor-distance=0.3", "--tag=0.5", "--height=4", "--half-angle=0.6")
+FAR += ("--frame-rate=60", "--latency=0.03")
+
+
+@pytest.mark.slow
+def test_a_start_that_nobody_gave_is_taken_nearer_until_it_is_held(capsys):
+    status, out, _ = run(capsys, "new", "far.toml", *FAR, "--yes")
+    said = "--start [0.96, 0, -4.96] m (nearer than usual, to be held)"
+    assert (status, said in " ".join(out.split())) == (0, True)
+    assert said in Path("far.toml").read_text("utf-8").replace("\n# ", " ")
+    assert list(map(float, load("far.toml").start.position)) == [0.96, 0, -4.96]
+
+
+@pytest.mark.slow
+def test_a_start_that_is_not_held_is_asked_for_again_and_no_answer_is_lost():
+    terminal = spawn("new", "far.toml", *FAR)
+    said = ""
+    while terminal.expect(["]: ", "written, own vehicle"]) == 0:
+        said += terminal.before
+        terminal.sendline("")
+    assert "start x y z (world, z down), m [1.2, 0, -5.2" in said
+    assert "start x y z (world, z down), m [0.96, 0, -4.96" in said
+    assert list(map(float, load("far.toml").start.position)) == [0.96, 0, -4.96]
+
+
+@pytest.mark.slow
+def test_what_was_typed_is_told_as_options_where_it_does_not_go_together():
+    terminal = spawn("new", "late.toml", "--rotor-lag=5")
+    while terminal.expect(["]: ", "The same answers as options"]) == 0:
+        terminal.sendline("0.7" if WORDS["mass"] in terminal.before else "")
+    terminal.expect_exact("--mass=0.7 --layout=x ")
+    terminal.expect("no vehicle hovers on rotors that lag by 5 s")
+
+
+def test_a_copy_of_a_preset_says_the_same_under_another_name(capsys):
+    assert run(capsys, "new", "copy.toml", "--from", "x4-flyer")[0] == 0
+    preset, copy = load("x4-flyer").exact(), load("copy.toml").exact()
+    assert copy == preset | {"name": "copy"}
 
 
 def sensible(seed):
@@ -324,7 +378,9 @@ def test_what_nobody_said_is_told_and_stands_in_the_file(capsys):
     assert "--rotor-lag 0.05 s" in told
     assert not any(item.startswith("--mass") for item in told)
     shown = [
-        f"--{q.name.replace('_', '-')} " for q in QUESTIONS[2:] if '"' not in q.default(DEFAULTS)
+        f"--{q.name.replace('_', '-')} "
+        for q in QUESTIONS[2:]
+        if q.name not in ("half_angle", "autopilot")
     ]
     assert [item.split()[0] + " " for item in told] == shown
     head = " ".join(

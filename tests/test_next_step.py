@@ -11,8 +11,11 @@ import pytest
 from command_line import run
 from hoverproof.certification import convergence
 from hoverproof.certification.verdict import Undecided
+from hoverproof.cli.answers.answer import tell
+from hoverproof.cli.answers.tuned import InfeasibleAnswer
 from hoverproof.cli.console import app
 from hoverproof.design import unproved as design
+from hoverproof.design.outcome import Infeasible
 from hoverproof.design.unproved import Unproved
 from hoverproof.mission.flown import beyond_tolerances
 from hoverproof.mission.reading import load
@@ -54,15 +57,33 @@ def test_what_is_flown_is_the_tolerance_that_covers_it_and_no_other(flown, name,
 
 
 def test_after_a_crash_the_tolerance_that_would_have_said_so_is_named(capsys):
-    status, out, _ = run(
-        capsys, "simulate", "x4-flyer", "--no-figures", "--set", "model_error.mass=0.02"
-    )
+    slow = ("--set", "law.force=measured", "--set", "rotors.time_constant=0.5")
+    status, out, _ = run(capsys, "simulate", "x4-flyer", "--no-figures", *slow)
+    assert status == 1
+    sets = named(out)
+    assert sets["rotors.time_constant"] == "0.5"  # of the mission that was flown
+    assert float(sets["uncertainty.rotor_lag"]) == 0.5
+    load("x4-flyer", sets)  # which is not refused
+
+
+def test_where_only_another_law_can_cover_a_crash_a_mission_with_it_is_named(capsys):
+    heavy = ("--set", "model_error.mass=0.02")
+    status, out, _ = run(capsys, "simulate", "x4-flyer", "--no-figures", *heavy)
     assert status == 1
     assert "hit the height of the target" in out
-    sets = named(out)
-    assert sets["model_error.mass"] == "0.02"  # of the mission that was flown
-    assert float(sets["uncertainty.thrust"]) >= 1 - 1 / 1.02
-    load("x4-flyer", sets)  # which is not refused
+    (command,) = re.findall(r"(?m)^Next: hoverproof (.*)$", out)
+    assert run(capsys, *shlex.split(command))[0] == 0
+    made = load("measured.toml")
+    assert made.law.force == "measured"
+    assert made.vehicle == load("x4-flyer").vehicle
+
+
+def test_where_a_start_is_not_proved_with_the_centroid_a_ball_that_is_comes_next(capsys):
+    near = ("--set", "gains.k3=11", "--set", "gains.k2=5.9", "--set", "gains.k1=0.78")
+    status, out, _ = run(capsys, "attraction", "x4-flyer", "--no-figure", *near)
+    assert status == 3
+    (command,) = re.findall(r"(?m)^Next: hoverproof (.*)$", out)
+    assert run(capsys, *shlex.split(command), "--no-figure")[0] == 0
 
 
 def test_after_a_flight_that_came_to_its_goal_none_is(capsys):
@@ -70,6 +91,19 @@ def test_after_a_flight_that_came_to_its_goal_none_is(capsys):
     status, out, _ = run(capsys, "simulate", "x4-flyer", "--no-figures", *late)
     assert status == 0
     assert "Next: hoverproof attraction" not in out
+
+
+def test_tolerances_that_no_gains_were_found_for_were_asked_for(capsys):
+    mission = load("x4-flyer", {"uncertainty.torque": "0.2", "camera.half_angle": "0.4"})
+    assert tell(InfeasibleAnswer(Infeasible(mission, "too much")), False, mission) == 1
+    out = capsys.readouterr().out
+    assert "  asked for               torque ±20 %, points seen within 0.4 rad" in out
+    assert "not considered" not in out
+
+
+def test_tuning_for_decay_names_what_says_whether_the_start_is_still_held(capsys):
+    out = run(capsys, "tune", "x4-flyer", "--objective", "decay", "--out", "fast.toml")[1]
+    assert "\nThen: hoverproof attraction fast.toml, for whether the start\n" in out
 
 
 @pytest.mark.parametrize(("option", "assumed"), [((), True), (("--over-box",), False)])
@@ -94,6 +128,8 @@ def test_gains_come_next_where_the_start_is_not_proved(option, named, capsys, mo
     monkeypatch.setattr(design, "unproved", lambda *_: Unproved(None, None))
     status, out, _ = run(capsys, "attraction", str(mission_file), *sets, *option)
     assert status == 3
+    assert "\n  asked for               thrust ±20 %" in out
+    assert "not considered" not in out
     found = re.findall(r"(?m)^Next: (hoverproof tune .*)$", out)
     assert found == ([] if named is None else [shlex.join([*shlex.split(named), *sets])])
     for command in found:

@@ -276,7 +276,7 @@ def test_where_nothing_is_found_along_a_trade_nothing_is_said_to_be_covered(
     out = capsys.readouterr().out
     assert exit_.value.code == 1
     assert out.count("infeasible: not looked for") == 5
-    assert "not considered          thrust ±20 %" in out
+    assert "asked for               thrust ±20 %" in out
     assert "figure" not in out
 
 
@@ -357,7 +357,7 @@ def test_what_is_flown_with_beyond_the_tolerances_is_said_with_what_would_cover_
     assert list(beyond_text(small())) == covering(small()) == []
     assert covering(mission) == ["uncertainty.rotor_lag=0.05"]
     assert list(beyond_text(mission)) == [
-        "rotors that lag by 0.05 s; uncertainty.rotor_lag is 0.03"
+        "rotors that lag by 0.05 s (uncertainty.rotor_lag is 0.03)"
     ]
     slow = {**LATE, "sensors": "{gyro_turned = true, frame_rate = 20, latency = 0.02}"}
     settings = dict(text.split("=", 1) for text in covering(small(changes=slow)))

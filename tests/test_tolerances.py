@@ -15,6 +15,7 @@ from hoverproof.mission.presets import preset_text
 from hoverproof.mission.reading import load
 from hoverproof.mission.writing import mission_text
 from hoverproof.reporting.tables import mission_tables
+from small_kit import small_vehicle
 
 PROOFS = Path(__file__).parents[1] / "proofs"
 NOISE = {"feature": "0.01", "velocity": "0.05", "force": "0.02", "rate": "0.03"}
@@ -153,6 +154,42 @@ def test_every_answer_about_the_mission_says_what_it_leaves_out(capsys):
     assert "not considered: torque ±20 %" in json.loads(out)["warnings"]
     _, out, _ = run(capsys, "certify", "x4-flyer")
     assert "not considered" not in out
+
+
+@pytest.mark.parametrize(
+    ("flown", "said"),
+    [
+        ("model_error.mass=0.6", "a relative thrust error of 0.375 (uncertainty.thrust is 0.2)"),
+        ("sensors.latency=0.1", "images as old as 0.1 s (uncertainty.latency is not given)"),
+        ("rotors.time_constant=0.1", "rotors that lag by 0.1 s (uncertainty.rotor_lag is 0.03)"),
+        ("start.rates=[0, 0, 0.5]", "a yaw rate at the start of 0.5 rad/s"),
+        ("model_error.camera_tilt=[0, -0.1, 0]", "a camera turned by 0.1 rad against [camera]"),
+        ("model_error.thrust=-0.2", None),
+    ],
+)
+def test_a_flight_says_what_of_it_is_beyond_the_tolerances_and_is_within_them_else(
+    flown, said, capsys
+):
+    asked = ["thrust=0.2", "torque=0.2", "rotor_lag=0.03", "yaw_rate=0.3", "noise.rate=0.01"]
+    sets = ["law.force=measured", *(f"uncertainty.{it}" for it in asked), flown]
+    words = ("small.toml", "--no-figures", "--duration", "1", *(f"--set={it}" for it in sets))
+    Path("small.toml").write_text(small_vehicle("[4, 16]", "[0.3, 0, -1.4]"))
+    _, out, _ = run(capsys, "simulate", *words)
+    flat = " ".join(out.split())
+    assert ("beyond the tolerances" in out, "one vehicle within" in out) == (bool(said), not said)
+    assert (said or "not compared noise of the body rates up to 0.01 rad/s") in flat
+    _, out, _ = run(capsys, "simulate", *words, "--json")
+    told = json.loads(out)["warnings"]
+    assert [said in it for it in told if it.startswith("beyond")] == ([True] if said else [])
+
+
+def test_of_vehicles_that_are_drawn_it_is_not_said_that_they_are_within_tolerances(capsys):
+    sets = ("--set=uncertainty.torque=0.2", "--set=scatter.position=[1,1,1]")
+    many = ("simulate", "x4-flyer", "--runs", "2", "--duration", "1", "--no-figures", *sets)
+    assert "  vehicles within         torque ±20 %" in run(capsys, *many)[1]
+    out = run(capsys, *many, "--set=scatter.inertia=[0.3,0.3,0]")[1]
+    assert "vehicles within" not in out
+    assert "  not compared            torque ±20 %" in out
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from hoverproof.certification.exponential.verdict import Exponential
     from hoverproof.certification.largest import Largest
     from hoverproof.design.unproved import Unproved
+    from hoverproof.mission.sections import Mission
 
 
 def attraction(
@@ -112,10 +113,23 @@ def attraction(
     if path is not None and figure and verdict.proved:
         picture = _draw(verdict.proved, path)
         search = _draw_search(found, path) if found is not None else None
-    wanted = told is not None and starts is None
-    tune = f"hoverproof tune {as_named(mission, set_)}" if wanted else None
-    answer = AttractionAnswer(verdict, path, picture, found, search, told, tune)
+    tells = verdict.status == "undecided" and objective == "start"
+    named = as_named(mission, set_)
+    then = _then(verdict.mission, named, told is not None and starts is None) if tells else None
+    answer = AttractionAnswer(verdict, path, picture, found, search, told, then)
     return tell(answer, json_, loaded)
+
+
+def _then(mission: Mission, named: str, may_tune: bool) -> tuple[str, str] | None:
+    """Return the command that comes next where a start is not proved, and what it does."""
+    from hoverproof.certification.attraction.proof import why_not_covered
+
+    if mission.law.feature == "centroid":  # whose gains are searched for near starts alone
+        words = "proves a ball of other hovers, and so tells how near a start is"
+        covered = not why_not_covered(mission)
+        return (f"hoverproof attraction {named} --objective radius", words) if covered else None
+    words = "looks for gains with which the start is proved, or says what would help"
+    return (f"hoverproof tune {named}", words) if may_tune else None
 
 
 def _saved(verdict: Converges, told: Unproved | None, out: Path | None, stem: str) -> Path | None:

@@ -39,6 +39,8 @@ def answers_of_vehicle(found: VehicleFile) -> Answers:
             in_rotor(_row(r.position), "ccw" if r.spin > 0 else "cw", _most(r))
             for r in found.rotors
         )
+    if found.rotors or found.layout:
+        known["layout"] = '"x"'  # not asked: the file says where they are
     return known
 
 

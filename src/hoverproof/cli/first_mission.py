@@ -19,7 +19,7 @@ from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import candidate
 from hoverproof.certification.exponential.question import HIGHEST, ROOM
 from hoverproof.cli.described import comment
-from hoverproof.cli.questions import CONTROL_RATES, NONE, Answers, in_layout
+from hoverproof.cli.questions import CONTROL_RATES, NONE, Answers, in_layout, row
 from hoverproof.design.limits import designed_gains
 from hoverproof.errors import InputError
 from hoverproof.mission.reading import load
@@ -44,6 +44,22 @@ SLOWER = 1.0, 0.7, 0.5, 0.35, 0.25, 0.17, 0.12
 NEARER = 0.8, 0.6, 0.4, 0.2
 
 
+class NotHeldError(InputError):
+    """No gains are found that hold a start.
+
+    Parameters
+    ----------
+    reason : str
+        With what would help.
+    held : str or None
+        A start that is held, on the way to the goal, m, as TOML.
+    """
+
+    def __init__(self, reason: str, held: str | None) -> None:
+        super().__init__("start", "", f"no gains were found that hold it: {reason}")
+        self.held = held
+
+
 def decided(name: str, answers: Answers) -> Answers:
     """Return what a mission file says, but for the gains.
 
@@ -65,7 +81,9 @@ def decided(name: str, answers: Answers) -> Answers:
     return answers | {
         "assumed": "",
         "name": json.dumps(name),
-        "placed": answers.get("placed", in_layout("x", answers["rotor_distance"])),
+        "placed": answers.get(
+            "placed", in_layout(json.loads(answers["layout"]), answers["rotor_distance"])
+        ),
         "gravity": decimal(gravity),
         "points": answers.get("points", _square(answers["tag"])),
         "target": answers.get("target", f"# Corners of a square tag of side {answers['tag']} m."),
@@ -178,8 +196,10 @@ def make(
 
     Raises
     ------
+    NotHeldError
+        If no gains are found that hold the start.
     InputError
-        If the answers do not go together, or no gains are found that hold the start.
+        If the answers do not go together.
     """
     told = f"Assumed by `hoverproof new`, as nobody said them: {', '.join(assumed)}"
     decisions = decided(name, answers) | ({"assumed": comment(told)} if assumed else {})
@@ -189,8 +209,7 @@ def make(
     tell("looking for gains that hold the start")
     held = first_gains(mission)
     if held is None:
-        would = _would_do(mission, tell)
-        raise InputError("start", "", f"no gains were found that hold it: {would}")
+        raise _not_held(mission, tell)
     return written(decisions, held.gains)
 
 
@@ -206,7 +225,7 @@ def _require_possible(mission: Mission) -> None:
         raise InputError("camera.half_angle", "", f"{reason}; wider lenses see more of the way")
 
 
-def _would_do(mission: Mission, tell: Progress) -> str:
+def _not_held(mission: Mission, tell: Progress) -> NotHeldError:
     """Say which start would be held, if one on the way is, and whether the lens binds."""
     x, y, z = mission.start.position
     goal = -(mission.goal.height or Fraction(0))
@@ -216,13 +235,13 @@ def _would_do(mission: Mission, tell: Progress) -> str:
         place = [share * x, share * y, goal + share * (z - goal)]
         start = mission.start.model_copy(update={"position": tuple(map(_four, place))})
         if first_gains(mission.model_copy(update={"start": start})) is not None:
-            shown = ", ".join(f"{float(c):g}" for c in start.position)
-            nearer = f"({shown}) would be held, {100 * (1 - part):.0f} % nearer to the goal"
-            return nearer + _lens_binds(mission)
+            held = row(map(float, start.position))
+            nearer = f"{held} would be held, {100 * (1 - part):.0f} % nearer to the goal"
+            return NotHeldError(nearer + _lens_binds(mission), held)
     covered = ", ".join(mission.asks_to_cover())
     near = f"{100 * (1 - NEARER[-1]):.0f} % nearer to the goal"
     none = f"nor would one {near} be held; smaller tolerances would help: {covered}"
-    return none + _lens_binds(mission)
+    return NotHeldError(none + _lens_binds(mission), None)
 
 
 def _lens_binds(mission: Mission) -> str:

@@ -12,7 +12,9 @@ from decimal import Decimal
 
 from hoverproof.cli.described import comment, products_left_out
 from hoverproof.cli.questions import (
-    CONTROL_RATES,
+    CHOICES,
+    LAYOUTS,
+    NAMES,
     NONE,
     OWN,
     QUESTIONS,
@@ -65,20 +67,50 @@ def interview(
         say(f"  target: {line.removeprefix('# ')}")
 
     def asked(question: Question, default: str, answers: Answers) -> str:
-        while True:
-            shown = default.strip('"[]')
-            try:
-                typed = ask(f"  {question.words} [{shown}]: ").strip()
-            except (EOFError, KeyboardInterrupt):
-                say("")
-                raise KeyboardInterrupt from None
-            answer = _toml(typed, like=default) if typed else default
-            reason = refusal(question, answer, answers)
-            if reason is None:
-                return answer
-            say(f"    {reason}")
+        return asked_once(question, default, answers, ask, say)
 
     return _answered(given, asked, known or {})
+
+
+def asked_once(
+    question: Question,
+    default: str,
+    before: Answers,
+    ask: Callable[[str], str] = input,
+    say: Callable[[str], None] = print,
+) -> str:
+    """Ask one question until the answer can be used, and return it as TOML.
+
+    Parameters
+    ----------
+    question : Question
+    default : str
+        What Enter stands for, TOML.
+    before : dict
+        The answers before it.
+    ask, say : callable
+        See `interview`.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If the user leaves, by Ctrl-C or Ctrl-D.
+    """
+    while True:
+        shown = default.strip('"[]')
+        try:
+            typed = ask(f"  {question.words} [{shown}]: ").strip()
+        except UnicodeDecodeError:
+            say("    what was typed is not text in the encoding of this terminal")
+            continue
+        except (EOFError, KeyboardInterrupt):
+            say("")
+            raise KeyboardInterrupt from None
+        answer = _toml(question, typed, default) if typed else default
+        reason = refusal(question, answer, before)
+        if reason is None:
+            return answer
+        say(f"    {reason}")
 
 
 def without_asking(
@@ -99,11 +131,27 @@ def without_asking(
     """
 
     def assume(question: Question, default: str, answers: Answers) -> str:
-        if assumed is not None and not default.startswith('"'):
+        if assumed is not None and default not in (f'"{OWN}"', f'"{NONE}"'):
             assumed.append(question.assumed(default))
         return default
 
     return _answered(given, assume, known or {})
+
+
+def as_options(answers: Answers, given: Answers, known: Answers) -> list[str]:
+    """Return options that give the same answers, but for what a file tells.
+
+    Parameters
+    ----------
+    answers : dict
+        Of `interview`, as TOML.
+    given, known : dict
+        See `interview`.
+    """
+    source = json.loads(answers["vehicle"])
+    told = {*known, *({} if source == OWN else _known(source))} - given.keys()
+    names = [question.name for question in QUESTIONS if question.name not in told]
+    return [f"--{name.replace('_', '-')}={answers[name].strip(chr(34))}" for name in names]
 
 
 def answers_of_target(found: TargetFile) -> Answers:
@@ -143,11 +191,10 @@ def _answered(
     for question in QUESTIONS:
         name = question.name
         if name in given:
-            like = '"' if name in ("vehicle", "autopilot") else question.default(answers)
-            answers[name] = _toml(given[name], like=like)
+            answers[name] = _toml(question, given[name], question.default(answers))
             if (reason := refusal(question, answers[name], answers)) is not None:
                 raise InputError(f"--{name.replace('_', '-')}", "", reason)
-            if name == "rotor_distance":
+            if name in ("layout", "rotor_distance"):
                 answers.pop("placed", None)
         elif name not in answers:
             answers[name] = asked(question, question.default(answers), answers)
@@ -166,6 +213,7 @@ def _known(source: str) -> Answers:
     said = comment(f"Of {source} {products_left_out(map(float, aside))}") if aside else ""
     known = {
         "mass": decimal(vehicle.mass),
+        "layout": json.dumps(vehicle.layout if vehicle.layout in LAYOUTS else "x"),
         "rotor_distance": text(vehicle.distance),
         "placed": said + placed(vehicle),
         "inertia": f"[{', '.join(map(decimal, vehicle.inertia))}]",
@@ -189,9 +237,9 @@ def refusal(question: Question, answer: str, before: Answers) -> str | None:
     key = question.key
     if question.name == "vehicle":
         return None if answer == f'"{OWN}"' else _unreadable(json.loads(answer))
-    if question.name == "autopilot":
-        names = [f'"{name}"' for name in CONTROL_RATES]
-        return None if answer in names else f"must be one of {', '.join(CONTROL_RATES)}"
+    if names := CHOICES.get(question.name):
+        named = json.loads(answer)
+        return None if named in names else f"must be one of {', '.join(names)}, not {named!r:.40}"
     if question.name == "half_angle" and answer == f'"{NONE}"':
         return None
     if question.name == "tag":  # a length above 0, as a height is
@@ -229,9 +277,9 @@ def _unreadable(source: str) -> str | None:
     return None
 
 
-def _toml(given: str, *, like: str) -> str:
+def _toml(question: Question, given: str, like: str) -> str:
     """Read an answer as what the default is, a name, a number or a row of numbers, if it can be."""
-    if like.startswith('"') and not re.match(r"[-+.\d]", given):
+    if question.name in NAMES or (like.startswith('"') and not re.match(r"[-+.\d]", given)):
         return json.dumps(given)
     if like.startswith("[") and not given.startswith("["):
         given = "[" + ", ".join(re.split(r"[\s,;]+", given.strip())) + "]"

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import re
+import shlex
 import sys
+import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -163,7 +165,8 @@ def _copied(preset: str, name: str, target: TargetFile | None) -> str:
         known = answers_of_target(target)
         lines = f"{known['target']}\npoints = {known['points']}"
         text = re.sub(r"(?m)^points = .*", lines, text, count=1)
-    return re.sub(r"(?m)^eigenvalues = .*", AUTO, text, count=1)
+        text = re.sub(r"(?m)^eigenvalues = .*", AUTO, text, count=1)  # its own are of its target
+    return text
 
 
 def _read(vehicle: VehicleFile | None, target: TargetFile | None) -> tuple[str, ...]:
@@ -200,8 +203,7 @@ def _own(
 ) -> tuple[str, list[str]]:
     """Return a mission of one's own, and which of its answers nobody gave."""
     from hoverproof.cli.described import answers_of_vehicle, in_layout_of
-    from hoverproof.cli.first_mission import make
-    from hoverproof.cli.interview import answers_of_target, interview, without_asking
+    from hoverproof.cli.interview import answers_of_target, as_options, interview, without_asking
 
     known = {} if target is None else answers_of_target(target)
     if vehicle is not None:
@@ -209,7 +211,39 @@ def _own(
     known = {key: value for key, value in known.items() if key not in given}
     assumed: list[str] = []
     answers = interview(given, known=known) if asks else without_asking(given, known, assumed)
-    if vehicle is not None and vehicle.layout:
+    if vehicle is not None and vehicle.layout and "layout" not in given:
         answers["placed"] = in_layout_of(vehicle, answers["rotor_distance"])
-    with at_work() as doing:
-        return make(beside, name, answers, assumed, doing), assumed
+    try:
+        return _with_start(beside, name, answers, assumed, asks, "start" in given)
+    except InputError:
+        if asks:  # nothing that was typed is lost
+            print("  The same answers as options, of which one may be changed:")
+            print(f"  {shlex.join(as_options(answers, given, known))}")
+        raise
+
+
+def _with_start(
+    beside: Path, name: str, answers: Answers, assumed: list[str], asks: bool, is_given: bool
+) -> tuple[str, list[str]]:
+    """Return the mission of some answers, with a start that is held, and what is assumed.
+
+    A start that nobody gave is taken nearer to the goal, or asked for again.
+    """
+    from hoverproof.cli.first_mission import NotHeldError, make
+    from hoverproof.cli.interview import asked_once
+    from hoverproof.cli.questions import START
+
+    while True:
+        try:
+            with at_work() as doing:
+                return make(beside, name, answers, assumed, doing), assumed
+        except NotHeldError as refused:
+            if is_given or refused.held is None:
+                raise
+            held, usual = refused.held, START.assumed(answers["start"])
+            if asks:
+                print(*textwrap.wrap(refused.line, 78, initial_indent="  "), sep="\n    ")
+                held = asked_once(START, held, answers)
+            nearer = f"{START.assumed(held)} (nearer than usual, to be held)"
+            assumed = [nearer if words == usual else words for words in assumed]
+            answers = answers | {"start": held}

@@ -23,6 +23,12 @@ Answers = dict[str, str]
 OWN, NONE = "own", "none"
 CONTROL_RATES = {"none": 0, "crazyflie": 500, "px4": 400, "ardupilot": 400}
 """Hz at which an autopilot runs its attitude control, unless it is told otherwise."""
+LAYOUTS = ("x", "plus", "hex", "octo")
+"""Of rotors at one distance from the centre."""
+CHOICES = {"layout": LAYOUTS, "autopilot": tuple(CONTROL_RATES)}
+"""Questions that are answered by one of some names."""
+NAMES = ("vehicle", *CHOICES)
+"""Questions that are answered by a name, never by a number."""
 USUAL_MASS, USUAL_ARM, USUAL_LAG = 0.5, 0.17, 0.03
 """kg, m, s: a vehicle to which others are compared."""
 BRUSHED, BRUSHED_LAG = 0.1, 0.05
@@ -62,7 +68,8 @@ class Question(NamedTuple):
     def assumed(self, answer: str) -> str:
         """Say what is assumed if nobody answers: the option, the number, the unit."""
         _, comma, unit = self.words.rpartition(", ")
-        return f"--{self.name.replace('_', '-')} {answer}{f' {unit}' if comma else ''}"
+        said = f"{answer} {unit}" if comma and self.name not in NAMES else answer.strip('"')
+        return f"--{self.name.replace('_', '-')} {said}"
 
 
 def _scale(a: Answers) -> float:
@@ -89,9 +96,15 @@ QUESTIONS = (
     ),
     Question("mass", "vehicle.mass", "mass with battery and camera, kg", lambda a: "0.5"),
     Question(
+        "layout",
+        "",
+        "rotors: x (4, diagonal), plus (4, on axes), hex (6), octo (8)",
+        lambda a: '"x"',
+    ),
+    Question(
         "rotor_distance",
         "vehicle.lever",
-        "distance of a rotor from the centre, in X, m",
+        "distance of a rotor from the centre of mass, m",
         lambda a: text(USUAL_ARM * _scale(a)),
     ),
     Question("inertia", "vehicle.inertia", "inertia about x y z, kg m²", _inertia),
@@ -134,6 +147,7 @@ QUESTIONS = (
     Question("autopilot", "", "autopilot: crazyflie, px4, ardupilot or none", lambda a: '"none"'),
     Question("start", "start.position", "start x y z (world, z down), m", _start),
 )
+START = QUESTIONS[-1]
 WORDS = {question.name: question.words for question in QUESTIONS}
 
 
@@ -150,6 +164,7 @@ class Given:
         str | None, Parameter(help="Take the vehicle from this mission.", completer=mission_names)
     ] = None
     mass: Annotated[str | None, _says("mass")] = None
+    layout: Annotated[str | None, _says("layout")] = None
     rotor_distance: Annotated[str | None, _says("rotor_distance")] = None
     inertia: Annotated[str | None, _says("inertia")] = None
     drag_ratio: Annotated[str | None, _says("drag_ratio")] = None

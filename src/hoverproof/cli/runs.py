@@ -41,7 +41,7 @@ def fly_many(
         flown = simulate_batch(mission, path, runs=runs, seed=seed, progress=show, **options)
     interruption.said |= flown.interrupted
     pictures = _draw(path) if draw and not flown.interrupted else []
-    return RunsAnswer(mission.name, flown, runs_summary(path), seed, pictures)
+    return RunsAnswer(mission, flown, runs_summary(path), seed, pictures)
 
 
 def _draw(path: Path) -> list[Path]:

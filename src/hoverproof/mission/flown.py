@@ -41,6 +41,7 @@ def beyond_tolerances(mission: Mission) -> list[Beyond]:
         **_in_steps(mission),
         "rotor_lag": float(mission.rotors.time_constant),
         "wind": _wind(mission),
+        **_turning(mission),
     }
     each = [Beyond(n, x, float(getattr(mission.uncertainty, n))) for n, x in taken.items()]
     return [it for it in each if it.flown > it.covered * (1 + 1e-9) + 1e-12]
@@ -75,6 +76,12 @@ def _in_steps(mission: Mission) -> dict[str, float]:
     if may.force_lag:
         taken["force_lag"] = float(sensors.accelerometer_time_constant)
     return taken
+
+
+def _turning(mission: Mission) -> dict[str, float]:
+    """Return the yaw rate at the start, rad/s, if one is covered: else any may be."""
+    covered = mission.uncertainty.yaw_rate
+    return {"yaw_rate": abs(float(mission.start.rates[2]))} if covered else {}
 
 
 def _wind(mission: Mission) -> float:

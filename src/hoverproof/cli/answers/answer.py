@@ -32,10 +32,9 @@ class Answer(ABC):
         """What it considers of what `[uncertainty]` and `[camera]` ask to be covered, in words."""
         return []
 
-    @property
-    def tolerances_label(self) -> str:
-        """What stands before tolerances that it does not consider."""
-        return "not considered"
+    def about_tolerances(self, left: list[str]) -> dict[str, list[str]]:
+        """Return what to say, by label, of the tolerances that it does not consider."""
+        return {"not considered": left}
 
     @abstractmethod
     def text(self) -> Iterator[str]:
@@ -52,17 +51,18 @@ def tell(answer: Answer, json_: bool, mission: Mission | None = None) -> int:
     What `[uncertainty]` and `[camera]` ask to be covered and it does not consider, it says.
     """
     asked = [] if mission is None else mission.asks_to_cover()
-    left = [words for words in asked if words not in answer.considered]
-    label = answer.tolerances_label
+    said = answer.about_tolerances([words for words in asked if words not in answer.considered])
     if json_:
-        print_json(answer.as_json(), mission, [f"{label}: {words}" for words in left])
+        told = [f"{label}: {words}" for label, each in said.items() for words in each]
+        print_json(answer.as_json(), mission, told)
     else:
         first, *rest = answer.text()
         print(first)
         if mission is not None and not mission.law.is_papers:
             print(f"  law                     {mission.law.name} (feature/goal/force)")
-        if left:
-            print(*wrapped(label, ", ".join(left)), sep="\n")
+        for label, each in said.items():
+            for line in wrapped(label, ", ".join(each)):
+                print(line)
         foot = next((n for n, line in enumerate(rest) if line.startswith("Next:")), len(rest))
         explained = legend([first, *rest]) if answer.explained else []
         for line in (*rest[:foot], *explained, *rest[foot:]):

@@ -67,7 +67,7 @@ class AttractionAnswer(Answer):
     largest: Largest | None = None
     search: Path | None = None
     unproved: Unproved | None = None
-    tune: str | None = None
+    then: tuple[str, str] | None = None
 
     @property
     def status(self) -> int:
@@ -77,7 +77,11 @@ class AttractionAnswer(Answer):
     @property
     def considered(self) -> list[str]:
         """What it considers of what the mission asks to be covered."""
-        return considered(self.verdict)
+        return [] if isinstance(self.verdict, Undecided) else considered(self.verdict)
+
+    def about_tolerances(self, left: list[str]) -> dict[str, list[str]]:
+        """Say of tolerances whether they are left out, or asked for in vain."""
+        return {"asked for" if isinstance(self.verdict, Undecided) else "not considered": left}
 
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""
@@ -94,9 +98,10 @@ class AttractionAnswer(Answer):
                 yield textwrap.fill(words, 80, initial_indent="  ", subsequent_indent="    ")
             if self.unproved is not None:
                 yield from unproved.lines(self.unproved, self.path)
-            if self.tune is not None:
-                yield f"Next: {self.tune}"
-                yield "  looks for gains with which the start is proved, or says what would help"
+            if self.then is not None:
+                command, does = self.then
+                yield f"Next: {command}"
+                yield f"  {does}"
             return
         if isinstance(verdict, Sinks):
             yield from _motion(verdict)

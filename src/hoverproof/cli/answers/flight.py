@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hoverproof.cli.answers.answer import Answer
-from hoverproof.cli.answers.beyond import beyond_text, covering
+from hoverproof.cli.answers.beyond import about_flight, covering, needs_measured_force
 from hoverproof.cli.answers.see import images_text
-from hoverproof.cli.answers.words import about, goal_as_json, goal_text, position_text
+from hoverproof.cli.answers.words import about, as_argument, goal_as_json, goal_text, position_text
 from hoverproof.simulation.compiled import VIRTUAL_MACHINE
 from hoverproof.simulation.flight import OF_THE_IDEAL
 from hoverproof.simulation.numbers import SETTLED
@@ -38,10 +38,9 @@ class FlightAnswer(Answer):
     animation: Path | None
     uncovered: bool = False
 
-    @property
-    def tolerances_label(self) -> str:
-        """A flight is of one vehicle of those within the tolerances."""
-        return "one vehicle within"
+    def about_tolerances(self, left: list[str]) -> dict[str, list[str]]:
+        """Say what of the flight is beyond the tolerances, or that its vehicle is within."""
+        return about_flight(self.mission, "one vehicle within")
 
     @property
     def status(self) -> int:
@@ -87,9 +86,13 @@ class FlightAnswer(Answer):
             yield from self._said_before()
 
     def _said_before(self) -> Iterator[str]:
-        """Yield the tolerances that ask a proof about what was flown."""
-        yield from (f"  flown with {words}" for words in beyond_text(self.mission))
-        if sets := covering(self.mission):
+        """Yield the tolerances that ask a proof about what was flown, or the law that can."""
+        if needs_measured_force(self.mission):
+            yield '  law.force = "measured" can cover that, with other gains: this law takes the'
+            yield "  force commanded for the one that acts"
+            yield f"Next: hoverproof new measured.toml --vehicle {as_argument(self.mission.source)}"
+            yield "  writes a mission with that law, of this vehicle, and gains that hold its start"
+        elif sets := covering(self.mission):
             options = shlex.join(word for it in sets for word in ("--set", it))
             yield f"Next: hoverproof attraction {self.named} {options}"
 

@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hoverproof.cli.answers.answer import Answer
+from hoverproof.cli.answers.beyond import about_flight
 from hoverproof.cli.answers.words import about
 from hoverproof.cli.interruption import STATUS
 
 if TYPE_CHECKING:
+    from hoverproof.mission.sections import Mission
     from hoverproof.simulation.runs import Flown
 
 
@@ -20,16 +22,16 @@ if TYPE_CHECKING:
 class RunsAnswer(Answer):
     """What came of many flights, the facts of their file (`runs_summary`), and its figures."""
 
-    mission: str
+    mission: Mission
     flown: Flown
     facts: Mapping[str, Any]
     seed: int
     pictures: Sequence[Path]
 
-    @property
-    def tolerances_label(self) -> str:
-        """A flight is of one vehicle of those within the tolerances."""
-        return "vehicles within"
+    def about_tolerances(self, left: list[str]) -> dict[str, list[str]]:
+        """Say what of the flights is beyond the tolerances, or that their vehicles are within."""
+        drawn = self.mission.scatter.of_the_vehicle
+        return about_flight(self.mission, "vehicles within", drawn=drawn)
 
     @property
     def status(self) -> int:
@@ -42,7 +44,7 @@ class RunsAnswer(Answer):
         """Yield the lines for people."""
         flown, facts = self.flown, self.facts
         complete, length = facts["runs_complete"], facts["duration"]
-        yield f"{self.mission}: {complete} of {flown.runs} runs of {length:g} s"
+        yield f"{self.mission.name}: {complete} of {flown.runs} runs of {length:g} s"
         rate = flown.steps / flown.seconds / 1e6
         yield (
             f"  {flown.steps} steps in {flown.seconds:.1f} s, {rate:.1f} million a second: "
@@ -67,7 +69,7 @@ class RunsAnswer(Answer):
         """Return the object for machines."""
         flown = self.flown
         return {
-            "mission": self.mission,
+            "mission": self.mission.name,
             **self.facts,
             "interrupted": flown.interrupted,
             "steps": flown.steps,

@@ -50,6 +50,11 @@ class StartCurveAnswer(CurveAnswer):
         tuned = [found for _, found in self.points if isinstance(found, StartTuned)]
         return [*considered(tuned[0].verdict), *self.own] if tuned else []
 
+    def about_tolerances(self, left: list[str]) -> dict[str, list[str]]:
+        """Say of tolerances whether they are left out, or asked for in vain."""
+        some = any(isinstance(found, StartTuned) for _, found in self.points)
+        return {"not considered" if some else "asked for": left}
+
     @property
     def title(self) -> str:  # type: ignore[override]
         """What it is about."""

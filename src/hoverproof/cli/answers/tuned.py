@@ -57,6 +57,8 @@ class TunedAnswer(Answer):
         else:
             yield f"  written to              {self.written}"
             yield f"Next: hoverproof certify {as_argument(self.written)}"
+            yield f"Then: hoverproof attraction {as_argument(self.written)}, for whether the start"
+            yield f"  is still held, which is no part of the objective {found.objective}"
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""
@@ -73,6 +75,10 @@ class InfeasibleAnswer(Answer):
     def status(self) -> int:
         """The exit status."""
         return 1
+
+    def about_tolerances(self, left: list[str]) -> dict[str, list[str]]:
+        """Say of tolerances that nothing was found for that they were asked for."""
+        return {"asked for": left}
 
     def text(self) -> Iterator[str]:
         """Yield the lines for people."""
