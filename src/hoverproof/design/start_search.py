@@ -34,6 +34,7 @@ from hoverproof.sequential import Descent, Value
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
+Enough = Callable[[Value], bool]
 LITTLE = np.array([1e-3, 1e-3, 1e-3, 1e-3, *sooner.LITTLE])
 """By how much each parameter is changed to see what comes of it."""
 BEGINNINGS, EVALUATIONS = 2, 70
@@ -72,6 +73,8 @@ class StartSearch:
         With the gains of the mission.
     tried : list of (7,)
         The points that were looked at.
+    smooth : bool
+        See `Times`.
     """
 
     mission: Mission
@@ -79,6 +82,7 @@ class StartSearch:
     command: FirstCommand
     whole: Question
     tried: list[Array] = field(default_factory=list, compare=False)
+    smooth: bool = False
 
     @classmethod
     def of(cls, mission: Mission, limits: Limits) -> StartSearch:
@@ -131,7 +135,13 @@ class StartSearch:
     @cached_property
     def times(self) -> Times:
         """What is at points."""
-        return Times(self.whole, self.pose, lambda z: self.held_to.beyond(np.exp(z[:, :4])), LITTLE)
+        return Times(
+            self.whole,
+            self.pose,
+            lambda z: self.held_to.beyond(np.exp(z[:, :4])),
+            LITTLE,
+            self.smooth,
+        )
 
     def value(self, z: Array, likely: Likely = ()) -> Value | None:
         """Return the logarithm of the time at a point, and what is beyond a limit there.
@@ -277,10 +287,22 @@ class StartSearch:
         evaluations : int
             The largest number of programs.
         """
-        return self.point(*self._descent(at).run(z, at, evaluations))
+        return self.point(*self._descended(z, at, evaluations))
 
-    def _descent(self, at: Value) -> Descent:
-        return self.times.descent(at, self.highest, self.value)
+    def _descended(
+        self, z: Array, at: Value, evaluations: int, enough: Enough | None = None
+    ) -> tuple[Array, Value]:
+        """Descend with a bound of what is seen that has slopes, and from there without it."""
+        if self.whole.half_angle is not None and not self.smooth:
+            rough = replace(self, smooth=True)
+            begin = rough.value(z, at.found.solution.tight)
+            if begin is not None:
+                near, there = rough._descended(z, begin, evaluations, enough)
+                new = self.value(near, there.found.solution.tight)
+                z, at = (z, at) if new is None or new.merit > at.merit else (near, new)
+        descent = self.times.descent(at, self.highest, self.value)
+        descent.enough = enough
+        return descent.run(z, at, evaluations)
 
     def held(self, near: Array | None) -> Array | None:
         """Return a point with which the start is held, the first that is found; None if none is.
@@ -295,9 +317,7 @@ class StartSearch:
         else:
             begin = [] if (at := self.value(near)) is None else [(near, at)]
         for z, at in begin:
-            descent = self._descent(at)
-            descent.enough = lambda at: bool((at.over < 0).all())
-            z, at = descent.run(z, at, FEW)
+            z, at = self._descended(z, at, FEW, lambda at: bool((at.over < 0).all()))
             if (at.over < 0).all():
                 return z
         return None

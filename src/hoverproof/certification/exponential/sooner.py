@@ -30,6 +30,8 @@ OUTSIDE, FAILED = 500.0, 1e3
 KEEPS = 2e-3
 """A limit is kept that is exceeded by less than that share, or rad: for the view, which the proof
 does not let be exceeded, it is spared."""
+EDGE = math.sqrt(1 - ROOM)
+"""How far out the starts may be, over d, where Ψ is that share of the level."""
 FASTER, MOST_RATES = 1.6, 20
 """By which factor the rate is made faster, and how often, before a descent."""
 SLOWER = 0.9995, 0.998, 0.99, 0.96, 0.9
@@ -45,7 +47,7 @@ class Found(NamedTuple):
     solution : Solution
     offset, tilt : float
         The largest |σ - σ*| and sine of the tilt from the starts on, over those of the limits,
-        dimensionless.
+        dimensionless; or what they are at most, see `Times.smooth`.
     """
 
     asked: Asked
@@ -68,12 +70,17 @@ class Times:
         Points, (n, k) ↦ by which share they are beyond each of m limits, (n, m).
     little : (k,)
         See `LITTLE`.
+    smooth : bool
+        What is seen is bounded by d and the share of the force alone. Else it is that of the
+        weights that are found, which is less where these are not what binds; but then its slopes
+        are not those that are taken, and a descent may end short of the best place.
     """
 
     whole: Question
     pose: Callable[[Array], Asked | None]
     beyond: Callable[[Array], Array]
     little: Array = field(default_factory=lambda: LITTLE)
+    smooth: bool = False
 
     @classmethod
     def of(cls, question: Question, starts: Array) -> Times:
@@ -104,10 +111,16 @@ class Times:
         solution = None if asked is None else asked.program.solve(likely)
         if asked is None or solution is None:
             return None
-        offset, tilt = asked.with_weights(solution).farthest(asked.limits.vehicles)
-        found = Found(asked, solution, offset / asked.offset, tilt / asked.limits.tilt)
+        found = Found(asked, solution, *self._inside(asked, solution))
         missing, limited = float(solution.optimum.x[-1]), self.beyond(z[None])[0]
         return self._value(found, asked, missing, limited)
+
+    def _inside(self, asked: Asked, solution: Solution) -> tuple[float, float]:
+        """Return offset and tilt of `Found`."""
+        if self.smooth:
+            return EDGE, EDGE
+        offset, tilt = asked.with_weights(solution).farthest(asked.limits.vehicles)
+        return offset / asked.offset, tilt / asked.limits.tilt
 
     def slopes(self, z: Array, at: Value, first: int = 0) -> Array:
         """Return how the time and what is beyond limits change with a point, (1 + m, k - first).
