@@ -336,7 +336,7 @@ def runs_picture(flown: Flown) -> Picture:
     count = runs.sizes["run"]
     return picture(
         "flights",
-        lambda: fans_figure(runs),
+        lambda: fans_figure(runs, flown.runs_beginning),
         f"Bands that hold 90 % of {count} flights, with their medians, over time.",
         f"{count} flights drawn from the scatter of the mission (seed 0): median, and the band "
         "that holds 90 % of them.",

@@ -257,8 +257,10 @@ def atlas(found: Map) -> str:
     """
     margin = found.data["margin"].values
     return (
-        "How the verdict changes with two of the gains, from a tenth to ten times their "
-        f"values in the mission: of {margin.size} cells, {int((margin > 0).sum())} are certified."
+        "How the verdict on the gains changes with two of them, from a "
+        f"{'tenth' if found.reach == 10 else f'{found.reach}th'} to {found.reach} times their "
+        f"values in the mission, for the vehicle as modelled: of {margin.size} cells, "
+        f"{int((margin > 0).sum())} are certified."
     )
 
 

@@ -203,7 +203,8 @@ def space_axes(axes: Axes3D, places: Array) -> None:
     _, step, *_ = AutoLocator().tick_values(0, (high - low).max())
     for axis in (axes.xaxis, axes.zaxis):
         axis.set_major_locator(MultipleLocator(step))
-    ticks, apart, last = [], step, high[1] - NEAR_CORNER * step
+    ticks: list[float] = []
+    apart, last = step, high[1] - NEAR_CORNER * step
     while len(ticks) < 2:
         ticks = [y for y in MultipleLocator(apart).tick_values(low[1], last) if low[1] <= y <= last]
         apart /= 2
