@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 import hoverproof as hp
-from hoverproof.algebra.decimals import decimal_below
+from hoverproof.algebra.decimals import at_most, decimal_below
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.design.atlas import axis
@@ -152,7 +152,7 @@ def far(sideways: str | Fraction) -> str:
 
 def settled(time: str | Fraction) -> str:
     """Return when every vehicle has settled, as the metadata of the picture say it."""
-    return f"{float(Fraction(time)):.4g} s"
+    return f"{at_most(Fraction(time))} s"
 
 
 def start_map(mission: Mission) -> xr.Dataset:

@@ -61,6 +61,7 @@ def test_an_html_page_needs_no_other_file_and_shows_what_was_drawn(flight):
     coded = re.findall(r"data:image/png;base64,([A-Za-z0-9+/=]+)", page)
     still, *changes = (Image.open(io.BytesIO(base64.b64decode(c))).convert("RGBA") for c in coded)
     assert len(changes) == PICTURES
+    assert "<img" not in page  # laid over each other and scaled, they let the first shine through
     stage = Stage(flight, 40)
     for k, time in ((0, 0), (10, 20), (PICTURES - 1, 40)):
         picture = Image.alpha_composite(still, changes[k])
