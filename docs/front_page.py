@@ -101,7 +101,7 @@ def front_page() -> Figure:
     axes.legend(loc="lower left", fontsize=7.5)
     box = page.panel(1, 0.012, 0.235, "4  It flies", "● start   ★ goal   ■ target points")
     draw_path(page.figure.add_axes(box, projection="3d"), flight)
-    below = "directions alone; no distance is ever known"
+    below = "directions alone, no distance; orange: its lens"
     box = page.panel(1, 0.318, 0.585, "5  What its camera sees", below)
     draw_tracks(page.figure.add_axes(indented(box)), flight)
     below = "the same law in float32, with the hash of its certificate"

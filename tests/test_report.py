@@ -28,7 +28,9 @@ from hoverproof.paper.ledger import derive
 from hoverproof.reporting import document, mathematics, parts
 from hoverproof.reporting.numerals import at_least, at_most, short
 from hoverproof.reporting.page import CONTENTS
-from hoverproof.reporting.player import _quaternions
+from hoverproof.reporting.player import _quaternions, player_data
+from hoverproof.simulation.flight import flown
+from hoverproof.simulation.timing import Timing
 from once import start_or_ball_once
 from papers_law import PAPERS
 from sampling import mostly_whole
@@ -501,6 +503,17 @@ def test_many_flights_join_the_report_and_scroll_in_their_own_box(browser):
     document.report(mission, "report.html", runs=8, without=without)
     check_in_browser(browser, "report.html", VIEWS[1:2])
     assert "8 flights drawn from the scatter" in Path("report.html").read_text(encoding="utf-8")
+
+
+def test_a_player_has_the_lens_and_no_image_of_what_is_not_seen():
+    change = {"model_error.mass": "0.005", "camera.half_angle": "1.2"}
+    crash = flown(hp.load("x4-flyer", change), Timing())
+    told = player_data(parts.Flown(crash, None, {}, None, None, None, None))
+    assert told["lens"] == pytest.approx(np.tan(1.2))
+    image = told["spans"][0]["image"]
+    assert image[-1] == [None] * 8
+    assert np.allclose(image[0], crash["image"].values[0].ravel(), atol=1e-3)
+    json.dumps(told, allow_nan=False)
 
 
 def test_the_attitudes_of_a_player_are_those_of_scipy():

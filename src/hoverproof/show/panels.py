@@ -121,7 +121,7 @@ def required_view(axes: Axes, flight: Flight) -> None:
             edge, color="black", linestyle="--", linewidth=1.2, label=f"nearest edge, {edge:.1f}°"
         )
     axes.set_ylim(0, 1.08 * axes.get_ylim()[1])
-    axes.set_ylabel("off the optical axis (deg)")
+    axes.set_ylabel("off the axis (deg)")
     legend_above(axes)
 
 
