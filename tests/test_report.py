@@ -25,7 +25,7 @@ from hoverproof.errors import InputError
 from hoverproof.export import cost
 from hoverproof.mission.presets import presets
 from hoverproof.paper.ledger import derive
-from hoverproof.reporting import document, mathematics, parts
+from hoverproof.reporting import document, mathematics, parts, wording
 from hoverproof.reporting.numerals import at_least, at_most, short
 from hoverproof.reporting.page import CONTENTS
 from hoverproof.reporting.player import _quaternions, player_data
@@ -503,6 +503,15 @@ def test_many_flights_join_the_report_and_scroll_in_their_own_box(browser):
     document.report(mission, "report.html", runs=8, without=without)
     check_in_browser(browser, "report.html", VIEWS[1:2])
     assert "8 flights drawn from the scatter" in Path("report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("preset", ["x4-flyer", "crazyflie-2.1"])
+def test_the_map_goes_as_far_as_it_takes_to_see_an_edge(preset, monkeypatch):
+    monkeypatch.setattr(parts, "MAP_CELLS", 20)
+    found = parts._map(hp.load(preset))
+    assert found.reach == {"x4-flyer": 10, "crazyflie-2.1": 100}[preset]
+    assert 0.1 < (found.data["margin"].values > 0).mean() < 0.9
+    assert f"from 1/{found.reach} to {found.reach} times" in wording.atlas(found)
 
 
 def test_a_player_has_the_lens_and_no_image_of_what_is_not_seen():

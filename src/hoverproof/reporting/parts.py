@@ -73,7 +73,7 @@ class Map:
     printed : (m, n), or None
         Where the conditions of the printed theorem are met, if it is about the law.
     reach : int
-        The gains go from one over that to that times those of the mission.
+        The gains go from one over that to that times those of the mission, a bare number.
     """
 
     data: Record
