@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 import hoverproof as hp
-from hoverproof.algebra.decimals import decimal_below
+from hoverproof.algebra.decimals import at_most, decimal_below
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.design.atlas import axis
@@ -101,7 +101,7 @@ def front_page() -> Figure:
     axes.legend(loc="lower left", fontsize=7.5)
     box = page.panel(1, 0.012, 0.235, "4  It flies", "● start   ★ goal   ■ target points")
     draw_path(page.figure.add_axes(box, projection="3d"), flight)
-    below = "directions alone; no distance is ever known"
+    below = "directions alone, no distance; orange: its lens"
     box = page.panel(1, 0.318, 0.585, "5  What its camera sees", below)
     draw_tracks(page.figure.add_axes(indented(box)), flight)
     below = "the same law in float32, with the hash of its certificate"
@@ -152,7 +152,7 @@ def far(sideways: str | Fraction) -> str:
 
 def settled(time: str | Fraction) -> str:
     """Return when every vehicle has settled, as the metadata of the picture say it."""
-    return f"{float(Fraction(time)):.4g} s"
+    return f"{at_most(Fraction(time))} s"
 
 
 def start_map(mission: Mission) -> xr.Dataset:

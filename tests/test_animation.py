@@ -31,6 +31,12 @@ def flight(x4):
     return simulate(x4, duration=40)
 
 
+def opened(coded):
+    """Return a picture of a page."""
+    return Image.open(io.BytesIO(base64.b64decode(coded))).convert("RGBA")
+
+
+DATA = "data:image/png;base64,([A-Za-z0-9+/=]+)"
 PICTURES = 1 + 20 + round(HOLD * RATE)  # of 40 s at 40 times real time
 
 
@@ -58,9 +64,9 @@ def test_an_html_page_needs_no_other_file_and_shows_what_was_drawn(flight):
     save_animation(flight, Path("a.html"), speed_up=40)
     page = Path("a.html").read_text(encoding="utf-8")
     assert not re.search(r"https?:|src=\"(?!data:)|href|@[A-Z]+@", page)
-    coded = re.findall(r"data:image/png;base64,([A-Za-z0-9+/=]+)", page)
-    still, *changes = (Image.open(io.BytesIO(base64.b64decode(c))).convert("RGBA") for c in coded)
+    still, *changes = map(opened, re.findall(DATA, page))
     assert len(changes) == PICTURES
+    assert "<img" not in page  # laid over each other and scaled, they let the first shine through
     stage = Stage(flight, 40)
     for k, time in ((0, 0), (10, 20), (PICTURES - 1, 40)):
         picture = Image.alpha_composite(still, changes[k])
@@ -68,6 +74,24 @@ def test_an_html_page_needs_no_other_file_and_shows_what_was_drawn(flight):
         off = np.abs(np.array(picture)[..., :3] - wanted).max(axis=-1)
         assert np.quantile(off, 0.995) <= 12
         assert off.max() < 100
+
+
+@pytest.mark.slow
+def test_a_page_of_any_width_shows_each_picture_and_nothing_of_another(flight, browser):
+    save_animation(flight, Path("a.html"), speed_up=40)
+    still, *changes = map(opened, re.findall(DATA, Path("a.html").read_text(encoding="utf-8")))
+    page = browser.new_page(viewport={"width": 500, "height": 900})
+    page.goto(Path("a.html").resolve().as_uri())
+    page.click("#play")
+    for k in (0, 12):
+        page.evaluate("k => show(k)", k)
+        page.evaluate("Promise.all([still, ...changes].map((each) => each.decode()))")
+        for canvas in page.query_selector_all("canvas"):
+            assert canvas.is_visible()
+            (shown,) = map(opened, re.findall(DATA, canvas.evaluate("c => c.toDataURL()")))
+            wanted = Image.alpha_composite(still, changes[k])
+            assert np.abs(np.array(shown, int) - np.array(wanted, int)).max() <= 1
+    page.close()
 
 
 @pytest.mark.skipif(not movie.find_ffmpeg(), reason="no ffmpeg here")

@@ -171,14 +171,16 @@ def test_the_figure_shows_the_mission_s_point_only_where_it_is(x4):
     def labels(x, y):
         drawn = atlas(x4, x, y, processes=1)
         figure = atlas_figure(x4, drawn, "margin", np.zeros(drawn["margin"].shape, bool))
-        return [text.get_text() for text in figure.legends[0].get_texts()]
+        entries = [text.get_text() for text in figure.legends[0].get_texts()]
+        return [*entries, figure.axes[0].get_title()]
 
     here = labels(axis(x4, "k1", cells=9), axis(x4, "k2", cells=9))
     away = labels(axis(x4, "k1", ends=(1, 2), cells=9), axis(x4, "k2", cells=9))
     assert "the mission's own point" in here
     assert "the mission's own point" not in away
     assert "boundary (floating point)" in here
-    assert "conditions of the printed theorem: met nowhere here" in here
+    assert here[-1].endswith("conditions of the printed theorem: met nowhere here")
+    assert not any("printed" in entry for entry in here[:-1])  # what has no mark
 
 
 @pytest.mark.slow

@@ -262,7 +262,11 @@ def test_the_plans_are_as_wide_and_high_as_what_they_show(flight):
         assert axes.get_adjustable() == "box"  # or the limits are not those that are drawn
 
 
-def test_no_number_of_y_meets_those_of_x_in_their_corner(flight):
+@pytest.mark.parametrize("narrow", [False, True])
+def test_no_number_of_y_meets_those_of_x_in_their_corner(flight, narrow):
+    if narrow:  # along x, over a small tag
+        change = {"start.position": "[0.6, 0, -1.8]", "goal.height": "1.2"}
+        flight = simulate(load("crazyflie-2.1", change), duration=2)
     axes = figures.path_figure(flight).axes[0]
     step = np.diff(axes.get_xticks())[0]
     corner = axes.get_ylim()[0]

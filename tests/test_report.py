@@ -25,10 +25,12 @@ from hoverproof.errors import InputError
 from hoverproof.export import cost
 from hoverproof.mission.presets import presets
 from hoverproof.paper.ledger import derive
-from hoverproof.reporting import document, mathematics, parts
+from hoverproof.reporting import document, mathematics, parts, wording
 from hoverproof.reporting.numerals import at_least, at_most, short
 from hoverproof.reporting.page import CONTENTS
-from hoverproof.reporting.player import _quaternions
+from hoverproof.reporting.player import _quaternions, player_data
+from hoverproof.simulation.flight import flown
+from hoverproof.simulation.timing import Timing
 from once import start_or_ball_once
 from papers_law import PAPERS
 from sampling import mostly_whole
@@ -501,6 +503,26 @@ def test_many_flights_join_the_report_and_scroll_in_their_own_box(browser):
     document.report(mission, "report.html", runs=8, without=without)
     check_in_browser(browser, "report.html", VIEWS[1:2])
     assert "8 flights drawn from the scatter" in Path("report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("preset", ["x4-flyer", "crazyflie-2.1"])
+def test_the_map_goes_as_far_as_it_takes_to_see_an_edge(preset, monkeypatch):
+    monkeypatch.setattr(parts, "MAP_CELLS", 20)
+    found = parts._map(hp.load(preset))
+    assert found.reach == {"x4-flyer": 10, "crazyflie-2.1": 100}[preset]
+    assert 0.1 < (found.data["margin"].values > 0).mean() < 0.9
+    assert f"from 1/{found.reach} to {found.reach} times" in wording.atlas(found)
+
+
+def test_a_player_has_the_lens_and_no_image_of_what_is_not_seen():
+    change = {"model_error.mass": "0.005", "camera.half_angle": "1.2"}
+    crash = flown(hp.load("x4-flyer", change), Timing())
+    told = player_data(parts.Flown(crash, None, {}, None, None, None, None))
+    assert told["lens"] == pytest.approx(np.tan(1.2))
+    image = told["spans"][0]["image"]
+    assert image[-1] == [None] * 8
+    assert np.allclose(image[0], crash["image"].values[0].ravel(), atol=1e-3)
+    json.dumps(told, allow_nan=False)
 
 
 def test_the_attitudes_of_a_player_are_those_of_scipy():

@@ -11,7 +11,9 @@ from PIL import Image
 
 from hoverproof.mission.reading import load
 from hoverproof.show import runs
+from hoverproof.show.runs_again import beginning_again
 from hoverproof.simulation.flight import simulate, summary
+from hoverproof.simulation.runs import simulate_batch
 
 STARTS = [(5, 2.5, -4), (3, -2, -5), (-4, 1, -3), (0.5, 0.5, -6), (2, 2, -2.5), (-3, -3, -4)]
 KEPT = ["position", "euler_angles", "lyapunov", "rotor_thrust", "tilt"]
@@ -104,6 +106,22 @@ def test_starts_are_coloured_by_outcome_and_counted(batch):
     side = figure.axes[1]
     assert side.yaxis_inverted()
     assert plan.yaxis_inverted()
+
+
+def test_the_beginning_of_runs_is_that_of_the_same_runs_in_more_samples():
+    mission = load("x4-flyer", {"scatter.position": "[1, 1, 1]"})
+    with simulate_batch(mission, "many.nc", runs=5, seed=3, duration=600).open() as many:
+        first = beginning_again(mission, many)
+        assert float(first["time"][1]) < float(many["time"][1]) / 10
+        kept = many["position"].sel(time=slice(0, float(first["time"][-1])))
+        again = first["position"].interp(time=kept["time"])
+        assert kept.sizes["time"] > 2
+        assert np.abs(kept - again).max() < 1e-3
+        figure = runs.fans_figure(many, first)
+    tilt = figure.axes[4]
+    assert max(line.get_ydata().max() for line in tilt.lines) > 0.05  # degrees, after 1 s
+    assert tilt.get_xlim()[1] < 20
+    assert "the beginning, a sample each" in tilt.get_xlabel()
 
 
 def test_the_tilt_of_small_angles_keeps_its_digits(batch):

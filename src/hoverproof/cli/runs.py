@@ -40,14 +40,16 @@ def fly_many(
 
         flown = simulate_batch(mission, path, runs=runs, seed=seed, progress=show, **options)
     interruption.said |= flown.interrupted
-    pictures = _draw(path) if draw and not flown.interrupted else []
+    pictures = _draw(mission, path) if draw and not flown.interrupted else []
     return RunsAnswer(mission, flown, runs_summary(path), seed, pictures)
 
 
-def _draw(path: Path) -> list[Path]:
+def _draw(mission: Mission, path: Path) -> list[Path]:
     import xarray as xr
 
     from hoverproof.show.runs import save_runs_figures
+    from hoverproof.show.runs_again import beginning_again
 
     with xr.open_dataset(path, engine="h5netcdf") as runs:
-        return save_runs_figures(runs, path.with_suffix(""))
+        first = beginning_again(mission, runs)
+        return save_runs_figures(runs, path.with_suffix(""), first=first)

@@ -16,7 +16,7 @@ from hoverproof.certification.convergence import Converges, start_or_ball
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.certification.gains import GainsVerdict, certify
 from hoverproof.certification.over_box import BoundsVerdict, certify_region
-from hoverproof.design.atlas import axis, cell_values, chart
+from hoverproof.design.atlas import Axis, axis, cell_values, chart
 from hoverproof.errors import InputError
 from hoverproof.export.cost import Footprint, Rounding, footprint, rounding
 from hoverproof.export.package import NotCertified, write_package
@@ -39,7 +39,10 @@ PARTS = ("atlas", "region", "attraction", "flight", "firmware", "ledger")
 """The parts that a report may be asked to leave out."""
 
 MAP_AXES = ("k3", "k4")
-MAP_CELLS = 80
+MAP_CELLS, FEW_CELLS = 80, 12
+MAP_REACHES = 10, 100, 1000
+"""So many times larger and smaller gains are looked at, until `MAP_EDGE` of them are refuted."""
+MAP_EDGE = 0.05
 CANNOT = (InputError, RuntimeError, ArithmeticError, OSError, np.linalg.LinAlgError)
 """What a part may end with, for the report to say so and go on; anything else is a mistake here."""
 
@@ -69,10 +72,13 @@ class Map:
         Of `hoverproof.atlas`.
     printed : (m, n), or None
         Where the conditions of the printed theorem are met, if it is about the law.
+    reach : int
+        The gains go from one over that to that times those of the mission, a bare number.
     """
 
     data: Record
     printed: np.ndarray | None
+    reach: int
 
 
 @dataclass(frozen=True)
@@ -89,8 +95,8 @@ class Flown:
         What it came to: distances in m, times in s.
     decay : Decay or None
         The proved decay of L, if it is about this flight.
-    runs : Dataset or None
-        Many flights.
+    runs, runs_beginning : Dataset or None
+        Many flights, and their first seconds in finer samples if they are short.
     runs_summary : dict or None
         What they came to: distances in m, times in s.
     """
@@ -100,6 +106,7 @@ class Flown:
     summary: dict[str, Any]
     decay: Decay | None
     runs: xr.Dataset | None
+    runs_beginning: xr.Dataset | None
     runs_summary: dict[str, Any] | None
 
 
@@ -247,10 +254,22 @@ def sentence(words: str) -> str:
 
 
 def _map(mission: Mission) -> Map:
-    x, y = (axis(mission, name, cells=MAP_CELLS) for name in MAP_AXES)
+    reach = next((r for r in MAP_REACHES if _has_edge(mission, r)), MAP_REACHES[-1])
+    x, y = _map_axes(mission, reach, MAP_CELLS)
     data = chart(mission, x, y, processes=1)
     papers = mission.law.is_papers
-    return Map(data, where_met(mission, cell_values(mission, x, y)) if papers else None)
+    return Map(data, where_met(mission, cell_values(mission, x, y)) if papers else None, reach)
+
+
+def _has_edge(mission: Mission, reach: int) -> bool:
+    """Tell whether a map that far shows more than that all of it is certified."""
+    margin = chart(mission, *_map_axes(mission, reach, FEW_CELLS), processes=1)["margin"].values
+    return bool((margin > 0).mean() < 1 - MAP_EDGE)
+
+
+def _map_axes(mission: Mission, reach: int, cells: int) -> list[Axis]:
+    own = {name: float(getattr(mission.gains, name)) for name in MAP_AXES}
+    return [axis(mission, k, ends=(v / reach, v * reach), cells=cells) for k, v in own.items()]
 
 
 def _fly(mission: Mission, verdict: GainsVerdict, runs: int | None) -> Flown:
@@ -264,20 +283,24 @@ def _fly(mission: Mission, verdict: GainsVerdict, runs: int | None) -> Flown:
     early = beginning(whole)
     first = None if early is None else flown(mission, Timing(duration=early))
     told = {**summary(whole), **without_conditions(mission, whole)}
-    many, of_many = (None, None) if runs is None else _fly_many(mission, runs)
-    return Flown(whole, first, told, decay, many, of_many)
+    return Flown(whole, first, told, decay, *_fly_many(mission, runs))
 
 
-def _fly_many(mission: Mission, runs: int) -> tuple[xr.Dataset, dict[str, Any]]:
+def _fly_many(
+    mission: Mission, runs: int | None
+) -> tuple[xr.Dataset | None, xr.Dataset | None, dict[str, Any] | None]:
+    if runs is None:
+        return None, None, None
     import xarray as xr
 
+    from hoverproof.show.runs_again import beginning_again
     from hoverproof.simulation.runs import runs_summary, simulate_batch
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "flights.nc"
         simulate_batch(mission, path, runs=runs)
         with xr.open_dataset(path, engine="h5netcdf") as flown:
-            return flown.load(), runs_summary(path)
+            return flown.load(), beginning_again(mission, flown), runs_summary(path)
 
 
 def _export(mission: Mission, verdict: GainsVerdict) -> Firmware:

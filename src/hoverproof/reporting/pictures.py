@@ -26,6 +26,8 @@ from hoverproof.show.image_plane import draw_image
 from hoverproof.show.region import region_figure
 
 WIDTH = 4.2
+LONG_LABEL = 24
+"""So many letters, and a panel is too narrow for three columns."""
 FLIGHTS = 30
 MOST_SVG = 400_000
 COLOURS = {
@@ -336,7 +338,7 @@ def runs_picture(flown: Flown) -> Picture:
     count = runs.sizes["run"]
     return picture(
         "flights",
-        lambda: fans_figure(runs),
+        lambda: fans_figure(runs, flown.runs_beginning),
         f"Bands that hold 90 % of {count} flights, with their medians, over time.",
         f"{count} flights drawn from the scatter of the mission (seed 0): median, and the band "
         "that holds 90 % of them.",
@@ -369,12 +371,13 @@ def _narrow(figure: Figure, height: float, columns: int) -> Figure:
 def _legend_above(axes: Axes) -> None:
     """Put the legend of a panel above it in columns that a phone has room for."""
     handles, labels = axes.get_legend_handles_labels()
+    labels = [one.partition(": ")[0] if one.startswith("certified") else one for one in labels]
     axes.legend(
         handles,
-        [label.partition(": ")[0] if label.startswith("certified") else label for label in labels],
+        labels,
         loc="lower left",
         bbox_to_anchor=(0, 1),
-        ncols=min(3, len(labels)),
+        ncols=2 if max(map(len, labels)) > LONG_LABEL else 3,
         frameon=False,
         borderaxespad=0.2,
         handlelength=1.8,

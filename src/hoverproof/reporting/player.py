@@ -88,5 +88,6 @@ def _short(values: NDArray[np.float64], digits: int = 5) -> Any:
     known = np.isfinite(values)
     largest = float(np.abs(values[known]).max(initial=0.0)) or 1.0
     places = digits - 1 - math.floor(math.log10(largest))
-    rounded = np.round(values, max(places, 0)) + 0.0
-    return (rounded if known.all() else np.where(known, rounded, None)).tolist()
+    told = (np.round(values, max(places, 0)) + 0.0).astype(object)
+    told[~known] = None
+    return told.tolist()

@@ -274,7 +274,7 @@ def exponential_table(verdict: Exponential) -> Table:
     ----------
     verdict : Exponential
     """
-    low, high = (1 / u for u in reversed(verdict.wedge[2]))
+    low, high = verdict.heights
     settling = verdict.settling
     rows = [
         ("vehicles", ", ".join(verdict.mission.covers()) or "as modelled"),

@@ -288,8 +288,9 @@ def atlas(found: Map) -> str:
     """
     margin = found.data["margin"].values
     return (
-        "How the verdict changes with two of the gains, from a tenth to ten times their "
-        f"values in the mission: of {margin.size} cells, {int((margin > 0).sum())} are certified."
+        f"How the verdict on the gains changes with two of them, from 1/{found.reach} to "
+        f"{found.reach} times their values in the mission, for the vehicle as modelled: of "
+        f"{margin.size} cells, {int((margin > 0).sum())} are certified."
     )
 
 

@@ -189,7 +189,9 @@ class Stage:
             dot.set_data(*self.image[k : k + 1, i].T)
         digits = 1 if self.times[-1] >= SECONDS_TO_TENTHS else 2
         width = len(f"{self.times[-1]:.{digits}f}")
-        self.clock.set_text(f"{self.scene.title}\nt = {time:{width}.{digits}f} s   {self.pace}")
+        ended = f"   {self.scene.ended}" if k == len(self.times) - 1 else ""
+        now = f"t = {time:{width}.{digits}f} s   {self.pace}{ended}"
+        self.clock.set_text(f"{self.scene.title}\n{now}")
 
     def _set_space(self, axes: Axes3D) -> None:
         scene, grey = self.scene, {"color": "grey", "linewidth": 0.7}

@@ -93,7 +93,11 @@ def atlas_figure(
     figure = Figure(figsize=(7.8, 6.8), layout="constrained")
     axes = figure.subplots()
     handles = draw_atlas(axes, mission, atlas, what, printed)
-    axes.set_title(f"{mission.title}: what is certified")
+    title = f"{mission.title}: what is certified"
+    if printed is not None and (printed.all() or not printed.any()):
+        where = "everywhere" if printed.all() else "nowhere"
+        title += f"\nconditions of the printed theorem: met {where} here"
+    axes.set_title(title)
     figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure
 
@@ -136,7 +140,7 @@ def draw_atlas(
         handles.append(Patch(facecolor="white", edgecolor="grey", label="no question posed"))
     handles += _boundary(axes, atlas, x, y, scales)
     fit_axes(axes, (across, along), scales)
-    if printed is not None:
+    if printed is not None and printed.any() and not printed.all():
         handles.append(_printed_area(axes, across, along, printed))
     names, values = (x, y), (across, along)
     handles += own_point(axes, mission, names, values, QUANTITIES)
@@ -222,15 +226,12 @@ def label_axes(
 
 def _printed_area(axes: Axes, across: Array, along: Array, printed: NDArray[np.bool_]) -> Artist:
     """Hatch where the conditions of the printed theorem are met; return it for the legend."""
-    label = "conditions of the printed theorem"
-    if printed.all() or not printed.any():
-        where = "everywhere" if printed.all() else "nowhere"
-        return Patch(facecolor="none", label=f"{label}: met {where} here")
+    label = "conditions of the printed theorem (k1…k4) met"
     area = axes.contourf(across, along, printed, levels=[0.5, 1.5], colors="none", hatches=["//"])
     area.set_edgecolor(COLOURS[3])
     area.set_linewidth(0)
     axes.contour(across, along, printed, levels=[0.5], colors=[COLOURS[3]], linewidths=1.5)
-    return Patch(facecolor="none", edgecolor=COLOURS[3], hatch="//", label=f"{label} (k1…k4) met")
+    return Patch(facecolor="none", edgecolor=COLOURS[3], hatch="//", label=label)
 
 
 def _boundary(axes: Axes, atlas: Recorded, x: str, y: str, scales: list[str]) -> list[Artist]:

@@ -47,6 +47,8 @@ def motion_figure(flight: Flight, first: Flight | None = None) -> Figure:
             row[1].set_ylabel("")
         title = f"the first {early:g} s, a sample each {start['time'].values[1]:g} s"
         axes[0, 1].set_title(title, fontsize="medium")
+        apart = f"a sample each {flight['time'].values[1]:g} s"
+        axes[0, 0].set_title(apart, loc="right", fontsize="medium")
         axes[-1, 1].set_xlabel("time (s)")
     figure.align_ylabels(axes[:, 0])
     return figure

@@ -204,14 +204,13 @@ PAGE = """<!DOCTYPE html>
 <title>@TITLE@</title>
 <style>
 body { font-family: sans-serif; margin: 1em auto; max-width: @WIDTH@px; padding: 0 1em; }
-div { position: relative; overflow: hidden; }
+div { overflow: hidden; }
 div + div { display: none; }
-img { --wide: 100%; width: var(--wide); height: auto; display: block; }
-img + img { position: absolute; top: 0; left: 0; }
+canvas { --wide: 100%; width: var(--wide); height: auto; display: block; }
 @media (max-width: 44rem) {
-  img { --wide: calc(100% / @LEFT@); max-width: none; }
+  canvas { --wide: calc(100% / @LEFT@); max-width: none; }
   div + div { display: block; }
-  div + div img { --wide: calc(100% / (1 - @LEFT@)); margin-left: calc(-@LEFT@ * var(--wide)); }
+  div + div canvas { --wide: calc(100% / (1 - @LEFT@)); margin-left: calc(-@LEFT@ * var(--wide)); }
 }
 form { display: flex; gap: 1em; align-items: center; }
 input { flex: 1; }
@@ -219,28 +218,32 @@ button { min-width: 5em; padding: 0.4em; }
 </style>
 </head>
 <body>
-<div>
-<img id="still" src="@STILL@" width="@WIDTH@" height="@HEIGHT@" alt="The flight over its target">
-<img class="change" width="@WIDTH@" height="@HEIGHT@" alt="">
-</div>
-<div>
-<img id="below" width="@WIDTH@" height="@HEIGHT@" alt="What the camera sees">
-<img class="change" width="@WIDTH@" height="@HEIGHT@" alt="">
-</div>
+<div><canvas width="@WIDTH@" height="@HEIGHT@" role="img"
+ aria-label="The flight over its target"></canvas></div>
+<div><canvas width="@WIDTH@" height="@HEIGHT@" role="img"
+ aria-label="What the camera sees"></canvas></div>
 <form>
 <button type="button" id="play">Pause</button>
 <input type="range" id="place" min="0" max="@LAST@" value="0" aria-label="picture">
 </form>
 <script>
 "use strict";
-const changes = @CHANGES@;
-document.getElementById("below").src = document.getElementById("still").src;
+const picture = (data) => Object.assign(new Image(), { src: data });
+const still = picture("@STILL@");
+const changes = @CHANGES@.map(picture);
 const play = document.getElementById("play");
 const place = document.getElementById("place");
 let timer = null;
 function show(i) {
   place.value = i;
-  for (const change of document.querySelectorAll(".change")) change.src = changes[i];
+  Promise.all([still, changes[i]].map((each) => each.decode())).then(() => {
+    if (+place.value !== i) return;  // another one is wanted by now
+    for (const canvas of document.querySelectorAll("canvas")) {
+      const pen = canvas.getContext("2d");  // in pixels of the film: a change that is scaled by
+      pen.drawImage(still, 0, 0);  // itself would let what it covers shine through
+      pen.drawImage(changes[i], 0, 0);
+    }
+  });
 }
 function run(on) {
   clearInterval(timer);

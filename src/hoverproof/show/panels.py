@@ -121,7 +121,7 @@ def required_view(axes: Axes, flight: Flight) -> None:
             edge, color="black", linestyle="--", linewidth=1.2, label=f"nearest edge, {edge:.1f}°"
         )
     axes.set_ylim(0, 1.08 * axes.get_ylim()[1])
-    axes.set_ylabel("off the optical axis (deg)")
+    axes.set_ylabel("off the axis (deg)")
     legend_above(axes)
 
 
@@ -203,7 +203,8 @@ def space_axes(axes: Axes3D, places: Array) -> None:
     _, step, *_ = AutoLocator().tick_values(0, (high - low).max())
     for axis in (axes.xaxis, axes.zaxis):
         axis.set_major_locator(MultipleLocator(step))
-    ticks, apart, last = [], step, high[1] - NEAR_CORNER * step
+    ticks: list[float] = []
+    apart, last = step, high[1] - NEAR_CORNER * step
     while len(ticks) < 2:
         ticks = [y for y in MultipleLocator(apart).tick_values(low[1], last) if low[1] <= y <= last]
         apart /= 2

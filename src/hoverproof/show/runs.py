@@ -55,42 +55,46 @@ SINGLE_RUNS = 20
 MARKERS = "osX^DvP*"
 
 
-def fans_figure(runs: xr.Dataset) -> Figure:
+def fans_figure(runs: xr.Dataset, first: xr.Dataset | None = None) -> Figure:
     """Draw median, 5-95 % band and a few runs of what was recorded over time.
 
     Parameters
     ----------
     runs : Dataset
         See the head of this module.
+    first : Dataset, optional
+        Their beginning in more samples, of which tilt and rotor thrusts are drawn; see
+        `hoverproof.show.runs_again`.
     """
     runs = _thinned(runs)
+    first = runs if first is None else _thinned(first)
     outcome = outcomes(runs)
     panels = [
-        draw
-        for name, draw in (
-            ("position", _distance),
-            ("lyapunov", _level),
-            ("position", _settled_share),
-            ("position", _position),
-            ("euler_angles", _tilt),
-            ("rotor_thrust", _rotors),
+        (draw, of)
+        for name, draw, of in (
+            ("position", _distance, runs),
+            ("lyapunov", _level, runs),
+            ("position", _settled_share, runs),
+            ("position", _position, runs),
+            ("euler_angles", _tilt, first),
+            ("rotor_thrust", _rotors, first),
         )
         if name in runs
     ]
     rows = -(-len(panels) // 3)
     figure = Figure(figsize=(13, 0.8 + 3.7 * rows), layout="constrained")
     shown = min(SINGLE_RUNS, runs.sizes["run"])
-    apart = float(np.diff(runs["time"].values[:2]).sum())
+    apart = _apart(runs)
     title = f"{_title(runs)}: median, 5 to 95 % band, and {shown} single runs"
     title += f", a sample each {apart:g} s" if apart else ""
     early = int(sum(o != FLOWN for o in outcome))
     if early:
         title += f"\n{early} ended early, and leave the bands when they end"
     figure.suptitle(title)
-    for k, draw in enumerate(panels):
+    for k, (draw, of) in enumerate(panels):
         axes = figure.add_subplot(rows, 3, k + 1)
-        draw(axes, runs)
-        axes.set_xlabel("time (s)")
+        draw(axes, of)
+        axes.set_xlabel("time (s)" if of is runs else _early_label(runs, of))
         legend_above(axes, 3)
     return figure
 
@@ -156,7 +160,10 @@ def starts_figure(runs: xr.Dataset) -> Figure:
 
 
 def save_runs_figures(
-    runs: xr.Dataset, stem: Path, which: Sequence[str] = RUNS_FIGURES
+    runs: xr.Dataset,
+    stem: Path,
+    which: Sequence[str] = RUNS_FIGURES,
+    first: xr.Dataset | None = None,
 ) -> list[Path]:
     """Write the figures of runs as PNG files beside each other.
 
@@ -168,6 +175,8 @@ def save_runs_figures(
         Path without its ending; ``.fans.png`` and ``.starts.png`` are appended.
     which : sequence of str
         Some of `RUNS_FIGURES`.
+    first : Dataset, optional
+        See `fans_figure`.
 
     Raises
     ------
@@ -175,7 +184,7 @@ def save_runs_figures(
         If a file cannot be written.
     """
     draw: dict[str, Callable[[xr.Dataset], Figure]] = {
-        "fans": fans_figure,
+        "fans": lambda runs: fans_figure(runs, first),
         "starts": starts_figure,
     }
     paths: list[Path] = []
@@ -237,6 +246,18 @@ def _thinned(runs: xr.Dataset) -> xr.Dataset:
     last = runs.sizes["time"] - 1
     kept = np.unique(np.linspace(0, last, min(MOST_TIMES, last + 1)).round().astype(int))
     return _flown(runs).isel(time=kept)
+
+
+def _apart(runs: xr.Dataset) -> float:
+    """Return the time between two samples, s."""
+    return float(np.diff(runs["time"].values[:2]).sum())
+
+
+def _early_label(runs: xr.Dataset, first: xr.Dataset) -> str:
+    """Label the time of the beginning of runs, or of some of them."""
+    count = first.sizes["run"]
+    of = f"the first {count} runs" if count < runs.sizes["run"] else "the beginning"
+    return f"{of}, a sample each {_apart(first):g} s: time (s)"
 
 
 def _title(runs: xr.Dataset) -> str:
