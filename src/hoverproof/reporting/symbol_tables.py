@@ -73,7 +73,8 @@ def _errors(mission: Mission) -> Iterator[tuple[str, str]]:
     """Yield the errors of a law: those of its feature and its goal."""
     scaled, image = mission.law.feature == "scaled", mission.law.goal == "image"
     feature = "s" if scaled else "q"
-    told = "centroid of the target points in the image, the sum of the unit vectors toward them"
+    total = "weighted sum" if mission.target.weights else "sum"
+    told = f"centroid of the target points in the image, the {total} of the unit vectors to them"
     yield feature, f"{told}; scaled by the size of the target" if scaled else told
     yield f"{feature}*", "the same, seen from the goal"
     wanted = f"{feature}*" if image else f"{feature}3* ρ"
