@@ -147,8 +147,11 @@ def test_the_report_shows_it(proved, monkeypatch, tmp_path):
     without = ("atlas", "region", "firmware", "ledger", "flight")
     hp.report(proved.mission, tmp_path / "r.html", without=without)
     page = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert "decay rate of L" not in page.split("<nav")[0]  # that of the vehicle as modelled
     for words in (
         "exponentially (theorem 5)",
+        "decay rate of Ψ, proved",
+        f"≥\N{NO-BREAK SPACE}{float(proved.rate):.4g}"[:6],
         ", ".join(COVERED),
         "half-kilo.attraction.cert.json",
         'aria-label="Cross-section of the hovers inside',

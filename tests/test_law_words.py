@@ -230,7 +230,10 @@ def test_a_report_of_another_law_says_what_it_is_about_and_leaves_out_the_rest(l
     assert "the equations behind the theorem" not in words
     assert "whose controller is another than this mission's" in words
     assert ("eigenvalues" in before) == (law != BEST)
-    assert ("the law measures its force, which is zero at rest" in words) == (law == BEST)
+    assert ("the sum of all forces, which is zero at rest" in words) == (law == BEST)
+    assert ("scaled, s*, which the law uses" in words) == (law == BEST)
+    assert "What the symbols mean" in words
+    assert f"without any assumption on {symbol(law)}." in words
     assert ("hover, 1 % less thrust" in words) == (law != BEST)
 
 

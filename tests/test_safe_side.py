@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
-from hoverproof.algebra.decimals import at_least, at_most
+from hoverproof.algebra.decimals import at_least, at_most, degrees_at_most
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import Reach
 from hoverproof.certification.exponential.verdict import Settling
@@ -66,6 +66,7 @@ def test_bounds_and_intervals_are_safe_and_near(value, ends):
     rad, degrees = told(words.angle(ends[0]))
     assert rad >= ends[0]
     assert degrees >= math.degrees(ends[0]) * (1 - 1e-15)
+    assert degrees <= math.degrees(ends[0]) * 1.002
 
 
 @given(intervals, above_zero, above_zero)
@@ -207,3 +208,31 @@ def test_what_a_package_says_is_proved(scale):
     low, high = told(said.rotors_in_words)
     assert low <= F(claim["rotors"][0])
     assert F(claim["rotors"][1]) <= high
+
+
+def test_one_tilt_is_told_by_answer_report_and_package():
+    from hoverproof.export.contents import _tilt
+    from hoverproof.export.standing import checked
+    from hoverproof.servo.laws.heading import flown_law
+
+    mission, held = load("crazyflie-2.1"), json.loads(KEPT.read_text(encoding="utf-8"))
+    standing = checked(Standing((F(0), F(1)), None, held), mission, flown_law(mission))
+    _, package = _tilt(mission, standing.thrust[1] - mission.vehicle.weight, standing.tilt_cosine)
+    proved = attraction_once(mission)
+    answer = "\n".join(AttractionAnswer(proved, None, None).text())
+    told = degrees_at_most(proved.tilt)
+    assert proved.certificate.content["claim"] == held["claim"]
+    assert package == f"{told} degrees (proved on the way)"
+    assert f"rad ({told}°) or less" in answer
+    assert f"({told}°) or less" in dict(exponential_table(proved).rows)["tilt on the way"]
+
+
+def test_a_package_says_that_its_two_theorems_are_about_one_goal():
+    starts = json.loads(KEPT.read_text(encoding="utf-8"))
+    gains = json.loads(KEPT.with_name("crazyflie-2.1.cert.json").read_text(encoding="utf-8"))
+    mission, both = load("crazyflie-2.1"), Standing((F(0), F(1)), gains, starts)
+    said = "Both are about the same goal, the hover at (0, 0, -1) m: theorem 1 names the centroid"
+    assert said in evidence(both, mission).statement
+    assert "same goal" not in evidence(replace(both, certificate=None), mission).statement
+    paper = load("x4-flyer")  # whose theorems name it alike
+    assert "same goal" not in evidence(both, paper).statement

@@ -1,6 +1,6 @@
 """The bounds of Q, or of J, that a verdict rests on: assumed or proved, the goal in them.
 
-A verdict about gains is about motions that come to the goal. Bounds that Q does not keep to there
+A verdict about gains is about motions that come to the goal. Bounds that Q violates there
 would make it true of nothing, so they are refused.
 """
 

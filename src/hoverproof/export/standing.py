@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -13,6 +13,7 @@ from hoverproof.algebra.decimals import at_least, at_most, decimal_above, decima
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.task import LawChoice
+from hoverproof.plant.goal import hover_goal
 from hoverproof.servo.law import Law
 from hoverproof.servo.laws.heading import flown_law
 
@@ -101,6 +102,8 @@ class Evidence:
         What it covers beside the vehicle as modelled, in words.
     rotor_thrusts : tuple of (low, high)
         What all rotors, or each, are proved to make, and to be set to make, on the way, N.
+    one_goal : str
+        That the theorems are about one goal, where they name it by different numbers.
     """
 
     proofs: tuple[Proof, ...]
@@ -108,6 +111,7 @@ class Evidence:
     from_starts: bool
     covers: tuple[str, ...] = ()
     rotor_thrusts: tuple[tuple[Fraction, Fraction], ...] = ()
+    one_goal: str = ""
 
     @property
     def certified(self) -> bool:
@@ -133,9 +137,10 @@ class Evidence:
         """What is proved, in full."""
         if not self.proofs:
             return f"**{self.claim} Not for flight.**"
-        return "\n\n".join(
+        proofs = [
             f"**What is proved: theorem {p.theorem}.** {p.gist} {p.statement}" for p in self.proofs
-        )
+        ]
+        return "\n\n".join([*proofs, *filter(None, [self.one_goal])])
 
     @property
     def rotors_in_words(self) -> str:
@@ -220,7 +225,20 @@ def evidence(standing: Standing, mission: Mission) -> Evidence:
         proofs.append(Proof(theorem, gist, held["statement"], held["sha256"], "attraction.cert"))
         covers, rotors = _covered(held, mission), _rotors(held)
     on_the_way = standing.attraction is not None
-    return Evidence(tuple(proofs), bounds, on_the_way, covers, rotors)
+    return Evidence(tuple(proofs), bounds, on_the_way, covers, rotors, _one_goal(proofs, mission))
+
+
+def _one_goal(proofs: Sequence[Proof], mission: Mission) -> str:
+    """Say that both theorems are about one goal, where its numbers differ."""
+    if len(proofs) < 2 or mission.law.feature == "centroid":
+        return ""
+    place = ", ".join(f"{float(c):.6g}" for c in hover_goal(mission).position)
+    gains, starts = (p.theorem for p in proofs)
+    return (
+        f"Both are about the same goal, the hover at ({place}) m: theorem {gains} names the "
+        f"centroid q* seen from there, theorem {starts} the law's feature, which is that centroid "
+        "scaled by the size of the target."
+    )
 
 
 def _covered(held: Mapping[str, Any], mission: Mission) -> tuple[str, ...]:

@@ -8,10 +8,10 @@ from hoverproof.algebra.decimals import degrees_at_most
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.convergence import Converges, not_covered
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.design.proved_and_flown import near_goal_from, why_longer
+from hoverproof.design.proved_and_flown import why_longer
 from hoverproof.reporting.numerals import at_least, at_most, place, short
 from hoverproof.reporting.parts import Flown, Missing, Parts
-from hoverproof.reporting.wording import headline
+from hoverproof.reporting.wording import headline, settled_in_flight
 
 Line = tuple[str, str]
 NOT_COVERED, IN_A_FLIGHT = "Not covered", "In a flight"
@@ -77,11 +77,7 @@ def _in_flight(region: Attraction | Exponential, flight: Flown | Missing) -> Ite
     """Yield when the flight of the page has settled, and why the proof takes longer if it does."""
     if isinstance(flight, Missing):
         return
-    if isinstance(region, Attraction):
-        settled, near = flight.summary["settled_at"], "a tenth of the way to go"
-    else:
-        settled = near_goal_from(region.mission, flight.whole, float(region.settling.radius))
-        near = f"{at_most(region.settling.radius)} m of its goal"
+    settled, near = settled_in_flight(flight, region)
     if settled is None:
         yield IN_A_FLIGHT, f"not within {near} at its end (simulated)"
         return

@@ -47,6 +47,7 @@ def mathml(latex: str, *, block: bool = False) -> str:
     upright = latex.replace(r"\mathrm{", r"\text{")  # whole words, whatever stands around them
     made: str = convert(upright, display="block" if block else "inline")
     made = re.sub(r"&#x([0-9A-F]+);", lambda m: _character(int(m[1], 16)), made)
+    made = made.replace("<mrow><mo>+</mo>", '<mrow><mo form="infix">+</mo>', 1)  # as it goes on
     made = re.sub(f"<mi>([{RELATIONS}])</mi>", r"<mo>\1</mo>", made)
     return made.replace('<math xmlns="http://www.w3.org/1998/Math/MathML"', "<math")
 
@@ -74,7 +75,7 @@ def claim(
     return [
         *question(eigenvalues, thrust, symbol),
         rf"\Longrightarrow\quad X^T \Sigma({symbol}, T)\, X \ge "
-        r"\mathrm{margin} \left|X\right|^2",
+        r"\mathrm{margin}\ \left|X\right|^2",
         rf"\mathrm{{margin}} = {decimal(margin)}\ \mathrm{{kg/s}}",
         r"\Longrightarrow\quad \mathcal{L}(t) \le \mathcal{L}(0)\, e^{-r t}",
         r"r = \frac{2\ \mathrm{margin}}{m} \ge "
@@ -116,6 +117,7 @@ def question(
 def counterexample(
     Q: Sequence[Sequence[Fraction]],
     f: Fraction,
+    thrust: Fraction,
     X: Sequence[Fraction],
     value: Fraction,
     symbol: str = "Q",
@@ -128,6 +130,8 @@ def counterexample(
         1/m.
     f : Fraction
         1/m.
+    thrust : Fraction
+        With that f(T), N.
     X : (11,)
         Dimensionless.
     value : Fraction
@@ -139,7 +143,8 @@ def counterexample(
     entries = r",\ ".join(map(fraction, X))
     return [
         rf"{symbol} = \begin{{pmatrix}} {rows} \end{{pmatrix}}\ \mathrm{{m}}^{{-1}}",
-        rf"f(T) = {fraction(f)}\ \mathrm{{m}}^{{-1}}",
+        rf"f(T) = {fraction(f)}\ \mathrm{{m}}^{{-1}},{BREAK}"
+        rf"T \approx {float(thrust):.6g}\ \mathrm{{N}}",
         rf"X = \left({entries}\right)^T",
         rf"X^T \Sigma({symbol}, T)\, X \le {decimal(value)}\ \mathrm{{kg/s}} < 0",
     ]
@@ -169,8 +174,8 @@ def attraction_claim(region: Attraction) -> list[str]:
         rf"W(\xi) = \sum_i \left|P'_i - \xi\right| {BREAK}+ q_3^* e_3^T \xi - W_0",
         rf"{symbol}(0) \le {decimal(region.level)}{above}{IMPLIES}\xi(t) \to \xi^*",
         rf"\dot{symbol} \le -{decimal(region.rate)}\, \frac{{k_1}}{{m}}\, \left|Y\right|^2,{BREAK}"
-        r"\left|Y\right|^2 = \left|q - q_3^* \rho\right|^2 + \left|\delta_2\right|^2 + "
-        r"\left|\delta_3\right|^2 + \left|\delta_4\right|^2",
+        r"\left|Y\right|^2 = \left|q - q_3^* \rho\right|^2 + \left|\delta_2\right|^2 "
+        rf"{BREAK}+ \left|\delta_3\right|^2 + \left|\delta_4\right|^2",
     ]
 
 
@@ -208,19 +213,20 @@ def _of_vehicles(verdict: Attraction | Exponential) -> Iterator[str]:
     content = verdict.certificate.content
     if content.get("lag"):
         a5, a6 = (decimal(Fraction(content["lag"][name])) for name in ("torque", "thrust"))
-        yield rf"+ \tfrac\tau 2 {a5} \left|\mu\right|^2"
-        yield rf"+ \tfrac\tau 2 {a6} \mu_T^2"
+        yield rf"+ \tfrac\tau 2 \cdot {a5} \left|\mu\right|^2"
+        yield rf"+ \tfrac\tau 2 \cdot {a6} \mu_T^2"
     if content.get("memory"):
         weight = r"e^{r (z - t)} " if content["kind"] == "exponential" else ""
         memory = decimal(Fraction(content["memory"]))
         yield (
-            rf"+ {memory} \int_{{-\bar\tau}}^0 \int_{{t+x}}^t {weight}"
+            rf"+ {memory} \int_{{-\bar\tau}}^0 \int_{{t+x}}^t {BREAK}{weight}"
             r"\left|y(z)\right|^2 \mathrm{d}z\, \mathrm{d}x"
         )
 
 
 def _half_of(weight: str, error: int) -> str:
-    return rf"\tfrac12\, {weight} \left|\delta_{error}\right|^2"
+    factor = rf"\cdot {weight} " if weight else ""
+    return rf"\tfrac12 {factor}\left|\delta_{error}\right|^2"
 
 
 def fraction(x: Fraction) -> str:

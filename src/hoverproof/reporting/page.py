@@ -154,7 +154,7 @@ def _theorem(parts: Parts) -> dict[str, Any]:
         )
     if verdict.status == "refuted":
         told["counterexample"] = mathematics.counterexample(
-            verdict.Q, verdict.f, verdict.X, verdict.value, symbol
+            verdict.Q, verdict.f, verdict.thrust, verdict.X, verdict.value, symbol
         )
     judged = {} if isinstance(parts.ledger, Missing) else {j.id: j for j in parts.ledger}
     papers = judged if parts.mission.law.is_papers else {}  # the ledger is about no other law

@@ -34,29 +34,35 @@ def of_starts(verdict: Attraction | Exponential) -> Iterator[tuple[str, str]]:
     ----------
     verdict : Attraction or Exponential
     """
-    mission, content = verdict.mission, verdict.certificate.content
-    exponential = isinstance(verdict, Exponential)
-    yield from _named(SYMBOLS, "Ψ" if exponential or verdict.tolerant else "Λ")
-    if not exponential:
+    if isinstance(verdict, Exponential):
+        yield from _named(SYMBOLS, "Ψ")
+    else:
+        yield from _named(SYMBOLS, "Ψ" if verdict.tolerant else "Λ")
         yield from _named(IN_FORMULAS, "W")
-    yield from _errors(mission)
+    yield from _errors(verdict.mission)
+    content = verdict.certificate.content
     if content.get("lag"):
         yield from _named(IN_FORMULAS, "τ", "μ, μT")
     if content.get("memory"):
         yield from _named(IN_FORMULAS, "τ̄", "y")
-    if exponential:
-        yield from _named(IN_FORMULAS, "r", "ξ, ξ*")
-        yield "σ, σ*", "feature that a level camera sees from a position, and from the goal"
-        yield "ℓ", f"level that Ψ never passes on the way, {at_most(verdict.level)}"
-        yield "d", f"|σ − σ*| is no larger on the way, {at_most(verdict.offset)}"
-        if verdict.ultimate_radius is not None:
-            yield "ℓ∞", "what noise and gusts leave of Ψ at most"
-    else:
-        yield from _named(IN_FORMULAS, "ξ, ξ*")
-        if mission.law.goal == "image":
-            yield from _named(IN_FORMULAS, "ρ")
-        if verdict.barrier_height is not None:
-            yield from _named(IN_FORMULAS, "h")
+    yield from _named(IN_FORMULAS, "ξ, ξ*")
+    yield from _of_time(verdict) if isinstance(verdict, Exponential) else _of_region(verdict)
+
+
+def _of_time(verdict: Exponential) -> Iterator[tuple[str, str]]:
+    yield from _named(IN_FORMULAS, "r")
+    yield "σ, σ*", "feature that a level camera sees from a position, and from the goal"
+    yield "ℓ", f"level that Ψ never passes on the way, {at_most(verdict.level)}"
+    yield "d", f"|σ − σ*| is no larger on the way, {at_most(verdict.offset)}"
+    if verdict.ultimate_radius is not None:
+        yield "ℓ∞", "what noise and gusts leave of Ψ at most"
+
+
+def _of_region(verdict: Attraction) -> Iterator[tuple[str, str]]:
+    if verdict.mission.law.goal == "image":  # else it is among the errors
+        yield from _named(IN_FORMULAS, "ρ")
+    if verdict.barrier_height is not None:
+        yield from _named(IN_FORMULAS, "h")
 
 
 def _named(meanings: dict[str, str], *symbols: str) -> Iterator[tuple[str, str]]:
@@ -67,7 +73,8 @@ def _errors(mission: Mission) -> Iterator[tuple[str, str]]:
     """Yield the errors of a law: those of its feature and its goal."""
     scaled, image = mission.law.feature == "scaled", mission.law.goal == "image"
     feature = "s" if scaled else "q"
-    told = "centroid of the target points in the image, the sum of the unit vectors toward them"
+    total = "weighted sum" if mission.target.weights else "sum"
+    told = f"centroid of the target points in the image, the {total} of the unit vectors to them"
     yield feature, f"{told}; scaled by the size of the target" if scaled else told
     yield f"{feature}*", "the same, seen from the goal"
     wanted = f"{feature}*" if image else f"{feature}3* ρ"

@@ -33,8 +33,8 @@ IN_FORMULAS = {
     "r": "decay rate, 1/s",
     "ξ, ξ*": "position of the vehicle and of the hover at its goal, m",
     "ρ": "unit vector down in body axes",
-    "W": "sum of the distances to the target points P′ plus q3* z, z the depth of the vehicle; W0 "
-    "is the least value of that, so that W ≥ 0",
+    "W": "sum of the distances to the target points P′, weighted as these, plus q3* z, z the depth "
+    "of the vehicle; W0 is the least value of that, so that W ≥ 0",
     "h": "height above the mean of the target points",
 }
 """Of formulas in a report, where they are not among those of answers or the law's own."""

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.exponential.verdict import Exponential
 from hoverproof.certification.over_box import BoundsVerdict
+from hoverproof.design.proved_and_flown import near_goal_from
 from hoverproof.mission.sections import Mission
 from hoverproof.reporting.numerals import at_least, at_most, bounded, inside, place, short
 from hoverproof.reporting.parts import Attracted, Firmware, Flown, Map, Missing, Parts
@@ -201,14 +202,33 @@ def merits(parts: Parts) -> Iterable[tuple[str, str, str]]:
         if isinstance(attracted, Attracted):
             yield _switched_on(attracted)
     if isinstance(flight, Flown):
-        settled = flight.summary["settled_at"]
+        region = attracted.region if isinstance(attracted, Attracted) else None
+        settled, near = settled_in_flight(flight, region)
         value = "not reached" if settled is None else f"{short(settled)} s"
-        yield "simulated flight settles after", value, "to 10 % of its distance at the start"
+        yield "simulated flight settles after", value, f"within {near}"
     if isinstance(firmware, Firmware):
         used = firmware.footprint
         flash = "flash not measured here" if isinstance(used, Missing) else f"{used.flash} B flash"
         count = firmware.manifest["budgets"]["instructions"]
         yield "firmware, Cortex-M4F", f"≤ {count} instructions", flash
+
+
+def settled_in_flight(
+    flight: Flown, region: Attraction | Exponential | None
+) -> tuple[float | None, str]:
+    """Return since when a flight is near its goal, s, and how near in words: as is proved, if so.
+
+    Parameters
+    ----------
+    flight : Flown
+    region : Attraction, Exponential or None
+        What is proved of its mission.
+    """
+    if isinstance(region, Exponential):
+        radius = region.settling.radius
+        near = f"{at_most(radius)} m of its goal"
+        return near_goal_from(region.mission, flight.whole, float(radius)), near
+    return flight.summary["settled_at"], "a tenth of the way to go"
 
 
 def nominal(parts: Parts) -> str:
@@ -242,7 +262,7 @@ def _timed(attracted: Attracted) -> Iterator[tuple[str, str, str]]:
     assert isinstance(region, Exponential)
     near, soon = at_most(region.settling.radius), at_most(region.settling.time)
     every = "every vehicle within tolerance" if region.mission.covers() else "as modelled"
-    yield "settles after", f"{soon} s", f"to {near} m from the goal; proved, {every}"
+    yield "settles after", f"{soon} s", f"within {near} m of its goal; proved, {every}"
     yield "decay rate of Ψ, proved", f"≥ {at_least(region.rate)} 1/s", f"theorem 5: {every}"
 
 
