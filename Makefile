@@ -48,6 +48,7 @@ docs: .venv/installed-docs
 
 # The theorems behind certificates, and these certificates, by the proof assistant Coq.
 coq:
+	@echo "Coq builds the library and replays all certificates: one or two minutes."
 	@$(MAKE) --no-print-directory -C proofs/coq
 
 # Make the certificates in proofs/ anew.
@@ -82,19 +83,23 @@ release: docs
 
 .venv/installed: pyproject.toml
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	@echo "Installing hoverproof and the packages that it needs into .venv, silently: it may take minutes."
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
 	@touch $@
 
 .venv/installed-dev: pyproject.toml
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	@echo "Installing what tests and style checks need into .venv, silently: it may take minutes."
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
 	@touch .venv/installed $@
 
 .venv/installed-compare: .venv/installed-dev
+	@echo "Installing the packages that it is compared to into .venv, silently: it may take minutes."
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[compare]"
 	@touch $@
 
 .venv/installed-docs: .venv/installed-dev
+	@echo "Installing what the documentation is built with into .venv, silently: it may take minutes."
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[docs]"
 	@touch $@
 

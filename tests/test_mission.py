@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 from pathlib import Path
 
@@ -182,3 +183,18 @@ def test_a_number_too_long_for_a_certificate_is_refused(text):
     with pytest.raises(InputError, match=r"gains\.k1: must be given in at most 32 digits"):
         load("x4-flyer", {"gains.k1": text})
     assert load("x4-flyer", {"gains.k1": "0.2" + "0" * 29 + "1"})
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "hint"),
+    [
+        ("start.position", "0.2,0.1,-1", "; a list is written [0.2, 0.1, -1]"),
+        ("start.position", "(1 2 -3)", "; a list is written [1, 2, -3]"),
+        ("uncertainty.thrust", "20%", "; a share is written 0.2"),
+        ("uncertainty.thrust", "2 0 %%", " is not a TOML value"),
+        ("start.position", "1,x,-3", " is not a TOML value"),
+    ],
+)
+def test_a_list_or_a_share_that_is_not_toml_is_told_how_it_is_written(key, value, hint):
+    with pytest.raises(InputError, match=f"{re.escape(hint)}$"):
+        load("x4-flyer", {key: value})

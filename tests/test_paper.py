@@ -39,6 +39,7 @@ from hoverproof.paper.units import UnitError
 from hoverproof.paper.worlds import closed_loop_no_yaw
 from hoverproof.plant.camera import depth_matrix
 from hoverproof.servo.loop import LoopNumbers
+from hoverproof.show.ledger import claim_text
 from hoverproof.simulation.flight import simulate
 from sampling import share_of
 
@@ -444,3 +445,12 @@ def test_the_torques_as_printed_fit_axes_whose_z_is_up(form, down):
 
     right, front = place("Trr") + place("Tfr"), place("Tfr") + place("Tfl")
     assert np.cross(front, right).tolist() == [0, 0, 4 * down]
+
+
+def test_a_printed_form_fails_where_the_direction_of_gravity_is_a_unit_vector():
+    (found,) = derive("31")
+    point = found.counterexample
+    assert sum(Fraction(point[f"gravity_direction_{i}"]) ** 2 for i in range(3)) == 1
+    told = claim_text(found).split("printed form fails at")[1]
+    names = re.findall(r"(\w+)=", told)
+    assert names == sorted(point)

@@ -15,7 +15,8 @@ from hoverproof.certification.attraction.verdict import Sinks, not_covered
 from hoverproof.certification.over_box import enclose
 from hoverproof.certification.region import default_box
 from hoverproof.cli.answers.glossary import legend
-from hoverproof.cli.answers.words import angle, enclosure
+from hoverproof.cli.answers.words import angle, enclosure, limits_text
+from hoverproof.design.limits import Use
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.reading import load
 from hoverproof.reporting.symbols import STATED, SYMBOLS
@@ -183,3 +184,17 @@ def test_an_answer_explains_its_symbols_before_what_comes_next(arguments, symbol
     if foot is not None:
         told = " ".join(foot[1].split())
         assert [s for s in SYMBOLS if f"{s}: {SYMBOLS[s]}" in told] == [*symbols]
+
+
+def test_digits_in_names_of_files_are_explained_where_they_are_printed(capsys):
+    _, out, _ = run(capsys, "certify", "x4-flyer", "--set", "gains.k4=177")
+    (digits,) = re.findall(r"x4-flyer\.([0-9a-f]{8})\.cert\.json$", out, re.MULTILINE)[:1]
+    assert f"\n  {digits} in names of files stands for the settings made by --set\n" in out
+    assert "in names of files" not in run(capsys, "certify", "x4-flyer")[1]
+
+
+def test_a_limit_without_a_unit_has_none():
+    use = Use("bandwidth times sampling period", 0.05, 0.2, "1")
+    assert list(limits_text([use])) == [
+        "  bandwidth times sampling period: 0.05, limit 0.2: does not bind"
+    ]

@@ -214,3 +214,13 @@ def test_the_curve_of_region_against_speed_falls_and_each_point_is_proved(capsys
 @pytest.mark.slow
 def test_a_wish_that_asks_for_next_to_nothing_has_an_answer(x4):
     assert isinstance(tune(x4, objective="region", minimum_decay=1e-6), RegionTuned | Infeasible)
+
+
+@pytest.mark.slow
+def test_where_those_of_a_barrier_reach_farther_it_is_said_of_which_gains(capsys):
+    out = " ".join(run(capsys, "tune", "x4-flyer", "--objective", "region")[1].split())
+    assert "both are sets of all states, moving or not" in out
+    assert (
+        "with a barrier attraction may prove level hovers much farther away: of the mission's own "
+        "gains, not of the new ones (a barrier needs k3 >= 3 k1 k2)"
+    ) in out

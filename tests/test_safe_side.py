@@ -21,6 +21,7 @@ from hoverproof.certification.attraction.verdict import Reach
 from hoverproof.certification.exponential.verdict import Settling
 from hoverproof.cli.answers import words
 from hoverproof.cli.answers.attraction import AttractionAnswer, describe
+from hoverproof.cli.answers.exponential import of_lens
 from hoverproof.export.standing import Standing, evidence
 from hoverproof.mission.reading import load
 from hoverproof.reporting import numerals
@@ -236,3 +237,19 @@ def test_a_package_says_that_its_two_theorems_are_about_one_goal():
     assert "same goal" not in evidence(replace(both, certificate=None), mission).statement
     paper = load("x4-flyer")  # whose theorems name it alike
     assert "same goal" not in evidence(both, paper).statement
+
+
+def test_what_a_lens_must_see_is_told_where_nobody_said_what_it_sees(converges):
+    proved = converges["crazyflie-2.1"]
+    told_of = {}
+    for half in (None, F(3, 2)):
+        camera = proved.mission.camera.model_copy(update={"half_angle": half, "lens": None})
+        mission = proved.mission.model_copy(update={"camera": camera})
+        sensors = mission.sensors.model_copy(update={"width": None, "height": None})
+        mission = mission.model_copy(update={"sensors": sensors})
+        told_of[half] = of_lens(replace(proved, mission=mission, field_of_view=F(1)))
+    assert told_of[F(3, 2)] == []
+    must, nothing = told_of[None]
+    (whole,) = told(must)
+    assert 2 * math.degrees(1) <= whole <= 2 * math.degrees(1) * 1.001
+    assert "camera.half_angle" in nothing

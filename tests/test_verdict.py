@@ -5,12 +5,16 @@ from fractions import Fraction
 
 import pytest
 
+from hoverproof.algebra.decimals import at_least
 from hoverproof.certification.attraction.proof import attraction
 from hoverproof.certification.gains import certify
 from hoverproof.certification.over_box import certify_region
 from hoverproof.certification.region import default_box
 from hoverproof.certification.verdict import Proved, Refuted, Undecided
+from hoverproof.design.outcome import Infeasible
+from hoverproof.design.tuning import tune
 from hoverproof.mission.reading import load
+from hoverproof.servo.variables import Design
 
 WEAK = {"gains.k4": "0.1"}
 WIDE = tuple((Fraction(a), Fraction(b)) for a, b in ((-1, 6), (-1, 4), (-5, -2)))
@@ -51,9 +55,28 @@ def test_every_verdict_is_read_without_looking_at_the_kind():
         assert verdict.ending == ("refutation" if verdict.refuted else "cert")
         shown = repr(verdict)
         assert shown.startswith(f"<{type(verdict).__name__}, x4-flyer: {verdict.status}: ")
-        assert len(shown) < 200
+        assert len(shown) < 260
         assert "Fraction" not in shown
     assert {status for status, _ in seen} == {"proved", "refuted", "undecided"}
+
+
+def test_the_point_of_a_reason_is_not_cut_off():
+    point = f"the sides are {'very ' * 30}long"
+    shown = repr(Undecided(mission=load("x4-flyer"), reason=f"{point}; and so on"))
+    assert shown == f"<Undecided, x4-flyer: undecided: {point}>"
+
+
+def test_gains_that_were_tuned_show_themselves_in_a_line_with_what_is_proved():
+    found = tune("x4-flyer", objective="decay")
+    rate = at_least(found.verdict.decay_rate, 6)
+    gains = ", ".join(
+        f"{k} = {float(getattr(found.mission.gains, k)):g} {u}" for k, u in Design.gains().items()
+    )
+    assert f"x4-flyer: tuned: {gains}; " in repr(found)
+    assert f"decay rate of L {rate} 1/s>" in repr(found)
+    assert "Fraction" not in repr(found)
+    shown = repr(Infeasible(found.mission, "no way"))
+    assert shown == "<Infeasible, x4-flyer: infeasible: no way>"
 
 
 def test_a_mission_and_a_certificate_show_themselves_in_a_line():

@@ -6,12 +6,14 @@ A theorem adds what it claims as dataclasses under these, such as `ProvedGains` 
 
 from __future__ import annotations
 
-import textwrap
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, Self
 
 from hoverproof.certification.certificate import Certificate
 from hoverproof.mission.sections import Mission
+
+SHORT = 160
+"""Letters: of what is longer the first part alone is shown, whole."""
 
 
 class _OfMission:
@@ -26,7 +28,8 @@ class _OfMission:
         return ""
 
     def __repr__(self) -> str:
-        gist = textwrap.shorten(self.gist, 100, placeholder=" …")
+        first, *more = self.gist.split("; ")
+        gist = first if len(self.gist) > SHORT and more else self.gist
         words = f"{self.status}: {gist}" if gist else self.status
         return f"<{type(self).__name__}, {self.mission.name}: {words}>"
 

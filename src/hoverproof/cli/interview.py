@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import re
+import shlex
 import textwrap
 import tomllib
 from collections.abc import Callable
@@ -18,6 +19,7 @@ from hoverproof.cli.questions import (
     NONE,
     OWN,
     QUESTIONS,
+    START,
     Answers,
     Question,
     placed,
@@ -138,8 +140,35 @@ def without_asking(
     return _answered(given, assume, known or {})
 
 
-def as_options(answers: Answers, given: Answers, known: Answers) -> list[str]:
-    """Return options that give the same answers, but for what a file tells.
+def start_again(
+    reason: str,
+    held: str,
+    before: Answers,
+    ask: Callable[[str], str] = input,
+    say: Callable[[str], None] = print,
+) -> str:
+    """Ask for the start once more, after it was refused, and return it as TOML.
+
+    Parameters
+    ----------
+    reason : str
+        Why it was refused.
+    held : str
+        A start that is held, TOML: what Enter stands for.
+    before : dict
+        All answers.
+    ask, say : callable
+        See `interview`.
+    """
+    for line in textwrap.wrap(reason, 80, initial_indent="  ", subsequent_indent="    "):
+        say(line)
+    return asked_once(START, held, before, ask, say)
+
+
+def say_as_options(
+    answers: Answers, given: Answers, known: Answers, say: Callable[[str], None] = print
+) -> None:
+    """Say the options that give the same answers, but for what a file tells.
 
     Parameters
     ----------
@@ -147,11 +176,15 @@ def as_options(answers: Answers, given: Answers, known: Answers) -> list[str]:
         Of `interview`, as TOML.
     given, known : dict
         See `interview`.
+    say : callable
+        How to print a line.
     """
     source = json.loads(answers["vehicle"])
     told = {*known, *({} if source == OWN else _known(source))} - given.keys()
     names = [question.name for question in QUESTIONS if question.name not in told]
-    return [f"--{name.replace('_', '-')}={answers[name].strip(chr(34))}" for name in names]
+    words = (f"--{name.replace('_', '-')}={answers[name].strip(chr(34))}" for name in names)
+    say("  The same answers as options, of which one may be changed:")
+    say(f"  {shlex.join(words)}")
 
 
 def answers_of_target(found: TargetFile) -> Answers:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
-import shlex
 import sys
-import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -203,7 +201,12 @@ def _own(
 ) -> tuple[str, list[str]]:
     """Return a mission of one's own, and which of its answers nobody gave."""
     from hoverproof.cli.described import answers_of_vehicle, in_layout_of
-    from hoverproof.cli.interview import answers_of_target, as_options, interview, without_asking
+    from hoverproof.cli.interview import (
+        answers_of_target,
+        interview,
+        say_as_options,
+        without_asking,
+    )
 
     known = {} if target is None else answers_of_target(target)
     if vehicle is not None:
@@ -217,8 +220,7 @@ def _own(
         return _with_start(beside, name, answers, assumed, asks, "start" in given)
     except InputError:
         if asks:  # nothing that was typed is lost
-            print("  The same answers as options, of which one may be changed:")
-            print(f"  {shlex.join(as_options(answers, given, known))}")
+            say_as_options(answers, given, known)
         raise
 
 
@@ -230,7 +232,7 @@ def _with_start(
     A start that nobody gave is taken nearer to the goal, or asked for again.
     """
     from hoverproof.cli.first_mission import NotHeldError, make
-    from hoverproof.cli.interview import asked_once
+    from hoverproof.cli.interview import start_again
     from hoverproof.cli.questions import START
 
     while True:
@@ -240,10 +242,8 @@ def _with_start(
         except NotHeldError as refused:
             if is_given or refused.held is None:
                 raise
-            held, usual = refused.held, START.assumed(answers["start"])
-            if asks:
-                print(*textwrap.wrap(refused.line, 78, initial_indent="  "), sep="\n    ")
-                held = asked_once(START, held, answers)
+            usual = START.assumed(answers["start"])
+            held = start_again(refused.line, refused.held, answers) if asks else refused.held
             nearer = f"{START.assumed(held)} (nearer than usual, to be held)"
             assumed = [nearer if words == usual else words for words in assumed]
             answers = answers | {"start": held}

@@ -12,14 +12,30 @@ from hoverproof.certification.gains import ProvedGains
 from hoverproof.design.gain_search import Objective
 from hoverproof.design.limits import Use, bandwidth
 from hoverproof.mission.sections import Mission
+from hoverproof.mission.writing import decimal
 from hoverproof.servo.hover_error import HoverError, hover_error, rests_as_modelled
 from hoverproof.servo.laws.hamel_mahony import law_of
+from hoverproof.servo.variables import Design
+
+UNITS = Design.gains()
+"""Of the gains, by their names."""
 
 
 class _OfMission:
-    """What follows from the gains of a mission alone."""
+    """What follows from the gains of a mission, and a line that shows them with what is proved."""
 
     mission: Mission
+    status: ClassVar[str]
+
+    @property
+    def gist(self) -> str:
+        """What is proved, in a few words."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        gains = self.mission.gains
+        words = ", ".join(f"{k} = {decimal(getattr(gains, k))} {u}" for k, u in UNITS.items())
+        return f"<{type(self).__name__}, {self.mission.name}: {self.status}: {words}; {self.gist}>"
 
     @property
     def bandwidth(self) -> float:
@@ -33,7 +49,7 @@ class _OfMission:
         return hover_error(self.mission) if known else None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Tuned(_OfMission):
     """Gains that are proved, and what was traded for them.
 
@@ -65,8 +81,13 @@ class Tuned(_OfMission):
     uses: list[Use]
     objective: Objective
 
+    @property
+    def gist(self) -> str:
+        """Decay rate, proved."""
+        return self.verdict.gist
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class RegionTuned(_OfMission):
     """Gains whose region of attraction is proved, and what was traded for it.
 
@@ -97,8 +118,13 @@ class RegionTuned(_OfMission):
     decay_rate_before: Fraction | None
     uses: list[Use]
 
+    @property
+    def gist(self) -> str:
+        """How far hovers are proved."""
+        return self.region.gist
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class StartTuned(_OfMission):
     """Gains with which every vehicle within tolerance has soon settled, from the mission's start.
 
@@ -133,6 +159,11 @@ class StartTuned(_OfMission):
     why_longer: str | None
     uses: list[Use]
 
+    @property
+    def gist(self) -> str:
+        """How soon it is how near, proved."""
+        return self.verdict.gist
+
 
 @dataclass(frozen=True)
 class Advice:
@@ -152,7 +183,7 @@ class Advice:
     time: Fraction
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Infeasible:
     """No gains meet the wish within the limits: what was found, and what binds.
 
@@ -175,3 +206,7 @@ class Infeasible:
     best: Tuned | None = None
     needed_bandwidth: float | None = None
     advice: tuple[Advice, ...] = ()
+
+    def __repr__(self) -> str:
+        words = "; ".join([self.reason, *(f"would help: {a.words}" for a in self.advice)])
+        return f"<{type(self).__name__}, {self.mission.name}: {self.status}: {words}>"

@@ -236,7 +236,8 @@ def _override(data: dict[str, Any], key: str, value: object) -> None:
             value = _parse(f"value = {value}", option)["value"]
         except InputError:
             if not re.fullmatch(r"[./]*[A-Za-z][\w./-]*", str(value)):  # a word or path
-                raise InputError(option, "", f"{shown(value)} is not a TOML value") from None
+                reason = f"{shown(value)} is not a TOML value{_as_toml(str(value))}"
+                raise InputError(option, "", reason) from None
     else:
         value = _exact_value(value)
     *path, last = key.split(".")
@@ -249,6 +250,17 @@ def _override(data: dict[str, Any], key: str, value: object) -> None:
         if not isinstance(data, dict):
             raise InputError(option, "", f"{part!r} is not a section")
     data[last] = value
+
+
+def _as_toml(text: str) -> str:
+    """Say how a list or a share is written that was not given as TOML; nothing if it is neither."""
+    parts = re.split(r"[\s,;]+", text.strip(" ()"))
+    with contextlib.suppress(ValueError, ArithmeticError):
+        if text.endswith("%"):
+            return f"; a share is written {float(Decimal(text[:-1].strip()) / 100):g}"
+        if len(parts) > 1 and all(Decimal(part).is_finite() for part in parts):
+            return f"; a list is written [{', '.join(parts)}]"
+    return ""
 
 
 def _exact_value(value: object) -> object:

@@ -258,8 +258,14 @@ def _shown(value: Any) -> str:
     return f"({', '.join(map(_shown, value))})" if isinstance(value, list | tuple) else str(value)
 
 
+DOWN = {f"gravity_direction_{i}": Fraction(share, 7) for i, share in enumerate((2, 3, 6))}
+"""A unit vector, by the symbols of the model."""
+
+
 def witness(left: ca.SX, right: ca.SX) -> dict[str, str] | None:
     """Return a point of small positive integers at which two expressions differ, exactly.
+
+    A direction of gravity is a unit vector there.
 
     Parameters
     ----------
@@ -270,7 +276,8 @@ def witness(left: ca.SX, right: ca.SX) -> dict[str, str] | None:
     graph = ca.Function("sides", [ca.vertcat(*symbols)], [left, right])
     draw = random.Random(0)
     for _ in range(100):
-        point = [Fraction(draw.randint(1, 9)) for _ in symbols]
+        drawn = [Fraction(draw.randint(1, 9)) for _ in symbols]
+        point = [DOWN.get(s.name(), x) for s, x in zip(symbols, drawn, strict=True)]
         try:
             one, other = evaluate(graph, [point])
         except ZeroDivisionError:

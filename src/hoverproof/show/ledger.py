@@ -49,7 +49,7 @@ def claim_text(j: Judgement) -> str:
     if j.difference and len(j.difference) < len(printed + derived):
         rows.append(("difference", j.difference))  # else it is both forms again
     if j.counterexample:
-        point = ", ".join(f"{name}={value}" for name, value in j.counterexample.items())
+        point = ", ".join(f"{name}={value}" for name, value in sorted(j.counterexample.items()))
         rows.append(("printed form fails at", point))
     lines = [line for name, words in rows for line in (name, *_indented(words))]
     return "\n".join(lines)

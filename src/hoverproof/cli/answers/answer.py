@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
@@ -65,9 +66,15 @@ def tell(answer: Answer, json_: bool, mission: Mission | None = None) -> int:
                 print(line)
         foot = next((n for n, line in enumerate(rest) if line.startswith("Next:")), len(rest))
         explained = legend([first, *rest]) if answer.explained else []
-        for line in (*rest[:foot], *explained, *rest[foot:]):
+        for line in (*rest[:foot], *explained, *_settings_in(rest), *rest[foot:]):
             print(line)
     return answer.status
+
+
+def _settings_in(lines: list[str]) -> Iterator[str]:
+    """Explain names of files that `default_stem` makes of a mission with --set."""
+    if found := re.search(r"\.[0-9a-f]{8}(?=\.[\w.]+$)", "\n".join(lines), re.MULTILINE):
+        yield f"  {found[0][1:]} in names of files stands for the settings made by --set"
 
 
 def print_json(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any
@@ -39,7 +40,7 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
     if verdict.field_of_view is not None:
         view = angle(verdict.field_of_view)
         yield f"  target points           within {view} of the {verdict.mission.camera.axis_seen}"
-        yield from map("  {:24}".format("").__add__, _out_of_image(verdict))
+        yield from map("  {:24}".format("").__add__, of_lens(verdict))
     yield f"  thrust of each rotor    in {enclosure(verdict.rotor_thrust)} N"
     if verdict.mission.vehicle.own_limits:
         names = verdict.mission.vehicle.frame.names
@@ -59,11 +60,22 @@ def settled_text(verdict: Exponential) -> str:
     return f"within {at_most(settling.radius)} m after {at_most(settling.time)} s"
 
 
-def _out_of_image(verdict: Exponential) -> list[str]:
-    """Say what the image holds, where points may leave it: that they do not was not asked for."""
+def of_lens(verdict: Exponential) -> list[str]:
+    """Say what a lens must see, or what the image holds, where nobody asked for points in view.
+
+    Parameters
+    ----------
+    verdict : Exponential
+    """
     camera, cone = verdict.mission.camera, verdict.image_cone
-    if cone is None or camera.half_angle is not None or verdict.field_of_view is None:
+    if camera.half_angle is not None or verdict.field_of_view is None:
         return []
+    if cone is None:
+        whole = at_most(2 * math.degrees(verdict.field_of_view + camera.tilt))
+        return [
+            f"so the lens must see {whole}° across the image;",
+            "of yours nothing is asked: give camera.half_angle",
+        ]
     held = at_least(cone)
     if verdict.field_of_view <= cone - camera.tilt:
         return [f"the image holds {held} rad about the optical axis: all in it"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -9,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hoverproof.algebra.decimals import at_least
+from hoverproof.certification.attraction.proof import why_no_barrier
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.words import (
@@ -46,8 +48,7 @@ class RegionTunedAnswer(Answer):
         yield from goal_text(found.mission)
         own = "not proved" if found.before is None else reach_text(found.before)
         yield f"    the mission's own gains: {own}"
-        yield "    both without a barrier and without regard to the start; attraction tries a"
-        yield "    barrier too, which may prove more, and says whether the start is inside"
+        yield from _barrier(found)
         yield from _rates(found)
         yield from hover_error_text(found.hover_error, found.mission)
         yield from limits_text(found.uses)
@@ -58,6 +59,19 @@ class RegionTunedAnswer(Answer):
         certificate = None if self.certificate is None else str(self.certificate)
         written = {"out": self.written, "certificate": certificate}
         return {**region_tuned_as_json(self.found), **written}
+
+
+def _barrier(found: RegionTuned) -> Iterator[str]:
+    """Say what kind of region both are, and of which gains `attraction` may prove another one."""
+    yield "    both are sets of all states, moving or not, in which the potential is low,"
+    yield "    without regard to the start: attraction says whether that is inside"
+    new, own = why_no_barrier(found.mission), found.before
+    which = [] if own is None or why_no_barrier(own.mission) else ["the mission's own gains"]
+    which += [] if new else ["the new ones"]
+    if which:
+        words = "with a barrier attraction may prove level hovers much farther away: of "
+        words += " and ".join(which) + (f", not of the new ones ({new})" if new else "")
+        yield from textwrap.wrap(words, 80, initial_indent=" " * 4, subsequent_indent=" " * 4)
 
 
 def reach_text(region: Attraction) -> str:

@@ -13,7 +13,7 @@ from hoverproof.algebra.decimals import at_least
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.attraction import considered
 from hoverproof.cli.answers.beyond import beyond_text, covering
-from hoverproof.cli.answers.exponential import PER_MASS, settled_text
+from hoverproof.cli.answers.exponential import PER_MASS, of_lens, settled_text
 from hoverproof.cli.answers.words import (
     about,
     angle,
@@ -80,6 +80,7 @@ class StartTunedAnswer(Answer):
         if proved.field_of_view is not None:
             axis = found.mission.camera.axis_seen
             yield f"  target points           within {angle(proved.field_of_view)} of the {axis}"
+            yield from map("  {:24}".format("").__add__, of_lens(proved))
         yield from hover_error_text(found.hover_error, found.mission)
         yield from limits_text(found.uses)
         binding = [use.name for use in found.uses if use.binds]

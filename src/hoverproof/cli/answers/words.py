@@ -133,7 +133,8 @@ def limits_text(uses: Iterable[Use]) -> Iterator[str]:
     for use in uses:
         binds = "binds" if use.binds else "does not bind"
         what = "at least" if use.least else "limit"
-        yield f"  {use.name}: {about(use.value)}, {what} {about(use.limit)} {use.unit}: {binds}"
+        limit = f"{about(use.limit)} {use.unit.removeprefix('1')}".rstrip()
+        yield f"  {use.name}: {about(use.value)}, {what} {limit}: {binds}"
 
 
 def limits_as_json(uses: Sequence[Use]) -> dict[str, Any]:
