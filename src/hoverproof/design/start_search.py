@@ -34,7 +34,6 @@ from hoverproof.sequential import Descent, Value
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
-Enough = Callable[[Value], bool]
 LITTLE = np.array([1e-3, 1e-3, 1e-3, 1e-3, *sooner.LITTLE])
 """By how much each parameter is changed to see what comes of it."""
 BEGINNINGS, EVALUATIONS = 2, 70
@@ -73,8 +72,6 @@ class StartSearch:
         With the gains of the mission.
     tried : list of (7,)
         The points that were looked at.
-    smooth : bool
-        See `Times`.
     """
 
     mission: Mission
@@ -82,7 +79,6 @@ class StartSearch:
     command: FirstCommand
     whole: Question
     tried: list[Array] = field(default_factory=list, compare=False)
-    smooth: bool = False
 
     @classmethod
     def of(cls, mission: Mission, limits: Limits) -> StartSearch:
@@ -140,7 +136,7 @@ class StartSearch:
             self.pose,
             lambda z: self.held_to.beyond(np.exp(z[:, :4])),
             LITTLE,
-            self.smooth,
+            tried=self.tried,
         )
 
     def value(self, z: Array, likely: Likely = ()) -> Value | None:
@@ -153,7 +149,6 @@ class StartSearch:
         likely : tuple of int
             See `program.solve`.
         """
-        self.tried.append(z)
         return self.times.value(z, likely)
 
     @property
@@ -287,22 +282,7 @@ class StartSearch:
         evaluations : int
             The largest number of programs.
         """
-        return self.point(*self._descended(z, at, evaluations))
-
-    def _descended(
-        self, z: Array, at: Value, evaluations: int, enough: Enough | None = None
-    ) -> tuple[Array, Value]:
-        """Descend with a bound of what is seen that has slopes, and from there without it."""
-        if self.whole.half_angle is not None and not self.smooth:
-            rough = replace(self, smooth=True)
-            begin = rough.value(z, at.found.solution.tight)
-            if begin is not None:
-                near, there = rough._descended(z, begin, evaluations, enough)
-                new = self.value(near, there.found.solution.tight)
-                z, at = (z, at) if new is None or new.merit > at.merit else (near, new)
-        descent = self.times.descent(at, self.highest, self.value)
-        descent.enough = enough
-        return descent.run(z, at, evaluations)
+        return self.point(*self.times.descend(z, at, self.highest, evaluations))
 
     def held(self, near: Array | None) -> Array | None:
         """Return a point with which the start is held, the first that is found; None if none is.
@@ -317,8 +297,8 @@ class StartSearch:
         else:
             begin = [] if (at := self.value(near)) is None else [(near, at)]
         for z, at in begin:
-            z, at = self._descended(z, at, FEW, lambda at: bool((at.over < 0).all()))
-            if (at.over < 0).all():
+            z, at = self.times.descend(z, at, self.highest, FEW, _is_held)
+            if _is_held(at):
                 return z
         return None
 
@@ -333,3 +313,7 @@ class StartSearch:
         if cost >= OUTSIDE:
             return f"the best rate is {100 * (cost - OUTSIDE):.3g} % short"
         return f"settled after {math.exp(cost):.3g} s, not yet proved"
+
+
+def _is_held(at: Value) -> bool:
+    return bool((at.over < 0).all())
