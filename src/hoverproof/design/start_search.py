@@ -23,7 +23,7 @@ from hoverproof.certification.exponential import sooner
 from hoverproof.certification.exponential.candidate import Asked
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import ROOMS
-from hoverproof.certification.exponential.question import PLACES, ROOM, Question
+from hoverproof.certification.exponential.question import ROOM, Question
 from hoverproof.certification.exponential.sooner import FAILED, KEEPS, OUTSIDE, Likely, Times
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.design.limits import FirstCommand, Limits
@@ -158,17 +158,10 @@ class StartSearch:
         most[4] = math.log(max(self.ends[1], 1e-9)) - 1e-9
         return most
 
-    @cached_property
-    def known(self) -> float:
-        """The largest d for which J has a ball, dimensionless."""
-        most = self.whole.highest * self.whole.scene.wanted
-        places = np.linspace(1 / PLACES, 1, PLACES) * most
-        return float(max((d for d in places if self.whole.ball(d) is not None), default=0.0))
-
     @property
     def ends(self) -> tuple[float, float]:
         """The least d that may hold the start, and the largest that is searched."""
-        return max(float(np.sqrt(2 * self.whole.terms()[:, 0].max())), 1e-3), self.known
+        return max(float(np.sqrt(2 * self.whole.terms()[:, 0].max())), 1e-3), self.whole.known
 
     def best_for(self, four: Array, near: Array, evaluations: int = OWN) -> Point:
         """Return the best point for gains that are given.
@@ -203,6 +196,18 @@ class StartSearch:
         """The mission's own gains, k1 to k4."""
         names = self.whole.vehicles.law.design.chain_gains()
         return np.array([getattr(self.mission.gains, name) for name in names], float)
+
+    @property
+    def keeps_limits(self) -> bool:
+        """Whether the mission's own gains keep what gains alone may not exceed."""
+        return bool((self.held_to.beyond(self.own[None]) <= 0).all())
+
+    def from_own(self) -> tuple[Array, Value] | None:
+        """Return the best point that has the mission's own gains, and what is there, if any."""
+        places = self.places(self.own)
+        point = self.best_for(self.own, np.array(places)) if places else None
+        at = None if point is None else self.value(point.z)
+        return None if point is None or at is None else (point.z, at)
 
     def places(self, four: Array) -> list[Array]:
         """Return from which d, share and rate to set out where nothing is known, (3,) each.

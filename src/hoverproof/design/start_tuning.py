@@ -21,7 +21,7 @@ from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import converge, require_question, settling
 from hoverproof.certification.exponential.question import SETTLED
 from hoverproof.certification.exponential.sooner import FAILED, OUTSIDE
-from hoverproof.certification.exponential.verdict import Exponential
+from hoverproof.certification.exponential.verdict import Exponential, Settling
 from hoverproof.design.limits import BINDS, Limits, Use, designed_gains, uses
 from hoverproof.design.outcome import Infeasible, StartTuned
 from hoverproof.design.proved_and_flown import near_goal_from, why_longer
@@ -37,6 +37,8 @@ NARROWED, PARTS, SPARE = 3, (0.85, 0.7, 0.55, 0.4), 1e-6
 """How often a smaller d is looked for, and which parts of the way from the least d to the last."""
 CLOSER = 30
 """So many programs, at most, where the ball of J is made closer."""
+LATER = 1.02
+"""Times what was searched: a proof that says so late has taken a wider ball of J."""
 PROOFS = 2
 """So many sets of gains, each with more digits than the last, are tried to be proved."""
 
@@ -125,7 +127,35 @@ def attempt(mission: Mission, limits: Limits, tell: Progress) -> StartTuned | Fa
         Is told what is being done.
     """
     found = searched(mission, limits, tell)
-    return found if isinstance(found, Failed) else _tuned(found, tell)
+    tell("searching for weights for the mission's own gains")
+    before = settling(mission)
+    own = StartSearch.of(mission, limits)
+    if before is not None and own.keeps_limits and _is_sooner(before, found):
+        found = _from_own(own, found, tell)
+    return found if isinstance(found, Failed) else _tuned(found, before, tell)
+
+
+def _is_sooner(settled: Settling, found: Proved | Failed | str) -> bool:
+    """Tell whether something settles sooner, or nearer, than what is found."""
+    if not isinstance(found, Proved):
+        return True
+    other = found.verdict.settling
+    return (settled.radius, settled.time) < (other.radius, other.time)
+
+
+def _from_own(search: StartSearch, found: Proved | Failed, tell: Progress) -> Proved | Failed:
+    """Search on from the mission's own gains, as nothing was found that settles as soon."""
+    near = search.from_own()
+    if near is None:
+        return found
+    tell("searching for gains from the mission's own")
+    other = _closely_proved(search, search.descend(*near), tell)
+    if isinstance(other, Proved) and _is_sooner(other.verdict.settling, found):
+        found = other
+    verdict = converge(search.mission, progress=tell)
+    if isinstance(verdict, Exponential) and _is_sooner(verdict.settling, found):
+        found = Proved(verdict, search, search.point(*near))
+    return found
 
 
 def searched(mission: Mission, limits: Limits, tell: Progress) -> Proved | Failed:
@@ -185,7 +215,25 @@ def _closely_proved(search: StartSearch, point: Point, tell: Progress) -> Proved
     tell("searching for gains with closer bounds of J")
     closer = _closer(search, point)
     found = "" if closer is None else _proved(*closer, tell)
-    return found if isinstance(found, Proved) else _proved(search, point, tell)
+    if not isinstance(found, Proved):
+        found = _proved(search, point, tell)
+    wider = _as_proved(search, found) if isinstance(found, Proved) else None
+    other = "" if wider is None else _proved(*wider, tell)
+    better = isinstance(other, Proved) and _is_sooner(other.verdict.settling, found)
+    return other if better else found
+
+
+def _as_proved(search: StartSearch, found: Proved) -> tuple[StartSearch, Point] | None:
+    """Search on with a wider ball of J where the proof had to take one; None if it did not."""
+    if float(found.verdict.settling.time) < LATER * math.exp(found.point.cost):
+        return None
+    wider, beyond = SPARED[-1]
+    new = replace(search, whole=replace(search.whole, wider=wider, beyond=beyond))
+    at = new.value(found.point.z)
+    if at is None:
+        return None
+    point = new.descend(found.point.z, at)
+    return (new, point) if point.cost < OUTSIDE else None
 
 
 def _closer(search: StartSearch, point: Point) -> tuple[StartSearch, Point] | None:
@@ -216,12 +264,10 @@ def _proved(search: StartSearch, point: Point, tell: Progress) -> Proved | str:
     return reason
 
 
-def _tuned(found: Proved, tell: Progress) -> StartTuned:
+def _tuned(found: Proved, before: Settling | None, tell: Progress) -> StartTuned:
     """Put beside what is proved how the own gains do, and how both fly."""
     verdict, search, point = found
     tuned = verdict.mission
-    tell("searching for weights for the mission's own gains")
-    before = settling(search.mission)
     tell("flying")
     time, radius = float(verdict.settling.time), float(verdict.settling.radius)
     flight = settled_in_flight(tuned, radius, time)
@@ -287,7 +333,7 @@ def _why_not(search: StartSearch, point: Point | None) -> Iterator[str]:
         yield ill_conditioned(mission)
         yield "--objective decay asks for the decay of L alone, whatever the start"
     if not low < high:
-        most = search.known
+        most = search.whole.known
         away = float(np.sqrt(2 * search.whole.terms()[:, 0].max()))
         yield (
             f"no gains were searched: at the start the feature is {away:.3g} off its goal, and "
