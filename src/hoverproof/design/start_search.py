@@ -28,7 +28,7 @@ from hoverproof.certification.exponential.sooner import FAILED, KEEPS, OUTSIDE, 
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.design.limits import FirstCommand, Limits
 from hoverproof.design.start_guesses import guesses
-from hoverproof.design.start_limits import StartLimits
+from hoverproof.design.start_limits import VIEW, StartLimits
 from hoverproof.mission.sections import Mission
 from hoverproof.sequential import Descent, Value
 
@@ -238,8 +238,8 @@ class StartSearch:
         """
         if at is None:
             return Point(FAILED, z)
-        over = np.maximum(at.over, 0)
-        return Point(at.cost if (over < KEEPS).all() else OUTSIDE + float(over.sum()), z)
+        beyond = float(np.maximum(at.over, 0).sum())
+        return Point(at.cost if _is_held(at) else OUTSIDE + beyond, z)
 
     def run(self, tell: Progress) -> Point | None:
         """Return the best point; None if all programs fail where it sets out.
@@ -255,7 +255,7 @@ class StartSearch:
                 tell("searching for gains")
                 point = self.descend(z, at)
                 best = point if best is None or point.cost < best.cost else best
-                tell(f"searching for gains: {self.words(best.cost)}")
+                tell(f"searching for gains: {self.words(best)}")
         return best
 
     def beginnings(self, tell: Progress) -> list[tuple[Array, Value]]:
@@ -307,18 +307,39 @@ class StartSearch:
                 return z
         return None
 
-    def words(self, cost: float) -> str:
-        """Say what a cost means.
+    def words(self, point: Point) -> str:
+        """Say what a point means.
 
         Parameters
         ----------
-        cost : float
-            A bare number, dimensionless.
+        point : Point
         """
-        if cost >= OUTSIDE:
-            return f"the best rate is {100 * (cost - OUTSIDE):.3g} % short"
-        return f"settled after {math.exp(cost):.3g} s, not yet proved"
+        if point.cost < OUTSIDE:
+            return f"settled after {math.exp(point.cost):.3g} s, not yet proved"
+        at = self.value(point.z)
+        return "nothing is found" if at is None else f"not held, {self.short(at)}"
+
+    def short(self, at: Value) -> str:
+        """Say by how much the start is not held.
+
+        Parameters
+        ----------
+        at : Value
+        """
+        names = ("rate", *self.held_to.names())
+        told = []
+        for name, over in zip(names, at.over, strict=True):
+            if over < KEEPS:
+                continue
+            if name == "rate":
+                rate = at.found.asked.rate
+                told.append(f"Ψ falls at a rate {100 * over:.3g} % below the {rate:.3g} 1/s wished")
+            elif name == VIEW:
+                told.append(f"points are seen up to {over:.3g} rad beyond the half angle")
+            else:
+                told.append(f"{name} is {100 * over:.3g} % beyond its limit")
+        return ", and ".join(told)
 
 
 def _is_held(at: Value) -> bool:
-    return bool((at.over < 0).all())
+    return bool((at.over < KEEPS).all())

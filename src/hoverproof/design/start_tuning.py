@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +38,8 @@ NARROWED, PARTS, SPARE = 3, (0.85, 0.7, 0.55, 0.4), 1e-6
 """How often a smaller d is looked for, and which parts of the way from the least d to the last."""
 CLOSER = 30
 """So many programs, at most, where the ball of J is made closer."""
+LONGER = 4
+"""Times the proved time is flown: gains that were replaced may settle later."""
 LATER = 1.02
 """Times what was searched: a proof that says so late has taken a wider ball of J."""
 PROOFS = 2
@@ -270,24 +273,36 @@ def _tuned(found: Proved, before: Settling | None, tell: Progress) -> StartTuned
     tuned = verdict.mission
     tell("flying")
     time, radius = float(verdict.settling.time), float(verdict.settling.radius)
-    flight = settled_in_flight(tuned, radius, time)
+    flight, flight_before = (
+        settled_in_flight(each, radius, LONGER * time) for each in (tuned, search.mission)
+    )
     return StartTuned(
         mission=tuned,
         verdict=verdict,
         before=before,
         estimate=math.exp(point.cost),
         flown=flight,
-        flown_before=settled_in_flight(search.mission, radius, time),
+        flown_before=flight_before,
+        flown_for=LONGER * time,
         why_longer=why_longer(verdict, flight),
-        uses=[*uses(search.limits, search.command, tuned), *_seen(tuned, verdict)],
+        uses=list(_uses(found)),
     )
 
 
-def _seen(mission: Mission, verdict: Exponential) -> Iterator[Use]:
-    """Yield how much is used of what the camera sees."""
-    half, seen = mission.camera.half_angle, verdict.field_of_view
+def _uses(found: Proved) -> Iterator[Use]:
+    """Yield how much is used of each limit, and whether the search had come to it."""
+    verdict, search, point = found
+    four = [Fraction(float(k)) for k in np.exp(point.z[:4])]
+    gains = designed_gains(search.mission, four, _fast(search, point))
+    exact = search.mission.model_copy(update={"gains": gains})
+    each = (uses(search.limits, search.command, m) for m in (verdict.mission, exact))
+    for use, before in zip(*each, strict=True):
+        yield replace(use, reached=before.binds)
+    half, seen, at = search.whole.half_angle, verdict.field_of_view, search.value(point.z)
     if half is not None and seen is not None:
-        yield Use("angle to the axis under which all is seen", float(seen), float(half), "rad")
+        name = "angle to the axis under which all is seen"
+        reached = at is not None and at.over[-1] > -BINDS
+        yield Use(name, float(seen), half, "rad", "camera.half_angle", reached=bool(reached))
 
 
 def _fast(search: StartSearch, point: Point) -> float:
@@ -350,11 +365,7 @@ def _why_not(search: StartSearch, point: Point | None) -> Iterator[str]:
         return
     at = search.value(point.z)
     assert at is not None
-    rate = math.exp(point.z[6])
-    yield (
-        f"{searched}: none of them holds the start; with the best, Ψ falls only at a rate "
-        f"{100 * max(at.over[0], 0):.3g} % below the {rate:.3g} 1/s asked for"
-    )
+    yield f"{searched}: none of them holds the start; with the best, {search.short(at)}"
     names = search.held_to.names()
     binding = [name for name, over in zip(names, at.over[1:], strict=True) if over > -BINDS]
     yield f"what binds: {', '.join(['the inequality of Ψ', *binding])}"
