@@ -72,12 +72,15 @@ class Descent:
         Upper bounds of the parameters.
     enough : callable
         `Value` ↦ whether no better one is looked for; by default none is enough.
+    first : float
+        The largest step of each parameter at first, a bare number.
     """
 
     value: Callable[[Array], Value | None]
     slopes: Callable[[Array, Value], Array]
     highest: Array
     enough: Callable[[Value], bool] | None = None
+    first: float = FIRST
 
     def run(self, z: Array, at: Value, evaluations: int) -> tuple[Array, Value]:
         """Return the best place that is found, and what is there.
@@ -91,7 +94,7 @@ class Descent:
         evaluations : int
             The largest number of places that are looked at.
         """
-        radius, bend = FIRST, CURVED * np.eye(len(z))
+        radius, bend = self.first, CURVED * np.eye(len(z))
         slopes = self.slopes(z, at)
         seen: list[tuple[Array, Array, Array]] = []
         before = np.inf

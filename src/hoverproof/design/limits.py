@@ -99,20 +99,28 @@ class Use:
     value, limit : float
         Bare numbers in `unit`.
     unit : str
+    set_by : str
+        The option, or the key of the mission, that says the limit; empty if none does.
     least : bool
         Whether the value must not be below the limit, rather than above.
+    reached : bool
+        Whether a search came to the limit, before its gains were rounded and proved.
     """
 
     name: str
     value: float
     limit: float
     unit: str
+    set_by: str = ""
     least: bool = False
+    reached: bool = False
 
     @property
     def binds(self) -> bool:
-        """Whether hardly anything of the limit is left."""
-        return abs(self.value - self.limit) <= BINDS * max(abs(self.limit), abs(self.value))
+        """Whether hardly anything of the limit is left, or was before rounding."""
+        return self.reached or abs(self.value - self.limit) <= BINDS * max(
+            abs(self.limit), abs(self.value)
+        )
 
 
 @dataclass(frozen=True)
@@ -244,20 +252,24 @@ def uses(limits: Limits, command: FirstCommand, mission: Mission) -> list[Use]:
         The same start and goal as `command`, with the gains in question.
     """
     fastest = bandwidth(mission)
-    used = [Use("bandwidth", fastest, limits.bandwidth, "rad/s")]
+    used = [Use("bandwidth", fastest, limits.bandwidth, "rad/s", "--bandwidth")]
     if limits.rate is not None:
         product = fastest / limits.rate
-        used.append(Use("bandwidth times sampling period", product, BANDWIDTH_TIMES_SAMPLE, "1"))
+        name = "bandwidth times sampling period"
+        used.append(Use(name, product, BANDWIDTH_TIMES_SAMPLE, "1", "--rate"))
     gains = tuple(np.array([float(k)]) for k in _chain_gains(mission))
     thrusts, tilt = command(gains)
     if limits.tilt is not None:
-        used.append(Use("tilt asked for at the start", float(tilt[0]), limits.tilt, "rad"))
+        asked = float(tilt[0])
+        used.append(Use("tilt asked for at the start", asked, limits.tilt, "rad", "--tilt"))
     if limits.rotors is not None:
         least, most = limits.rotors
         if most < math.inf:
-            used.append(Use("highest rotor thrust at the start", float(thrusts.max()), most, "N"))
-        lowest = float(thrusts.min())
-        used.append(Use("lowest rotor thrust at the start", lowest, least, "N", least=True))
+            highest = float(thrusts.max())
+            name = "highest rotor thrust at the start"
+            used.append(Use(name, highest, most, "N", "--rotor-thrust"))
+        name, lowest = "lowest rotor thrust at the start", float(thrusts.min())
+        used.append(Use(name, lowest, least, "N", "rotors.min_thrust", least=True))
     return used
 
 

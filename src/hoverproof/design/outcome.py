@@ -141,7 +141,9 @@ class StartTuned(_OfMission):
         Settling time before rounding to short decimals, s, in floating point.
     flown, flown_before : float or None
         When the mission has settled as near in a flight, s, with the new gains and with those that
-        it had; None if not as soon as is proved.
+        it had; None if not within `flown_for`.
+    flown_for : float
+        How long they were flown, s.
     why_longer : str or None
         Where the proof takes much longer than the flight, why.
     uses : list of Use
@@ -156,6 +158,7 @@ class StartTuned(_OfMission):
     estimate: float
     flown: float | None
     flown_before: float | None
+    flown_for: float
     why_longer: str | None
     uses: list[Use]
 

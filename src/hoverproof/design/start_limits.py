@@ -12,6 +12,7 @@ from hoverproof.design.limits import FirstCommand, Limits
 from hoverproof.mission.sections import Mission
 
 Array = NDArray[np.float64]
+VIEW = "the field of view"
 
 
 @dataclass(frozen=True)
@@ -58,4 +59,4 @@ class StartLimits:
         names = ["the bandwidth"] + ["the tilt"] * (self.limits.tilt is not None)
         if self.limits.rotors is not None:
             names += ["the largest thrust of a rotor", "the least thrust of a rotor"]
-        return names + ["the field of view"] * (self.whole.half_angle is not None)
+        return names + [VIEW] * (self.whole.half_angle is not None)

@@ -23,18 +23,17 @@ from hoverproof.certification.exponential import sooner
 from hoverproof.certification.exponential.candidate import Asked
 from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import ROOMS
-from hoverproof.certification.exponential.question import PLACES, ROOM, Question
+from hoverproof.certification.exponential.question import ROOM, Question
 from hoverproof.certification.exponential.sooner import FAILED, KEEPS, OUTSIDE, Likely, Times
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.design.limits import FirstCommand, Limits
 from hoverproof.design.start_guesses import guesses
-from hoverproof.design.start_limits import StartLimits
+from hoverproof.design.start_limits import VIEW, StartLimits
 from hoverproof.mission.sections import Mission
 from hoverproof.sequential import Descent, Value
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
-Enough = Callable[[Value], bool]
 LITTLE = np.array([1e-3, 1e-3, 1e-3, 1e-3, *sooner.LITTLE])
 """By how much each parameter is changed to see what comes of it."""
 BEGINNINGS, EVALUATIONS = 2, 70
@@ -73,8 +72,6 @@ class StartSearch:
         With the gains of the mission.
     tried : list of (7,)
         The points that were looked at.
-    smooth : bool
-        See `Times`.
     """
 
     mission: Mission
@@ -82,7 +79,6 @@ class StartSearch:
     command: FirstCommand
     whole: Question
     tried: list[Array] = field(default_factory=list, compare=False)
-    smooth: bool = False
 
     @classmethod
     def of(cls, mission: Mission, limits: Limits) -> StartSearch:
@@ -140,7 +136,7 @@ class StartSearch:
             self.pose,
             lambda z: self.held_to.beyond(np.exp(z[:, :4])),
             LITTLE,
-            self.smooth,
+            tried=self.tried,
         )
 
     def value(self, z: Array, likely: Likely = ()) -> Value | None:
@@ -153,7 +149,6 @@ class StartSearch:
         likely : tuple of int
             See `program.solve`.
         """
-        self.tried.append(z)
         return self.times.value(z, likely)
 
     @property
@@ -163,17 +158,10 @@ class StartSearch:
         most[4] = math.log(max(self.ends[1], 1e-9)) - 1e-9
         return most
 
-    @cached_property
-    def known(self) -> float:
-        """The largest d for which J has a ball, dimensionless."""
-        most = self.whole.highest * self.whole.scene.wanted
-        places = np.linspace(1 / PLACES, 1, PLACES) * most
-        return float(max((d for d in places if self.whole.ball(d) is not None), default=0.0))
-
     @property
     def ends(self) -> tuple[float, float]:
         """The least d that may hold the start, and the largest that is searched."""
-        return max(float(np.sqrt(2 * self.whole.terms()[:, 0].max())), 1e-3), self.known
+        return max(float(np.sqrt(2 * self.whole.terms()[:, 0].max())), 1e-3), self.whole.known
 
     def best_for(self, four: Array, near: Array, evaluations: int = OWN) -> Point:
         """Return the best point for gains that are given.
@@ -209,6 +197,18 @@ class StartSearch:
         names = self.whole.vehicles.law.design.chain_gains()
         return np.array([getattr(self.mission.gains, name) for name in names], float)
 
+    @property
+    def keeps_limits(self) -> bool:
+        """Whether the mission's own gains keep what gains alone may not exceed."""
+        return bool((self.held_to.beyond(self.own[None]) <= 0).all())
+
+    def from_own(self) -> tuple[Array, Value] | None:
+        """Return the best point that has the mission's own gains, and what is there, if any."""
+        places = self.places(self.own)
+        point = self.best_for(self.own, np.array(places)) if places else None
+        at = None if point is None else self.value(point.z)
+        return None if point is None or at is None else (point.z, at)
+
     def places(self, four: Array) -> list[Array]:
         """Return from which d, share and rate to set out where nothing is known, (3,) each.
 
@@ -238,8 +238,8 @@ class StartSearch:
         """
         if at is None:
             return Point(FAILED, z)
-        over = np.maximum(at.over, 0)
-        return Point(at.cost if (over < KEEPS).all() else OUTSIDE + float(over.sum()), z)
+        beyond = float(np.maximum(at.over, 0).sum())
+        return Point(at.cost if _is_held(at) else OUTSIDE + beyond, z)
 
     def run(self, tell: Progress) -> Point | None:
         """Return the best point; None if all programs fail where it sets out.
@@ -255,7 +255,7 @@ class StartSearch:
                 tell("searching for gains")
                 point = self.descend(z, at)
                 best = point if best is None or point.cost < best.cost else best
-                tell(f"searching for gains: {self.words(best.cost)}")
+                tell(f"searching for gains: {self.words(best)}")
         return best
 
     def beginnings(self, tell: Progress) -> list[tuple[Array, Value]]:
@@ -287,22 +287,7 @@ class StartSearch:
         evaluations : int
             The largest number of programs.
         """
-        return self.point(*self._descended(z, at, evaluations))
-
-    def _descended(
-        self, z: Array, at: Value, evaluations: int, enough: Enough | None = None
-    ) -> tuple[Array, Value]:
-        """Descend with a bound of what is seen that has slopes, and from there without it."""
-        if self.whole.half_angle is not None and not self.smooth:
-            rough = replace(self, smooth=True)
-            begin = rough.value(z, at.found.solution.tight)
-            if begin is not None:
-                near, there = rough._descended(z, begin, evaluations, enough)
-                new = self.value(near, there.found.solution.tight)
-                z, at = (z, at) if new is None or new.merit > at.merit else (near, new)
-        descent = self.times.descent(at, self.highest, self.value)
-        descent.enough = enough
-        return descent.run(z, at, evaluations)
+        return self.point(*self.times.descend(z, at, self.highest, evaluations))
 
     def held(self, near: Array | None) -> Array | None:
         """Return a point with which the start is held, the first that is found; None if none is.
@@ -317,19 +302,44 @@ class StartSearch:
         else:
             begin = [] if (at := self.value(near)) is None else [(near, at)]
         for z, at in begin:
-            z, at = self._descended(z, at, FEW, lambda at: bool((at.over < 0).all()))
-            if (at.over < 0).all():
+            z, at = self.times.descend(z, at, self.highest, FEW, _is_held)
+            if _is_held(at):
                 return z
         return None
 
-    def words(self, cost: float) -> str:
-        """Say what a cost means.
+    def words(self, point: Point) -> str:
+        """Say what a point means.
 
         Parameters
         ----------
-        cost : float
-            A bare number, dimensionless.
+        point : Point
         """
-        if cost >= OUTSIDE:
-            return f"the best rate is {100 * (cost - OUTSIDE):.3g} % short"
-        return f"settled after {math.exp(cost):.3g} s, not yet proved"
+        if point.cost < OUTSIDE:
+            return f"settled after {math.exp(point.cost):.3g} s, not yet proved"
+        at = self.value(point.z)
+        return "nothing is found" if at is None else f"not held, {self.short(at)}"
+
+    def short(self, at: Value) -> str:
+        """Say by how much the start is not held.
+
+        Parameters
+        ----------
+        at : Value
+        """
+        names = ("rate", *self.held_to.names())
+        told = []
+        for name, over in zip(names, at.over, strict=True):
+            if over < KEEPS:
+                continue
+            if name == "rate":
+                rate = at.found.asked.rate
+                told.append(f"Ψ falls at a rate {100 * over:.3g} % below the {rate:.3g} 1/s wished")
+            elif name == VIEW:
+                told.append(f"points are seen up to {over:.3g} rad beyond the half angle")
+            else:
+                told.append(f"{name} is {100 * over:.3g} % beyond its limit")
+        return ", and ".join(told)
+
+
+def _is_held(at: Value) -> bool:
+    return bool((at.over < KEEPS).all())

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +22,7 @@ from hoverproof.certification.exponential.positions import Scene
 from hoverproof.certification.exponential.proof import converge, require_question, settling
 from hoverproof.certification.exponential.question import SETTLED
 from hoverproof.certification.exponential.sooner import FAILED, OUTSIDE
-from hoverproof.certification.exponential.verdict import Exponential
+from hoverproof.certification.exponential.verdict import Exponential, Settling
 from hoverproof.design.limits import BINDS, Limits, Use, designed_gains, uses
 from hoverproof.design.outcome import Infeasible, StartTuned
 from hoverproof.design.proved_and_flown import near_goal_from, why_longer
@@ -37,6 +38,10 @@ NARROWED, PARTS, SPARE = 3, (0.85, 0.7, 0.55, 0.4), 1e-6
 """How often a smaller d is looked for, and which parts of the way from the least d to the last."""
 CLOSER = 30
 """So many programs, at most, where the ball of J is made closer."""
+LONGER = 4
+"""Times the proved time is flown: gains that were replaced may settle later."""
+LATER = 1.02
+"""Times what was searched: a proof that says so late has taken a wider ball of J."""
 PROOFS = 2
 """So many sets of gains, each with more digits than the last, are tried to be proved."""
 
@@ -125,7 +130,35 @@ def attempt(mission: Mission, limits: Limits, tell: Progress) -> StartTuned | Fa
         Is told what is being done.
     """
     found = searched(mission, limits, tell)
-    return found if isinstance(found, Failed) else _tuned(found, tell)
+    tell("searching for weights for the mission's own gains")
+    before = settling(mission)
+    own = StartSearch.of(mission, limits)
+    if before is not None and own.keeps_limits and _is_sooner(before, found):
+        found = _from_own(own, found, tell)
+    return found if isinstance(found, Failed) else _tuned(found, before, tell)
+
+
+def _is_sooner(settled: Settling, found: Proved | Failed | str) -> bool:
+    """Tell whether something settles sooner, or nearer, than what is found."""
+    if not isinstance(found, Proved):
+        return True
+    other = found.verdict.settling
+    return (settled.radius, settled.time) < (other.radius, other.time)
+
+
+def _from_own(search: StartSearch, found: Proved | Failed, tell: Progress) -> Proved | Failed:
+    """Search on from the mission's own gains, as nothing was found that settles as soon."""
+    near = search.from_own()
+    if near is None:
+        return found
+    tell("searching for gains from the mission's own")
+    other = _closely_proved(search, search.descend(*near), tell)
+    if isinstance(other, Proved) and _is_sooner(other.verdict.settling, found):
+        found = other
+    verdict = converge(search.mission, progress=tell)
+    if isinstance(verdict, Exponential) and _is_sooner(verdict.settling, found):
+        found = Proved(verdict, search, search.point(*near))
+    return found
 
 
 def searched(mission: Mission, limits: Limits, tell: Progress) -> Proved | Failed:
@@ -185,7 +218,25 @@ def _closely_proved(search: StartSearch, point: Point, tell: Progress) -> Proved
     tell("searching for gains with closer bounds of J")
     closer = _closer(search, point)
     found = "" if closer is None else _proved(*closer, tell)
-    return found if isinstance(found, Proved) else _proved(search, point, tell)
+    if not isinstance(found, Proved):
+        found = _proved(search, point, tell)
+    wider = _as_proved(search, found) if isinstance(found, Proved) else None
+    other = "" if wider is None else _proved(*wider, tell)
+    better = isinstance(other, Proved) and _is_sooner(other.verdict.settling, found)
+    return other if better else found
+
+
+def _as_proved(search: StartSearch, found: Proved) -> tuple[StartSearch, Point] | None:
+    """Search on with a wider ball of J where the proof had to take one; None if it did not."""
+    if float(found.verdict.settling.time) < LATER * math.exp(found.point.cost):
+        return None
+    wider, beyond = SPARED[-1]
+    new = replace(search, whole=replace(search.whole, wider=wider, beyond=beyond))
+    at = new.value(found.point.z)
+    if at is None:
+        return None
+    point = new.descend(found.point.z, at)
+    return (new, point) if point.cost < OUTSIDE else None
 
 
 def _closer(search: StartSearch, point: Point) -> tuple[StartSearch, Point] | None:
@@ -216,32 +267,42 @@ def _proved(search: StartSearch, point: Point, tell: Progress) -> Proved | str:
     return reason
 
 
-def _tuned(found: Proved, tell: Progress) -> StartTuned:
+def _tuned(found: Proved, before: Settling | None, tell: Progress) -> StartTuned:
     """Put beside what is proved how the own gains do, and how both fly."""
     verdict, search, point = found
     tuned = verdict.mission
-    tell("searching for weights for the mission's own gains")
-    before = settling(search.mission)
     tell("flying")
     time, radius = float(verdict.settling.time), float(verdict.settling.radius)
-    flight = settled_in_flight(tuned, radius, time)
+    flight, flight_before = (
+        settled_in_flight(each, radius, LONGER * time) for each in (tuned, search.mission)
+    )
     return StartTuned(
         mission=tuned,
         verdict=verdict,
         before=before,
         estimate=math.exp(point.cost),
         flown=flight,
-        flown_before=settled_in_flight(search.mission, radius, time),
+        flown_before=flight_before,
+        flown_for=LONGER * time,
         why_longer=why_longer(verdict, flight),
-        uses=[*uses(search.limits, search.command, tuned), *_seen(tuned, verdict)],
+        uses=list(_uses(found)),
     )
 
 
-def _seen(mission: Mission, verdict: Exponential) -> Iterator[Use]:
-    """Yield how much is used of what the camera sees."""
-    half, seen = mission.camera.half_angle, verdict.field_of_view
+def _uses(found: Proved) -> Iterator[Use]:
+    """Yield how much is used of each limit, and whether the search had come to it."""
+    verdict, search, point = found
+    four = [Fraction(float(k)) for k in np.exp(point.z[:4])]
+    gains = designed_gains(search.mission, four, _fast(search, point))
+    exact = search.mission.model_copy(update={"gains": gains})
+    each = (uses(search.limits, search.command, m) for m in (verdict.mission, exact))
+    for use, before in zip(*each, strict=True):
+        yield replace(use, reached=before.binds)
+    half, seen, at = search.whole.half_angle, verdict.field_of_view, search.value(point.z)
     if half is not None and seen is not None:
-        yield Use("angle to the axis under which all is seen", float(seen), float(half), "rad")
+        name = "angle to the axis under which all is seen"
+        reached = at is not None and at.over[-1] > -BINDS
+        yield Use(name, float(seen), half, "rad", "camera.half_angle", reached=bool(reached))
 
 
 def _fast(search: StartSearch, point: Point) -> float:
@@ -287,7 +348,7 @@ def _why_not(search: StartSearch, point: Point | None) -> Iterator[str]:
         yield ill_conditioned(mission)
         yield "--objective decay asks for the decay of L alone, whatever the start"
     if not low < high:
-        most = search.known
+        most = search.whole.known
         away = float(np.sqrt(2 * search.whole.terms()[:, 0].max()))
         yield (
             f"no gains were searched: at the start the feature is {away:.3g} off its goal, and "
@@ -304,11 +365,7 @@ def _why_not(search: StartSearch, point: Point | None) -> Iterator[str]:
         return
     at = search.value(point.z)
     assert at is not None
-    rate = math.exp(point.z[6])
-    yield (
-        f"{searched}: none of them holds the start; with the best, Ψ falls only at a rate "
-        f"{100 * max(at.over[0], 0):.3g} % below the {rate:.3g} 1/s asked for"
-    )
+    yield f"{searched}: none of them holds the start; with the best, {search.short(at)}"
     names = search.held_to.names()
     binding = [name for name, over in zip(names, at.over[1:], strict=True) if over > -BINDS]
     yield f"what binds: {', '.join(['the inequality of Ψ', *binding])}"

@@ -102,6 +102,12 @@ class Question:
         return (largest, high) if largest < high else (np.nan, np.nan)
 
     @cached_property
+    def known(self) -> float:
+        """The largest d that is searched for which J has a ball; 0 if none."""
+        places = np.linspace(1 / PLACES, 1, PLACES) * self.highest * self.scene.wanted
+        return float(max((d for d in places if self.ball(d) is not None), default=0.0))
+
+    @cached_property
     def radius(self) -> Fraction:
         """Where a vehicle has settled: that near to its goal, m."""
         far = max(

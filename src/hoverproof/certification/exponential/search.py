@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -15,6 +16,8 @@ Array = NDArray[np.float64]
 EVALUATIONS = 24
 QUIETER, SHARE = 20, 0.7
 """So often what noise leaves is asked to be less, by that share."""
+SLOWER = 0.1
+"""Times the slow rate, where none are found at that."""
 FAILED = 1e3
 
 
@@ -29,11 +32,23 @@ def deepest(question: Question, starts: Array, near: Array | None = None) -> Can
     near : (2,), optional
         Where a candidate was found for a question that is much the same.
     """
-    low, high = np.log(question.ends)
+    low, high = question.ends
     if not low < high:
         return None
-    rate = question.slow(question.ends[0])
+    rate = question.slow(low)
+    for slower, largest in ((1.0, high), (1.0, question.known), (SLOWER, question.known)):
+        ends = math.log(low), math.log(max(min(largest, high), low))
+        found = _deepest(question, starts, slower * rate, ends, near)
+        if found is not None:
+            return found
+    return None
 
+
+def _deepest(
+    question: Question, starts: Array, rate: float, ends: tuple[float, float], near: Array | None
+) -> Candidate | None:
+    """Return the deepest at a rate, 1/s, from places between logarithms of d; None if none is."""
+    low, high = ends
     likely: tuple[int, ...] = ()
 
     def cost(x: Array) -> float:

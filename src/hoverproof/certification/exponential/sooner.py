@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from hoverproof.certification.exponential.candidate import Asked, Candidate, angle_seen
 from hoverproof.certification.exponential.program import Solution
 from hoverproof.certification.exponential.question import ROOM, Question
-from hoverproof.sequential import Descent, Value
+from hoverproof.sequential import AGAIN, FIRST, Descent, Value
 
 Array = NDArray[np.float64]
 Likely = tuple[int, ...]
@@ -74,6 +74,8 @@ class Times:
         What is seen is bounded by d and the share of the force alone. Else it is that of the
         weights that are found, which is less where these are not what binds; but then its slopes
         are not those that are taken, and a descent may end short of the best place.
+    tried : list of (k,)
+        The points that were looked at.
     """
 
     whole: Question
@@ -81,6 +83,7 @@ class Times:
     beyond: Callable[[Array], Array]
     little: Array = field(default_factory=lambda: LITTLE)
     smooth: bool = False
+    tried: list[Array] = field(default_factory=list, compare=False)
 
     @classmethod
     def of(cls, question: Question, starts: Array) -> Times:
@@ -107,10 +110,13 @@ class Times:
         likely : tuple of int
             See `program.solve`.
         """
+        self.tried.append(z)
         asked = self.pose(z)
         solution = None if asked is None else asked.program.solve(likely)
-        if asked is None or solution is None:
-            return None
+        return None if asked is None or solution is None else self._at(z, asked, solution)
+
+    def _at(self, z: Array, asked: Asked, solution: Solution) -> Value:
+        """Return what is at a point where weights are found."""
         found = Found(asked, solution, *self._inside(asked, solution))
         missing, limited = float(solution.optimum.x[-1]), self.beyond(z[None])[0]
         return self._value(found, asked, missing, limited)
@@ -146,29 +152,49 @@ class Times:
                 result[:, k - first] = (there - at.all) / step
         return result
 
-    def descent(
-        self, at: Value, highest: Array, look: Callable[[Array, Likely], Value | None] | None = None
-    ) -> Descent:
-        """Return a descent from a place at which each program begins where the last one ended.
+    def descend(
+        self,
+        z: Array,
+        at: Value,
+        highest: Array,
+        evaluations: int,
+        enough: Callable[[Value], bool] | None = None,
+    ) -> tuple[Array, Value]:
+        """Return the best point that is found, and what is there.
+
+        Where a camera has a half angle, the descent is first `smooth`.
 
         Parameters
         ----------
+        z : (k,)
+            Where to set out.
         at : Value
             What is there.
         highest : (k,)
             Upper bounds of the parameters.
-        look : callable, optional
-            What looks at a place; by default `value`.
+        evaluations : int
+            The largest number of programs, of either descent.
+        enough : callable, optional
+            See `Descent`.
         """
-        likely, look = at.found.solution.tight, look or self.value
+        first = FIRST
+        if self.whole.half_angle is not None and not self.smooth:
+            smooth = replace(self, smooth=True)
+            begin = smooth._at(z, at.found.asked, at.found.solution)
+            near, there = smooth.descend(z, begin, highest, evaluations, enough)
+            new = self._at(near, there.found.asked, there.found.solution)
+            if there.over[-1] < -KEEPS:  # it does not matter what is seen
+                return near, new
+            z, at, first = (near, new, AGAIN) if new.merit <= at.merit else (z, at, FIRST)
+        likely = at.found.solution.tight
 
         def value(z: Array) -> Value | None:
             nonlocal likely
-            new = look(z, likely)
+            new = self.value(z, likely)
             likely = likely if new is None else new.found.solution.tight
             return new
 
-        return Descent(value, self.slopes, highest)
+        return Descent(value, self.slopes, highest, enough, first).run(z, at, evaluations)
 
     def _value(self, found: Found, asked: Asked, missing: float, limited: Array) -> Value:
         """Return the value where so much of the rate is missing, 1/s, near what was found."""
@@ -203,7 +229,7 @@ def soonest(question: Question, first: Candidate, starts: Array, evaluations: in
     if at is None:
         return first
     highest = np.array([math.log(question.highest * question.scene.wanted) - 1e-9, np.inf, np.inf])
-    z, at = times.descent(at, highest).run(z, at, evaluations)
+    z, at = times.descend(z, at, highest, evaluations)
     likely = at.found.solution.tight
     for part in SLOWER:
         slower = times.value(z + np.array([0, 0, math.log(part)]), likely)

@@ -100,8 +100,8 @@ class StartTunedAnswer(Answer):
             yield from textwrap.wrap(
                 found.why_longer, 80, initial_indent=" " * 4, subsequent_indent=" " * 4
             )
-        yield f"  settled, in a flight    {_flown(found.flown)}"
-        yield f"    the mission's own gains: {_flown(found.flown_before)}"
+        yield f"  settled, in a flight    {_flown(found.flown, found)}"
+        yield f"    the mission's own gains: {_flown(found.flown_before, found)}"
 
     def as_json(self) -> dict[str, Any]:
         """Return the object for machines."""
@@ -145,8 +145,10 @@ def _sought(found: StartTuned) -> str:
     return f"{about(settled.time)} s{near} (by search, not proved)"
 
 
-def _flown(time: float | None) -> str:
-    return "not as soon" if time is None else f"after {about(time)} s"
+def _flown(time: float | None, found: StartTuned) -> str:
+    if time is None:
+        return f"not within {about(found.flown_for)} s"
+    return f"after {about(time)} s"
 
 
 def fill(found: StartTuned) -> float:

@@ -132,6 +132,8 @@ def limits_text(uses: Iterable[Use]) -> Iterator[str]:
     """Yield a line for each limit: how much of it is used."""
     for use in uses:
         binds = "binds" if use.binds else "does not bind"
+        if use.binds and use.set_by:
+            binds = f"{binds} ({use.set_by})"
         what = "at least" if use.least else "limit"
         limit = f"{about(use.limit)} {use.unit.removeprefix('1')}".rstrip()
         yield f"  {use.name}: {about(use.value)}, {what} {limit}: {binds}"
