@@ -337,6 +337,15 @@ def test_an_existing_file_is_refused_before_the_first_question():
     assert Path("my-flyer.toml").read_text() == "mine"
 
 
+def test_an_option_that_cannot_be_used_is_refused_before_the_first_question():
+    terminal = spawn("new", "my-flyer.toml", "--start", "1 1 3", "--height", "300")
+    terminal.expect("--start: must be above every target point")
+    terminal.expect(pexpect.EOF)
+    assert WORDS["vehicle"] not in terminal.before
+    answers, _ = converse({"tag": ["3"]}, {"height": "300"})
+    assert answers["height"] == "300"
+
+
 def test_answers_do_not_go_with_a_preset(capsys):
     with pytest.raises(SystemExit):
         cli.main(["new", "mine.toml", "--from", "x4-flyer", "--rotor-lag", "0.1"])

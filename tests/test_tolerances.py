@@ -183,6 +183,15 @@ def test_a_flight_says_what_of_it_is_beyond_the_tolerances_and_is_within_them_el
     assert [said in it for it in told if it.startswith("beyond")] == ([True] if said else [])
 
 
+def test_what_is_flown_with_and_compared_with_no_tolerance_is_told(capsys):
+    asked = ("--set=uncertainty.torque=0.2", "--set=sensors.gyro_noise=0.01", "--duration", "1")
+    moving = ("--set=wind.gust=0.1", "--set=wind.drag=0.1")
+    out = run(capsys, "simulate", "x4-flyer", "--no-figures", *asked, *moving)[1]
+    assert "  one vehicle within      torque ±20 %" in out
+    told = "not compared noise of the sensors as flown, gusts as flown, air drag as flown"
+    assert told in " ".join(out.split())
+
+
 def test_of_vehicles_that_are_drawn_it_is_not_said_that_they_are_within_tolerances(capsys):
     sets = ("--set=uncertainty.torque=0.2", "--set=scatter.position=[1,1,1]")
     many = ("simulate", "x4-flyer", "--runs", "2", "--duration", "1", "--no-figures", *sets)

@@ -61,6 +61,8 @@ def interview(
     KeyboardInterrupt
         If the user leaves, by Ctrl-C or Ctrl-D.
     """
+    alone = {name: answer for name, answer in given.items() if name != "height"}  # of a tag
+    without_asking(alone, known)  # what cannot be used is refused before anything is asked
     with contextlib.suppress(ImportError):  # there is none on Windows
         import readline  # noqa: F401  # lets answers be edited with the arrow keys
     say("Your vehicle, its tag, its camera and its start. Enter keeps the value in brackets;")

@@ -47,6 +47,27 @@ def beyond_tolerances(mission: Mission) -> list[Beyond]:
     return [it for it in each if it.flown > it.covered * (1 + 1e-9) + 1e-12]
 
 
+def not_compared(mission: Mission) -> list[str]:
+    """Return in words what a mission is flown with that is not compared with any tolerance.
+
+    Parameters
+    ----------
+    mission : Mission
+    """
+    sensors, wind = mission.sensors, mission.wind
+    drawn = [
+        k for k in type(sensors).model_fields if k.endswith(("_noise", "_bias", "_resolution"))
+    ]
+    low_pass = mission.law.force == "measured" and not mission.uncertainty.force_lag
+    each = {
+        "noise of the sensors": any(getattr(sensors, k) for k in drawn),
+        "gusts": wind.gust,
+        "air drag": wind.drag,
+        "low-pass of the accelerometer": low_pass and sensors.accelerometer_time_constant,
+    }
+    return [f"{words} as flown" for words, there in each.items() if there]
+
+
 def _thrust(mission: Mission) -> float:
     error = mission.model_error
     mean = sum(error.rotors, Fraction(0)) / max(len(error.rotors), 1)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from hoverproof.algebra.decimals import decimal_above
-from hoverproof.mission.flown import beyond_tolerances
+from hoverproof.mission.flown import beyond_tolerances, not_compared
 from hoverproof.mission.sections import Mission
 from hoverproof.mission.uncertainty import Noise
 
@@ -53,7 +53,8 @@ def about_flight(mission: Mission, label: str, *, drawn: bool = False) -> dict[s
     compared = [] if drawn else mission.uncertainty.model_copy(update=still).covers()
     if beyond:
         return {"beyond the tolerances": beyond}
-    told = {label: compared, "not compared": [words for words in asked if words not in compared]}
+    rest = [words for words in asked if words not in compared] + not_compared(mission)
+    told = {label: compared, "not compared": rest if asked else []}
     return {name: words for name, words in told.items() if words}
 
 

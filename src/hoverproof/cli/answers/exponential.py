@@ -10,7 +10,7 @@ from typing import Any
 from hoverproof.algebra.decimals import at_least, at_most
 from hoverproof.certification.certificate import exact
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.cli.answers.words import angle, enclosure, numbers
+from hoverproof.cli.answers.words import angle, enclosure, number, numbers
 
 PER_MASS = "N × true / modelled mass"
 """After bounds of the thrust of vehicles whose mass is not the modelled one."""
@@ -76,7 +76,7 @@ def of_lens(verdict: Exponential) -> list[str]:
             f"so the lens must see {whole}° across the image;",
             "of yours nothing is asked: give camera.half_angle",
         ]
-    held = at_least(cone)
+    held = number(cone)  # rounded down as it is
     if verdict.field_of_view <= cone - camera.tilt:
         return [f"the image holds {held} rad about the optical axis: all in it"]
     return [
