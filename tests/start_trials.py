@@ -9,9 +9,11 @@ from __future__ import annotations
 import argparse
 import math
 import tomllib
+from fractions import Fraction
 
 import numpy as np
 
+from hoverproof.certification.exponential.proof import settling
 from hoverproof.certification.exponential.sooner import OUTSIDE
 from hoverproof.design.start_search import StartSearch
 from hoverproof.design.tuning import Wish, tune
@@ -84,7 +86,7 @@ def sooner(mission, count, seed=1, limits=None):
     wanted[6] -= math.log(SOONER)  # at the same d the rate that is needed
     for k in range(count):
         four = best.z[:4] + rng.normal(0, (0.1, 0.4, 1.2)[k % 3], 4)
-        if (search.beyond(np.exp(four[None])) > 0).any():
+        if (search.held_to.beyond(np.exp(four[None])) > 0).any():
             continue
         at = search.value(np.array([*four, *wanted[4:]]))
         if at is None or at.over[0] > HOPELESS:
@@ -93,6 +95,26 @@ def sooner(mission, count, seed=1, limits=None):
         if point.cost < goal:
             found.append((np.exp(four), math.exp(point.cost)))
     return found, math.exp(best.cost)
+
+
+def soonest_at_random(mission, count, spread=0.3, seed=1, limits=None):
+    """Return the least time that is found for gains at random about a mission's own, within limits.
+
+    Each is asked as `attraction` asks; None if none of them has one.
+    """
+    search, least = StartSearch.of(mission, limits or Wish().limits(mission)), None
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        four = [float(f"{k:.3g}") for k in search.own * np.exp(rng.normal(0, spread, 4))]
+        if (search.held_to.beyond(np.array([four])) > 0).any():
+            continue
+        names = search.whole.vehicles.law.design.chain_gains()
+        gains = {name: Fraction(str(k)) for name, k in zip(names, four, strict=True)}
+        changed = mission.gains.model_copy(update=gains)
+        found = settling(mission.model_copy(update={"gains": changed}))
+        if found is not None and (least is None or found.time < least):
+            least = found.time
+    return least
 
 
 def main():

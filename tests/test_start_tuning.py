@@ -27,8 +27,9 @@ from hoverproof.certification.exponential.search import deepest
 from hoverproof.certification.exponential.sooner import soonest
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.cli.answers.beyond import beyond_text, covering
+from hoverproof.cli.answers.words import limits_text
 from hoverproof.design import start_trade
-from hoverproof.design.limits import Limits
+from hoverproof.design.limits import Limits, Use
 from hoverproof.design.start_guesses import guesses
 from hoverproof.design.start_search import StartSearch
 from hoverproof.design.start_tuning import Failed, ill_conditioned, why_not
@@ -39,7 +40,7 @@ from hoverproof.mission.reading import load
 from hoverproof.servo.linearised import slowest_rate
 from sampling import mostly_whole
 from small_kit import small_vehicle
-from start_trials import sooner, vehicle
+from start_trials import sooner, soonest_at_random, vehicle
 
 DOUBTS = (
     "{thrust = 0.2, torque = 0.2, latency = 0.06, rotor_lag = 0.03, wind = 0.2, yaw_rate = 0.5}"
@@ -105,6 +106,54 @@ def test_few_vertices_give_the_weights_of_all(small):
     assert len(there) == len(x)
     for corner in corners:
         assert np.linalg.eigvalsh(corner.at(x).bound(few.multipliers))[0] > 0
+
+
+NEW = {
+    "the field of view": "--mass 0.06 --rotor-distance 0.06 --tag 0.1 --height 0.8 --frame-rate 60 "
+    "--latency 0.03 --rotor-lag 0.03 --half-angle 0.7 --start 0.2,0.1,-1",
+    "the bandwidth": "--mass 0.04 --rotor-distance 0.05 --tag 0.2 --height 1 --frame-rate 100 "
+    "--latency 0.01 --rotor-lag 0.03 --half-angle 1.1 --start 0.2,0,-1.2",
+}
+
+
+@pytest.fixture(params=NEW)
+def new(request, tmp_path, monkeypatch, capsys):
+    """Return what binds in a mission of `new`, and the mission."""
+    monkeypatch.chdir(tmp_path)
+    status, _, err = run(capsys, "new", "new.toml", *NEW[request.param].split(), "--yes")
+    assert not status, err
+    return request.param, load("new.toml")
+
+
+@pytest.mark.slow
+def test_wherever_the_search_sets_out_it_comes_to_gains_that_settle_as_soon(new):
+    binding, mission = new
+    search = StartSearch.of(mission, Limits(20.0))
+    begin = [search.beginnings(lambda text: None)[0], search.from_own()]
+    points = [search.descend(z, at) for z, at in begin]
+    assert np.ptp([point.cost for point in points]) < 0.02
+    over = dict(zip(search.held_to.names(), search.value(points[0].z).over[1:], strict=True))
+    assert over[binding] > -0.01
+
+
+@pytest.mark.whole
+def test_no_gains_that_are_given_or_at_random_settle_sooner_than_those_found(new):
+    binding, mission = new
+    found = tune(mission)
+    time = found.verdict.settling.time
+    assert found.before is None or time <= found.before.time
+    assert time <= 1.02 * float(soonest_at_random(mission, 60))
+    names = {"the field of view": "angle", "the bandwidth": "bandwidth"}
+    assert any(use.name.startswith(names[binding]) for use in found.uses if use.binds)
+    assert converge(found.mission).settling == found.verdict.settling
+
+
+def test_a_limit_that_the_search_came_to_binds_though_rounding_leaves_some_of_it():
+    use = Use("bandwidth", 19.7, 20.0, "rad/s", "--bandwidth")
+    assert not use.binds
+    assert list(limits_text([replace(use, reached=True)])) == [
+        "  bandwidth: 19.7, limit 20 rad/s: binds (--bandwidth)"
+    ]
 
 
 @pytest.mark.slow
