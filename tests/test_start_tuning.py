@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -27,6 +28,7 @@ from hoverproof.certification.exponential.search import deepest
 from hoverproof.certification.exponential.sooner import soonest
 from hoverproof.certification.exponential.vehicles import Vehicles
 from hoverproof.cli.answers.beyond import beyond_text, covering
+from hoverproof.cli.answers.start_tuned import _flown
 from hoverproof.cli.answers.words import limits_text
 from hoverproof.design import start_trade
 from hoverproof.design.limits import Limits, Use
@@ -146,6 +148,19 @@ def test_no_gains_that_are_given_or_at_random_settle_sooner_than_those_found(new
     names = {"the field of view": "angle", "the bandwidth": "bandwidth"}
     assert any(use.name.startswith(names[binding]) for use in found.uses if use.binds)
     assert converge(found.mission).settling == found.verdict.settling
+
+
+def test_what_is_short_is_said_alike_as_it_searches_and_in_the_end(small):
+    search = StartSearch.of(small(changes={**LATE, "camera.half_angle": "0.3"}), Limits(20.0))
+    point = search.point(*search.beginnings(lambda text: None)[0])
+    short = search.words(point).removeprefix("not held, ")
+    assert "rad beyond the half angle" in short
+    assert f"with the best, {short}" in why_not(search, point)
+
+
+@pytest.mark.parametrize(("time", "said"), [(None, "not within 40 s"), (18.62, "after 18.6 s")])
+def test_a_flight_that_does_not_settle_says_within_which_time(time, said):
+    assert _flown(time, SimpleNamespace(flown_for=40.0)) == said
 
 
 def test_a_limit_that_the_search_came_to_binds_though_rounding_leaves_some_of_it():

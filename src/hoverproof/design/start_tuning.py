@@ -273,9 +273,7 @@ def _tuned(found: Proved, before: Settling | None, tell: Progress) -> StartTuned
     tuned = verdict.mission
     tell("flying")
     time, radius = float(verdict.settling.time), float(verdict.settling.radius)
-    flight, flight_before = (
-        settled_in_flight(each, radius, LONGER * time) for each in (tuned, search.mission)
-    )
+    flight, flight_before = (_flown(each, radius, time) for each in (tuned, search.mission))
     return StartTuned(
         mission=tuned,
         verdict=verdict,
@@ -287,6 +285,12 @@ def _tuned(found: Proved, before: Settling | None, tell: Progress) -> StartTuned
         why_longer=why_longer(verdict, flight),
         uses=list(_uses(found)),
     )
+
+
+def _flown(mission: Mission, radius: float, time: float) -> float | None:
+    """Return when a mission has settled in a flight, s, a longer one if that is too short."""
+    flight = settled_in_flight(mission, radius, time)
+    return settled_in_flight(mission, radius, LONGER * time) if flight is None else flight
 
 
 def _uses(found: Proved) -> Iterator[Use]:
