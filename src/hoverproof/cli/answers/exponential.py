@@ -74,7 +74,7 @@ def of_lens(verdict: Exponential) -> list[str]:
         whole = at_most(2 * math.degrees(verdict.field_of_view + camera.tilt))
         return [
             f"so the lens must see {whole}° across the image;",
-            "not checked of your lens: give camera.half_angle",
+            "yours is not checked: give camera.half_angle",
         ]
     held = number(cone)  # rounded down as it is
     if verdict.field_of_view <= cone - camera.tilt:
