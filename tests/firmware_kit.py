@@ -163,6 +163,8 @@ def names_header(package, steps=30_000):
     if "specific_force_length_m_per_s2" in package.manifest["input_box"]:
         macros += f"#define P_FORCE_SQUARE {prefix}_FORCE_SQUARE\n"
         macros += f"#define P_MASS {prefix}_MASS\n#define P_GRAVITY {prefix}_GRAVITY\n"
+    felt = "FELT" if "specific_force_length_m_per_s2" in package.manifest["input_box"] else "EXCESS"
+    macros += "".join(f"#define P_FELT_{end} {prefix}_{felt}_{end}\n" for end in ("LOW", "HIGH"))
     if sized:
         low, high = package.manifest["input_box"]["angular_radius_rad"]
         macros += f"#define RADIUS_LOW {low!r}\n#define RADIUS_HIGH {high!r}\n"

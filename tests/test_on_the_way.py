@@ -16,6 +16,7 @@ import pytest
 from hoverproof import checker
 from hoverproof.certification.exponential.proof import converge
 from hoverproof.cli.answers.exponential import as_json, beyond, lines
+from hoverproof.export.binding import Firmware
 from hoverproof.firmware.exporting import export_c
 from hoverproof.mission.reading import load
 from sharing import kept_value
@@ -210,3 +211,21 @@ def test_a_package_with_a_proof_from_the_start_watches_what_that_proves():
     assert low < float(claim.weight) < high
     assert "(proved on the way)" in said
     assert "(proved on the way)" not in Path("plain/README.md").read_text(encoding="utf-8")
+
+
+def test_the_monitor_is_silent_of_every_vehicle_within_the_tolerance_that_hovers(tmp_path):
+    held, mission = json.loads(SHIPPED.read_text(encoding="utf-8")), load("crazyflie-2.1")
+    export_c(mission, tmp_path / "fw", name="fw", certificate=held)
+    firmware, corner = Firmware(tmp_path / "fw"), float(mission.target.points[0][0])
+    seen = np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]]) * corner / float(mission.goal.height)
+    weight, e = float(mission.vehicle.weight), float(mission.uncertainty.thrust)
+    still = {"velocity": [0, 0, 0], "rate": [0, 0, 0], "gravity_direction": [0, 0, 1]}
+    still |= {"specific_force": [0, 0, -float(mission.vehicle.gravity)], "dt": 0.001}
+    told = {}
+    for made in (1 - e, 1 - e / 2, 1, 1 + e, 1 - 3 * e, 1 + 3 * e):
+        firmware.reset(weight / made)  # it hovers, commanded as much
+        told[made] = firmware.step(seen, **still).status
+    *within, weak, strong = told.values()
+    assert within == [0, 0, 0, 0]
+    assert weak == 8
+    assert strong == 8

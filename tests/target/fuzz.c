@@ -171,8 +171,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     REQUIRE(out.torque[2] == 0 && out.rotor[0] == (real)P_ROTOR_HOVER && out.thrust_rate == 0);
     REQUIRE(state.thrust_excess == 0);
   } else {
-    const int beyond = FELT && (lift < P_EXCESS_LOW || lift > P_EXCESS_HIGH);
-    if (!FELT || (certain(lift, P_EXCESS_LOW) && certain(lift, P_EXCESS_HIGH)))
+    const int beyond = FELT && (lift < P_FELT_LOW || lift > P_FELT_HIGH);
+    if (!FELT || (certain(lift, P_FELT_LOW) && certain(lift, P_FELT_HIGH)))
       REQUIRE(((status & S_THRUST) != 0u) ==
               (excess < P_EXCESS_LOW || excess > P_EXCESS_HIGH || beyond));
     REQUIRE(((status & S_TILT) != 0u) == (in.gravity_direction[2] < P_TILT_COSINE));

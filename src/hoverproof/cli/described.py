@@ -112,7 +112,10 @@ def comment(words: str) -> str:
     ----------
     words : str
     """
-    return "".join(f"# {line}\n" for line in textwrap.wrap(words, 96, break_long_words=False))
+    return "".join(
+        f"# {line}\n"
+        for line in textwrap.wrap(words, 96, break_long_words=False, break_on_hyphens=False)
+    )
 
 
 def _comments(found: VehicleFile) -> str:

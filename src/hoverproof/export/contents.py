@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import casadi as ca
 
-from hoverproof.algebra.decimals import decimal_below, degrees_at_most
+from hoverproof.algebra.decimals import decimal_above, decimal_below, degrees_at_most
 from hoverproof.algebra.surd import sqrt_enclosure
 from hoverproof.errors import InputError
 from hoverproof.export.adapter import Adapter, adapter
@@ -89,8 +89,11 @@ class Limits:
 
     Attributes
     ----------
-    thrust, excess : (low, high)
-        Interval of T that is certified or assumed, and of T - m g, N.
+    thrust, commanded : (low, high)
+        Interval of T that is certified or assumed, and of what commands it: for every vehicle
+        within the tolerance of the thrust, N.
+    excess, felt : (low, high)
+        `commanded` and `thrust` less m g, N.
     singular : Fraction
         T - m g at which the law is singular, N.
     floor : Fraction
@@ -106,7 +109,9 @@ class Limits:
     """
 
     thrust: tuple[Fraction, Fraction]
+    commanded: tuple[Fraction, Fraction]
     excess: tuple[Fraction, Fraction]
+    felt: tuple[Fraction, Fraction]
     singular: Fraction
     floor: Fraction
     tilt_cosine: Fraction
@@ -285,11 +290,15 @@ def _limits(
     law: FlightLaw,
     spread: tuple[Fraction, Fraction] | None,
 ) -> Limits:
-    low, high = (thrust - mission.vehicle.weight for thrust in standing.thrust)
+    weight = mission.vehicle.weight
+    low, high = felt = (standing.thrust[0] - weight, standing.thrust[1] - weight)
     cosine, words = _tilt(mission, high, standing.tilt_cosine)
+    commanded = _commanded(mission, standing, law)
     return Limits(
         thrust=standing.thrust,
-        excess=(low, high),
+        commanded=commanded,
+        excess=(commanded[0] - weight, commanded[1] - weight),
+        felt=felt,
         singular=law.singular_excess,
         floor=(law.singular_excess + low) / 2,
         tilt_cosine=cosine,
@@ -302,6 +311,18 @@ def _limits(
         centroid_square=(Fraction(101, 100) * mission.target.whole) ** 2,
         feature_square=_longest_feature(law.source, mission.target.whole, spread) ** 2,
     )
+
+
+def _commanded(mission: Mission, standing: Standing, law: FlightLaw) -> tuple[Fraction, Fraction]:
+    """Return the thrusts whose commands make what is proved, of vehicles within the tolerance, N.
+
+    A vehicle makes 1 - e to 1 + e times what is commanded, over its mass; what it feels is proved.
+    """
+    low, high = standing.thrust
+    tolerance = mission.uncertainty.thrust
+    if standing.attraction is None or law.lift is None or not tolerance:
+        return low, high
+    return decimal_below(low / (1 + tolerance), 9), decimal_above(high / (1 - tolerance), 9)
 
 
 def _spread(mission: Mission, options: Options) -> tuple[Fraction, Fraction]:

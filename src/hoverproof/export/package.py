@@ -263,6 +263,7 @@ def _manifest(filled: Contents, texts: Mapping[str, str], law: Law) -> dict[str,
         "tunable": options.tunable,
         "tools": {"hoverproof": __version__, "casadi": version("casadi")},
         "thrust": [float(t) for t in limits.thrust],
+        "commanded_thrust": [float(t) for t in limits.commanded],
         "tilt_cosine": float(limits.tilt_cosine),
         "rotor_limits": [float(r) for r in options.rotor_limits],
         **(

@@ -65,7 +65,10 @@ def not_compared(mission: Mission) -> list[str]:
         "air drag": wind.drag,
         "low-pass of the accelerometer": low_pass and sensors.accelerometer_time_constant,
     }
-    return [f"{words} as flown" for words, there in each.items() if there]
+    found = [f"{words} as flown" for words, there in each.items() if there]
+    if _thrust(mission):
+        found.append("the start, where it accelerates: its rotors begin with the modelled weight")
+    return found
 
 
 def _thrust(mission: Mission) -> float:

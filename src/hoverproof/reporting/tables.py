@@ -360,7 +360,10 @@ def firmware_table(firmware: Firmware) -> Table:
         ("instructions of a step", f"at most {budgets['instructions']} (budget, held by a test)"),
         ("stack of a step", _used(here.stack if here else None, budgets["stack_bytes"])),
         ("flash", _used(here.flash if here else None, budgets["flash_bytes"])),
-        ("thrust that is monitored", f"{interval(firmware.manifest['thrust'])} N"),
+        (
+            "thrust that is monitored",
+            f"{interval(firmware.manifest['thrust'])} N; other with the certificate of a start",
+        ),
         ("limits of each rotor", f"{interval(firmware.manifest['rotor_limits'])} N"),
     ]
     return Table("The firmware", rows)
@@ -369,4 +372,6 @@ def firmware_table(firmware: Firmware) -> Table:
 def _used(measured: int | None, budget: int) -> str:
     if measured is None:
         return f"at most {budget} bytes (budget; not measured here)"
+    if measured > budget:
+        return f"{measured} bytes, over the budget of {budget}, which is for four rotors"
     return f"{measured} bytes, of a budget of {budget}"

@@ -12,7 +12,7 @@ from hoverproof.certification.verdict import Proved, Refuted, Undecided
 NOT_COVERED = (
     "goals from which the centroid is not seen straight below",
     "sampling, delay and noise of measurements",
-    "errors of the model: mass, inertia, wind, drag, limits of the rotors",
+    "errors of the model: mass, inertia, wind, drag, rotors at their limits",
     "a camera that loses the target: every point is taken to be seen at all times",
 )
 """What no theorem says, in words."""
@@ -20,7 +20,7 @@ NOT_COVERED = (
 OF_TOLERANT = (
     "goals from which the centroid is not seen straight below",
     "noise of measurements, gusts, and control in steps",
-    "flexible frames, ground effect, drag, limits of the rotors",
+    "flexible frames, ground effect, drag, rotors at their limits",
     "a camera that loses the target: every point is taken to be seen at all times",
 )
 """What no theorem about every vehicle within tolerance says, in words."""

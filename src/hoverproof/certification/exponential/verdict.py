@@ -14,7 +14,7 @@ from hoverproof.plant.lens import cone_in_image
 NOT_COVERED = (
     "goals from which the centroid is not seen straight below",
     "thrust commanded in steps, not by its rate",
-    "flexible frames, ground effect, drag, limits of the rotors",
+    "flexible frames, ground effect, drag, rotors at their limits",
     "a camera that loses the target: every point is taken to be seen at all times",
 )
 """What no theorem about vehicles within tolerance says, in words."""

@@ -54,7 +54,8 @@ def tell(answer: Answer, json_: bool, mission: Mission | None = None) -> int:
     asked = [] if mission is None else mission.asks_to_cover()
     said = answer.about_tolerances([words for words in asked if words not in answer.considered])
     if json_:
-        told = [f"{label}: {words}" for label, each in said.items() for words in each]
+        warned = {label: each for label, each in said.items() if not label.endswith("within")}
+        told = [f"{label}: {words}" for label, each in warned.items() for words in each]
         print_json(answer.as_json(), mission, told)
     else:
         first, *rest = answer.text()

@@ -41,6 +41,8 @@ class ExportAnswer(Answer):
         yield f"{self.mission}: firmware written, {self.precision}, {standing}"
         yield f"  folder  {self.out}"
         yield f"  thrust  {interval(manifest['thrust'])} N, monitored"
+        if (commanded := manifest["commanded_thrust"]) != manifest["thrust"]:
+            yield f"          as felt; as commanded within tolerance {interval(commanded)} N"
         option = "" if self.limits_given else " (--rotor-limits)"
         each = manifest.get("each_rotor")
         limits = f"{interval(manifest['rotor_limits'])} N each{option}"

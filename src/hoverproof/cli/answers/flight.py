@@ -91,7 +91,8 @@ class FlightAnswer(Answer):
             yield '  law.force = "measured" can cover that, with other gains: this law takes the'
             yield "  force commanded for the one that acts"
             yield f"Next: hoverproof new measured.toml --vehicle {as_argument(self.mission.source)}"
-            yield "  writes a mission with that law, of this vehicle, and gains that hold its start"
+            yield "  writes a mission with that law, of this vehicle, with a tag, height"
+            yield "  and start of its own that its gains hold"
         elif sets := covering(self.mission):
             options = shlex.join(word for it in sets for word in ("--set", it))
             yield f"Next: hoverproof attraction {self.named} {options}"
