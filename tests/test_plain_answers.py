@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 
 from command_line import run
-from hoverproof.algebra.decimals import at_least, at_most
+from hoverproof.algebra.decimals import angle_at_most, at_least, at_most
 from hoverproof.certification.attraction.verdict import Sinks, not_covered
 from hoverproof.certification.over_box import enclose
 from hoverproof.certification.region import default_box
 from hoverproof.cli.answers.glossary import legend
-from hoverproof.cli.answers.words import angle, enclosure, limits_text
+from hoverproof.cli.answers.words import enclosure, limits_text
 from hoverproof.design.limits import Use
 from hoverproof.mission.presets import preset_text
 from hoverproof.mission.reading import load
@@ -151,7 +151,7 @@ def test_bounds_are_written_on_the_safe_side():
     assert (at_least(value), at_most(value)) == ("123.4", "123.5")
     assert (at_least(-value), at_most(-value)) == ("-123.5", "-123.4")
     assert enclosure((Fraction(1, 3), Fraction(2, 3))) == "[0.3333, 0.6667]"
-    assert angle(Fraction(1, 10)) == "0.1 rad (5.73°)"
+    assert angle_at_most(Fraction(1, 10)) == "0.1 rad (5.73°)"
     assert at_most(Fraction(1, 30000)) == "3.334×10⁻⁵"
 
 

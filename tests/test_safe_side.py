@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
+from hoverproof.algebra import decimals
 from hoverproof.algebra.decimals import at_least, at_most, degrees_at_most
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import Reach
@@ -64,7 +65,7 @@ def test_bounds_and_intervals_are_safe_and_near(value, ends):
     inner, outer = told(words.inside(ends)), told(words.enclosure(ends))
     assert outer[0] <= ends[0] <= inner[0]
     assert inner[1] <= ends[1] <= outer[1]
-    rad, degrees = told(words.angle(ends[0]))
+    rad, degrees = told(decimals.angle_at_most(ends[0]))
     assert rad >= ends[0]
     assert degrees >= math.degrees(ends[0]) * (1 - 1e-15)
     assert degrees <= math.degrees(ends[0]) * 1.002

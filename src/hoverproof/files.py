@@ -117,8 +117,7 @@ def require_file(path: Path | str) -> None:
     except FileNotFoundError:
         mode = stat.S_IFREG | stat.S_IWUSR
     except (OSError, ValueError) as error:  # as for too long a name, or a null byte
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(str(path), "", f"cannot be written: {reason}") from None
+        raise InputError(str(path), "", f"cannot be written: {_why(error)}") from None
     if stat.S_ISDIR(mode):
         raise InputError(str(path), "", "is a directory, not a file to write")
     if not stat.S_ISREG(mode):
@@ -130,6 +129,10 @@ def require_file(path: Path | str) -> None:
         raise InputError(str(path), "", "cannot be written: its folder is not there")
     if not os.access(folder, os.W_OK):
         raise InputError(str(path), "", "cannot be written: its folder may not be written to")
+
+
+def _why(error: OSError | ValueError) -> str:
+    return getattr(error, "strerror", None) or str(error)
 
 
 def require_folder(path: Path | str) -> None:
@@ -147,8 +150,7 @@ def require_folder(path: Path | str) -> None:
         ways = [Path(path), *Path(os.path.realpath(path)).parents]
         there = next(way for way in ways if way.exists())
     except (OSError, ValueError) as error:  # as for too long a name, or a null byte
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(str(path), "", f"cannot be made: {reason}") from None
+        raise InputError(str(path), "", f"cannot be made: {_why(error)}") from None
     if not there.is_dir():
         raise InputError(str(path), "", f"cannot be made: {there} is no folder")
     if not os.access(there, os.W_OK):

@@ -82,6 +82,17 @@ def degrees_at_most(angle: float | Fraction) -> str:
     return at_most(Fraction(angle) * 180 / PI_BELOW)
 
 
+def angle_at_most(angle: float | Fraction) -> str:
+    """Write a proved upper bound of an angle, in radians and in degrees.
+
+    Parameters
+    ----------
+    angle : float or Fraction
+        Not negative, rad.
+    """
+    return f"{at_most(angle)} rad ({degrees_at_most(angle)}°)"
+
+
 def binary_below(value: Fraction, bits: int) -> Fraction:
     """Return the largest multiple of 2^-bits that is not above a value.
 

@@ -161,7 +161,7 @@ class StartSearch:
     @property
     def ends(self) -> tuple[float, float]:
         """The least d that may hold the start, and the largest that is searched."""
-        return max(float(np.sqrt(2 * self.whole.terms()[:, 0].max())), 1e-3), self.whole.known
+        return self.whole.least, self.whole.known
 
     def best_for(self, four: Array, near: Array, evaluations: int = OWN) -> Point:
         """Return the best point for gains that are given.

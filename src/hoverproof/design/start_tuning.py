@@ -132,9 +132,9 @@ def attempt(mission: Mission, limits: Limits, tell: Progress) -> StartTuned | Fa
     found = searched(mission, limits, tell)
     tell("searching for weights for the mission's own gains")
     before = settling(mission)
-    own = StartSearch.of(mission, limits)
-    if before is not None and own.keeps_limits and _is_sooner(before, found):
-        found = _from_own(own, found, tell)
+    if before is not None and _is_sooner(before, found):  # else there is nothing to search on for
+        own = StartSearch.of(mission, limits)
+        found = _from_own(own, found, tell) if own.keeps_limits else found
     return found if isinstance(found, Failed) else _tuned(found, before, tell)
 
 
@@ -185,8 +185,7 @@ def searched(mission: Mission, limits: Limits, tell: Progress) -> Proved | Faile
             return found
         reason = f"the best gains found are not proved: {found}"
         tell("looking for a domain that takes fewer cells")
-        too_long = any(words in found for words in ("cells", "too long"))
-        narrower = _narrower(search, point) if too_long else None
+        narrower = _narrower(search, point) if _takes_long(found) else None
         if narrower is None:
             break
         search, point = narrower
@@ -262,9 +261,14 @@ def _proved(search: StartSearch, point: Point, tell: Progress) -> Proved | str:
             return Proved(verdict, search, point)
         reason = verdict.reason
         tell(f"not proved: {reason}")
-        if "cells" in reason or "too long" in reason:
+        if _takes_long(reason):
             break
     return reason
+
+
+def _takes_long(reason: str) -> bool:
+    """Tell whether what is not proved takes more cells, or a longer check, than is allowed."""
+    return "cells" in reason or "too long" in reason
 
 
 def _tuned(found: Proved, before: Settling | None, tell: Progress) -> StartTuned:

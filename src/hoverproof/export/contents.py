@@ -92,8 +92,6 @@ class Limits:
     thrust, commanded : (low, high)
         Interval of T that is certified or assumed, and of what commands it: for every vehicle
         within the tolerance of the thrust, N.
-    excess, felt : (low, high)
-        `commanded` and `thrust` less m g, N.
     singular : Fraction
         T - m g at which the law is singular, N.
     floor : Fraction
@@ -110,8 +108,6 @@ class Limits:
 
     thrust: tuple[Fraction, Fraction]
     commanded: tuple[Fraction, Fraction]
-    excess: tuple[Fraction, Fraction]
-    felt: tuple[Fraction, Fraction]
     singular: Fraction
     floor: Fraction
     tilt_cosine: Fraction
@@ -290,15 +286,11 @@ def _limits(
     law: FlightLaw,
     spread: tuple[Fraction, Fraction] | None,
 ) -> Limits:
-    weight = mission.vehicle.weight
-    low, high = felt = (standing.thrust[0] - weight, standing.thrust[1] - weight)
+    low, high = (thrust - mission.vehicle.weight for thrust in standing.thrust)
     cosine, words = _tilt(mission, high, standing.tilt_cosine)
-    commanded = _commanded(mission, standing, law)
     return Limits(
         thrust=standing.thrust,
-        commanded=commanded,
-        excess=(commanded[0] - weight, commanded[1] - weight),
-        felt=felt,
+        commanded=_commanded(mission, standing, law),
         singular=law.singular_excess,
         floor=(law.singular_excess + low) / 2,
         tilt_cosine=cosine,

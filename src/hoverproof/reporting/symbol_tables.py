@@ -37,7 +37,7 @@ def of_starts(verdict: Attraction | Exponential) -> Iterator[tuple[str, str]]:
     if isinstance(verdict, Exponential):
         yield from _named(SYMBOLS, "Ψ")
     else:
-        yield from _named(SYMBOLS, "Ψ" if verdict.tolerant else "Λ")
+        yield from _named(SYMBOLS, verdict.symbol)
         yield from _named(IN_FORMULAS, "W")
     yield from _errors(verdict.mission)
     content = verdict.certificate.content

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hoverproof.algebra.decimals import degrees_at_most
+from hoverproof.algebra.decimals import angle_at_most
 from hoverproof.certification.attraction.verdict import Attraction
 from hoverproof.certification.bounds import eigenvalue_bounds
 from hoverproof.certification.exponential.verdict import Exponential
@@ -162,10 +162,6 @@ def strange_tables(mission: Mission) -> list[Table]:
     return [Table("Not as in any vehicle: check the units", rows)] if rows else []
 
 
-def _angle(value: Fraction) -> str:
-    return f"{at_most(value)} rad ({degrees_at_most(value)}°)"
-
-
 def _heading(mission: Mission) -> list[tuple[str, str]]:
     if mission.goal.heading is None:
         return []
@@ -255,7 +251,7 @@ def attraction_table(region: Attraction) -> Table:
         ("sideways, all round", f"{at_least(reach.sideways)} m"),
         ("up", f"{at_least(reach.up)} m"),
         ("down", f"{at_least(reach.down)} m"),
-        ("tilt on the way", f"{_angle(region.tilt)} or less"),
+        ("tilt on the way", f"{angle_at_most(region.tilt)} or less"),
         (
             "thrust on the way",
             f"{at_least(region.thrust[0], 5)} to {at_most(region.thrust[1], 5)} N",
@@ -282,14 +278,14 @@ def exponential_table(verdict: Exponential) -> Table:
         ("settled", f"within {at_most(settling.radius)} m from {at_most(settling.time)} s on"),
         ("decay rate of Ψ", f"{at_least(verdict.rate)} 1/s or more"),
         ("height above the target", f"{at_least(low)} to {at_most(high)} m"),
-        ("tilt on the way", f"{_angle(verdict.tilt)} or less"),
+        ("tilt on the way", f"{angle_at_most(verdict.tilt)} or less"),
         (
             "thrust on the way, × true / modelled mass",
             f"{at_least(verdict.thrust[0], 5)} to {at_most(verdict.thrust[1], 5)} N",
         ),
     ]
     if verdict.field_of_view is not None:
-        rows.append(("target points", f"within {_angle(verdict.field_of_view)} of the axis"))
+        rows.append(("target points", f"within {angle_at_most(verdict.field_of_view)} of the axis"))
     least, most = verdict.rotor_thrust
     rows.append(("thrust of each rotor", f"{at_least(least)} to {at_most(most)} N"))
     return Table("Every vehicle within tolerance, and what holds on the way", rows)

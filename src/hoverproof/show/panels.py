@@ -112,7 +112,8 @@ def required_view(axes: Axes, flight: Flight) -> None:
         clip_on=False,
         label=f"largest, {angle[top]:.1f}° at {times[top]:g} s",
     )
-    half, size = Scene.of(flight).half_angle, Scene.of(flight).image_size
+    scene = Scene.of(flight)
+    half, size = scene.half_angle, scene.image_size
     if half is not None:
         axes.axhline(half * DEGREES, color=COLOURS[4], linewidth=1.2, label=lens_label(half))
     if size is not None:

@@ -97,9 +97,13 @@ class Question:
     @cached_property
     def ends(self) -> tuple[float, float]:
         """The least d that may hold the starts, and the largest that is searched; NaN if none."""
-        largest = max(float(np.sqrt(2 * self.terms()[:, 0].max())), 1e-3)
         high = self.highest * self.scene.wanted
-        return (largest, high) if largest < high else (np.nan, np.nan)
+        return (self.least, high) if self.least < high else (np.nan, np.nan)
+
+    @cached_property
+    def least(self) -> float:
+        """The least d that may hold the starts."""
+        return max(float(np.sqrt(2 * self.terms()[:, 0].max())), 1e-3)
 
     @cached_property
     def known(self) -> float:

@@ -22,6 +22,8 @@ class Answer(ABC):
     """What a command has to say; its symbols are explained at the foot, if not told otherwise."""
 
     explained: ClassVar[bool] = True
+    within: ClassVar[str] = ""
+    """The label of tolerances that are kept, of which nobody is to be warned."""
 
     @property
     def status(self) -> int:
@@ -54,8 +56,8 @@ def tell(answer: Answer, json_: bool, mission: Mission | None = None) -> int:
     asked = [] if mission is None else mission.asks_to_cover()
     said = answer.about_tolerances([words for words in asked if words not in answer.considered])
     if json_:
-        warned = {label: each for label, each in said.items() if not label.endswith("within")}
-        told = [f"{label}: {words}" for label, each in warned.items() for words in each]
+        warned = [(label, words) for label, each in said.items() for words in each]
+        told = [f"{label}: {words}" for label, words in warned if label != answer.within]
         print_json(answer.as_json(), mission, told)
     else:
         first, *rest = answer.text()

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hoverproof.algebra.decimals import at_least, at_most
+from hoverproof.algebra.decimals import angle_at_most, at_least, at_most
 from hoverproof.certification.attraction.starts import Start
 from hoverproof.certification.attraction.verdict import Attraction, Sinks
 from hoverproof.certification.certificate import exact
@@ -19,7 +19,6 @@ from hoverproof.certification.verdict import Undecided
 from hoverproof.cli.answers import exponential, unproved
 from hoverproof.cli.answers.answer import EXIT, Answer
 from hoverproof.cli.answers.words import (
-    angle,
     as_argument,
     enclosure,
     goal_as_json,
@@ -221,7 +220,7 @@ def _region(verdict: Attraction) -> Iterator[str]:
     for start in verdict.starts:
         yield f"  and from                {describe(start)}"
     yield "  On the way:"
-    yield f"  tilt                    {angle(verdict.tilt)} or less"
+    yield f"  tilt                    {angle_at_most(verdict.tilt)} or less"
     yield f"  thrust                  in {enclosure(verdict.thrust)} N"
     if height is not None:
         yield f"  height                  {at_least(height)} m or more above the target"

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
-from hoverproof.algebra.decimals import at_least, at_most
+from hoverproof.algebra.decimals import angle_at_most, at_least, at_most
 from hoverproof.certification.certificate import exact
 from hoverproof.certification.exponential.verdict import Exponential
-from hoverproof.cli.answers.words import angle, enclosure, number, numbers
+from hoverproof.cli.answers.words import enclosure, number, numbers
 
 PER_MASS = "N × true / modelled mass"
 """After bounds of the thrust of vehicles whose mass is not the modelled one."""
@@ -35,12 +35,9 @@ def lines(verdict: Exponential, starts: Sequence[str]) -> Iterator[str]:
         yield f"  ultimate bound          {at_most(verdict.ultimate_radius)} m from the goal"
     yield "  On the way:"
     yield f"  height                  in {enclosure(verdict.heights)} m above the target"
-    yield f"  tilt                    {angle(verdict.tilt)} or less"
+    yield f"  tilt                    {angle_at_most(verdict.tilt)} or less"
     yield f"  thrust                  in {enclosure(verdict.thrust)} {PER_MASS}"
-    if verdict.field_of_view is not None:
-        view = angle(verdict.field_of_view)
-        yield f"  target points           within {view} of the {verdict.mission.camera.axis_seen}"
-        yield from map("  {:24}".format("").__add__, of_lens(verdict))
+    yield from view_text(verdict)
     yield f"  thrust of each rotor    in {enclosure(verdict.rotor_thrust)} N"
     if verdict.mission.vehicle.own_limits:
         names = verdict.mission.vehicle.frame.names
@@ -58,6 +55,19 @@ def settled_text(verdict: Exponential) -> str:
     """
     settling = verdict.settling
     return f"within {at_most(settling.radius)} m after {at_most(settling.time)} s"
+
+
+def view_text(verdict: Exponential) -> Iterator[str]:
+    """Yield in which cone the target points stay, if it is proved, and what a lens must see.
+
+    Parameters
+    ----------
+    verdict : Exponential
+    """
+    if verdict.field_of_view is not None:
+        view, axis = angle_at_most(verdict.field_of_view), verdict.mission.camera.axis_seen
+        yield f"  target points           within {view} of the {axis}"
+        yield from map("  {:24}".format("").__add__, of_lens(verdict))
 
 
 def of_lens(verdict: Exponential) -> list[str]:

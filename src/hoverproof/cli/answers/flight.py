@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.beyond import about_flight, covering, needs_measured_force
@@ -29,6 +29,8 @@ class FlightAnswer(Answer):
     with which the mission was given.
     """
 
+    within: ClassVar[str] = "one vehicle within"
+
     mission: Mission
     named: str
     facts: Mapping[str, Any]
@@ -40,7 +42,7 @@ class FlightAnswer(Answer):
 
     def about_tolerances(self, left: list[str]) -> dict[str, list[str]]:
         """Say what of the flight is beyond the tolerances, or that its vehicle is within."""
-        return about_flight(self.mission, "one vehicle within")
+        return about_flight(self.mission, self.within)
 
     @property
     def status(self) -> int:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.beyond import about_flight
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 class RunsAnswer(Answer):
     """What came of many flights, the facts of their file (`runs_summary`), and its figures."""
 
+    within: ClassVar[str] = "vehicles within"
+
     mission: Mission
     flown: Flown
     facts: Mapping[str, Any]
@@ -31,7 +33,7 @@ class RunsAnswer(Answer):
     def about_tolerances(self, left: list[str]) -> dict[str, list[str]]:
         """Say what of the flights is beyond the tolerances, or that their vehicles are within."""
         drawn = self.mission.scatter.of_the_vehicle
-        return about_flight(self.mission, "vehicles within", drawn=drawn)
+        return about_flight(self.mission, self.within, drawn=drawn)
 
     @property
     def status(self) -> int:

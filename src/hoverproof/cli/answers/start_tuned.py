@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hoverproof.algebra.decimals import at_least
+from hoverproof.algebra.decimals import angle_at_most, at_least
 from hoverproof.cli.answers.answer import Answer
 from hoverproof.cli.answers.attraction import considered
 from hoverproof.cli.answers.beyond import beyond_text, covering
-from hoverproof.cli.answers.exponential import PER_MASS, of_lens, settled_text
+from hoverproof.cli.answers.exponential import PER_MASS, settled_text, view_text
 from hoverproof.cli.answers.words import (
     about,
-    angle,
     enclosure,
     gain_units,
     gains_as_json,
@@ -74,13 +73,10 @@ class StartTunedAnswer(Answer):
         yield from gains_text(found.mission)
         yield from self._settled()
         yield f"  decay rate              Ψ falls as exp(-r t), r = {at_least(proved.rate)} 1/s"
-        yield f"  tilt on the way         {angle(proved.tilt)} or less"
+        yield f"  tilt on the way         {angle_at_most(proved.tilt)} or less"
         yield f"  thrust                  in {enclosure(proved.thrust)} {PER_MASS}"
         yield f"  thrust of each rotor    in {enclosure(proved.rotor_thrust)} N"
-        if proved.field_of_view is not None:
-            axis = found.mission.camera.axis_seen
-            yield f"  target points           within {angle(proved.field_of_view)} of the {axis}"
-            yield from map("  {:24}".format("").__add__, of_lens(proved))
+        yield from view_text(proved)
         yield from hover_error_text(found.hover_error, found.mission)
         yield from limits_text(found.uses)
         binding = [use.name for use in found.uses if use.binds]

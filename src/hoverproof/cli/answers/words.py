@@ -9,7 +9,7 @@ from dataclasses import asdict
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from hoverproof.algebra.decimals import at_least, at_most, degrees_at_most, written
+from hoverproof.algebra.decimals import at_least, at_most, written
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -33,11 +33,6 @@ def whole(value: Any) -> str:
 def about(value: Any) -> str:
     """Write a number that is found or simulated, with three digits."""
     return written(float(value), 3)
-
-
-def angle(value: Fraction) -> str:
-    """Write a proved upper bound of an angle."""
-    return f"{at_most(value)} rad ({degrees_at_most(value)}°)"
 
 
 def numbers(values: Iterable[Any]) -> list[float]:
